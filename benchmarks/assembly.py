@@ -11,10 +11,9 @@ import statistics
 import sys
 import time
 
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.elasticity import mass_matrix, stiffness_matrix
-from heavylift.preprocess.model import Material
-from heavylift.preprocess.scatter import NodePattern
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import NodePattern, mass_matrix, stiffness_matrix
+from heavylift.preprocess.finite_elements.model import Material
 
 REPEATS = 3
 MM = 1e-3

@@ -15,8 +15,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from heavylift.preprocess.bem import capytaine_version, compute_database
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf, write_netcdf
+from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf, write_netcdf
 
 CASE = Path(__file__).resolve().parents[1] / "cases" / "transport_barge"
 REPEATS = 21

@@ -15,8 +15,14 @@ import time
 import numpy as np
 
 from heavylift.numerics.records import records
-from heavylift.solver.water.lines.catenary import FAILED, LineData, LineEnds, LineState, solve_lines
-from heavylift.solver.water.lines.catenary_walk import SectionData
+from heavylift.solver.water.lines.catenary import (
+    FAILED,
+    LineData,
+    LineEnds,
+    LineState,
+    SectionData,
+    solve_lines,
+)
 
 COUNT, STEPS = 3000, 200
 CHAIN = (401.1437, 187.371, 1 / 215.893e6, 0.0), (400.0, 12.0)

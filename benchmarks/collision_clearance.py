@@ -22,7 +22,7 @@ from heavylift.contours.triangles.clearance import WaitingNodes, clearance_stack
 from heavylift.contours.triangles.surface_layout import pose_of
 from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.numerics.records import records
-from heavylift.preprocess.surfaces import TriangleSurface, clean
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, clean
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "contours"))
 

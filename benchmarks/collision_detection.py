@@ -24,7 +24,7 @@ from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.contours.triangles.surface_tree import build_tree
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import record_at
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "contours"))
 

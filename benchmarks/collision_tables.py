@@ -30,14 +30,14 @@ from heavylift.contours.triangles.surface_layout import RelativeMotion
 from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import record_at
-from heavylift.preprocess.exclusion import ExclusionBox, exclude
+from heavylift.preprocess.surfaces.exclusion import ExclusionBox, exclude
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 CAPACITY = 8192
 REACH = 0.0  # m

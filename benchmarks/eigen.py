@@ -20,10 +20,10 @@ import numpy as np
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.factor import available_backends
 from heavylift.modal.flexibility import Flexibility
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.elasticity import assemble
-from heavylift.preprocess.groups import OnPlane
-from heavylift.preprocess.model import FEModel, Material
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import assemble
+from heavylift.preprocess.finite_elements.groups import OnPlane
+from heavylift.preprocess.finite_elements.model import FEModel, Material
 
 SIZES = (4.1, 1.72)  # edge lengths [mm]: about 13 000 and 110 000 degrees of freedom
 

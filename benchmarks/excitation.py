@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.jit import kernel
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.solver.water.waves.excitation import interpolate_series, sum_excitation
 from heavylift.solver.water.waves.excitation_packing import pack_series, pack_summed
 from heavylift.solver.water.waves.spectra import jonswap

@@ -19,12 +19,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "solver")
 from hull_shapes import box_grid, icosphere
 
 from heavylift.numerics.jit import kernel
-from heavylift.preprocess.hull_surface import check_hull
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface
-from heavylift.solver.water.hulls.floating import Pose
-from heavylift.solver.water.hulls.hydrostatics import equilibrium
-from heavylift.solver.water.hulls.righting_arm import righting_arm_curve
+from heavylift.solver.water.hulls.hydrostatics import Pose, equilibrium, righting_arm_curve
 
 GRIDS = ((1, 1, 1), (16, 8, 8), (32, 16, 16), (48, 32, 19), (64, 40, 24), (128, 80, 48))
 SIZE = (97.5, 36.0, 6.0)

@@ -14,9 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.jit import kernel
-from heavylift.preprocess.exponentials import ExponentialKernel, fit_exponentials
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-from heavylift.preprocess.retardation import RetardationKernel, channel_scales, retardation_kernel
+from heavylift.preprocess.hydrodynamics.exponentials import ExponentialKernel, fit_exponentials
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+from heavylift.preprocess.hydrodynamics.retardation import (
+    RetardationKernel,
+    channel_scales,
+    retardation_kernel,
+)
 from heavylift.solver.water.hulls.memory import (
     advance_memory_direct,
     advance_memory_exponential,
@@ -24,10 +28,9 @@ from heavylift.solver.water.hulls.memory import (
     memory_force_exponential,
     memory_force_now_direct,
     memory_force_now_exponential,
-    pack_direct_memory,
-    pack_exponential_memory,
     prepare_memory_exponential,
 )
+from heavylift.solver.water.hulls.packing import pack_direct_memory, pack_exponential_memory
 
 if TYPE_CHECKING:
     from collections.abc import Callable

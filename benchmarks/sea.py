@@ -109,8 +109,7 @@ def moorpy(case, anchors, ends, lengths):
 def moordyn(scene_lines, anchors, ends, interval):
     """CPU time of one dynamic line [s] along the motion of its fairlead."""
     from heavylift.numerics.outcome import InputError
-    from heavylift.pipeline.commands.moordyn_input import LineDynamics
-    from heavylift.pipeline.commands.moordyn_lines import MoorDynLine
+    from heavylift.pipeline.commands.moordyn import LineDynamics, MoorDynLine
 
     weight = scene_lines[0].sections[0].weight
     dynamics = LineDynamics(masses=(weight / 9.81 / 0.87,), segment=40.0)
@@ -134,8 +133,8 @@ def moordyn(scene_lines, anchors, ends, interval):
 
 def plain_loop(simulation, records):
     """CPU time of the equations of motion in NumPy [s]."""
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-    from heavylift.preprocess.retardation import retardation_kernel
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+    from heavylift.preprocess.hydrodynamics.retardation import retardation_kernel
 
     database = read_netcdf(CASE / "barge.nc")
     taps = round(40.0 / STEP)

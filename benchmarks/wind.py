@@ -18,13 +18,8 @@ from heavylift.solver.interface import (
     add_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.scene.wind_loads import (
-    CoefficientLoad,
-    CurrentField,
-    DragElement,
-    WindField,
-    fluctuation_record,
-)
+from heavylift.solver.scene.wind_loads import CurrentField, DragElement, WindField, fluctuation_record
+from heavylift.solver.water.wind.coefficients import CoefficientLoad
 from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
 from heavylift.solver.water.wind.spectrum import wind_components, wind_record
 
@@ -48,9 +43,9 @@ def median(function, repeats):
 
 def table(number, fluid):
     angles = np.radians(np.arange(-180.0, 180.0, 10.0))
-    values = np.column_stack([np.cos(angles), np.sin(angles), 0.1 * np.sin(2.0 * angles)])
     return CoefficientLoad(
-        name=f"load {number}", body="body", point=np.zeros(3), angles=angles, coefficients=values,
+        name=f"load {number}", body="body", point=np.zeros(3), angles=angles,
+        cx=np.cos(angles), cy=np.sin(angles), cn=0.1 * np.sin(2.0 * angles),
         area_x=400.0, area_y=900.0, length=90.0, fluid=fluid,
     )  # fmt: skip
 

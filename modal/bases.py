@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.modal.eigen import Modes
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
     Nodes = Sequence[int] | NDArray[np.int64]
 

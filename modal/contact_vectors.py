@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
     Nodes = Sequence[int] | NDArray[np.int64]
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = [
     "Modes",

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from heavylift.modal.dissection import dissect
 from heavylift.modal.multifrontal import MultifrontalCholesky, NotPositiveDefiniteError
+from heavylift.numerics.elimination import dissect
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 

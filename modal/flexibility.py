@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import sparray, spmatrix
 
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = ["Flexibility", "apply_mass", "held_nodes", "rigid_basis", "rigid_motions"]
 

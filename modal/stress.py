@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.reference_elements import (
+from heavylift.preprocess.finite_elements.reference_elements import (
     REFERENCE_NODES,
     jacobians,
     shape_gradients,
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from heavylift.preprocess.mesh import Mesh
-    from heavylift.preprocess.model import Material
+    from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.finite_elements.model import Material
 
 __all__ = ["VOIGT", "nodal_gradients", "stress_modes", "von_mises"]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.dissection import FactorStructure, order_nodes
+from heavylift.numerics.elimination import FactorStructure, order_nodes
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Record, Records, records
 

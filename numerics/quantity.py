@@ -10,13 +10,28 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.units import KINDS, parse_quantity, with_article
+from heavylift.numerics.units import KINDS, Dimension, Kind, parse_quantity, with_article
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
     from pydantic_core import CoreSchema
 
-__all__ = ["Positive", "Quantity", "WorldDirection", "quantity_schema"]
+__all__ = [
+    "Absent",
+    "AsDrawn",
+    "BodyDirection",
+    "BodyPoint",
+    "ByCoordinate",
+    "ByExponent",
+    "Least",
+    "NameOf",
+    "Positive",
+    "Quantity",
+    "Shape",
+    "TableFile",
+    "WorldDirection",
+    "quantity_schema",
+]
 
 
 @dataclass(frozen=True)
@@ -95,6 +110,117 @@ class Quantity:
 @dataclass(frozen=True)
 class WorldDirection:
     """Annotation of a direction, shape (3,): a user gives it in the world at the start, a body keeps it in its axes."""
+
+
+@dataclass(frozen=True)
+class BodyDirection:
+    """Annotation of a direction, shape (3,), in the axes of the body that a thing is on; of two bodies the first."""
+
+
+@dataclass(frozen=True)
+class BodyPoint:
+    """Annotation of a point [m], shape (3,), of the body that a thing is on.
+
+    A user gives it in the coordinates of the geometry of the body, an object keeps it in its frame.
+    """
+
+
+@dataclass(frozen=True)
+class ByCoordinate:
+    """Annotation of a number that is one quantity for a joint that turns and another one for a joint that slides."""
+
+    angle: Quantity
+    travel: Quantity
+
+
+@dataclass(frozen=True)
+class ByExponent:
+    """Annotation of the stiffness k > 0 of a force ``k d^n`` [N/m^n].
+
+    Attributes
+    ----------
+    exponent
+        n; the key ``exponent`` of the same table if None.
+    """
+
+    exponent: float | None = None
+
+    def parse(self, value: object, exponent: float) -> float:
+        """SI number of an input value.
+
+        Raises
+        ------
+        InputError
+            If it is no number, has a wrong unit or is not positive.
+        """
+        unit = f"N/m^{exponent:g}"
+        kind = Kind("stiffness of a contact", unit, Dimension(1.0 - exponent, 1.0, -2.0))
+        number = parse_quantity(value, kind)
+        if number <= 0.0:
+            raise InputError(f"{value!r} is too small", expected=f"a {kind.name} > 0 {unit}")
+        return number
+
+
+@dataclass(frozen=True)
+class NameOf:
+    """Annotation of a name of something else in the scene.
+
+    Attributes
+    ----------
+    what
+        ``"body"``; ``"side"``, a body or the ground; ``"joint"``, one with an angle or a travel; ``"fluid"``, a wind or
+        a current.
+    """
+
+    what: str
+
+
+@dataclass(frozen=True)
+class TableFile:
+    """Annotation of the name of a file with columns of numbers in the case folder, in place of arrays.
+
+    Attributes
+    ----------
+    headers
+        Names of the columns that it may have; angles in degrees end with ``_deg``.
+    fields
+        Of the object: what the columns become, one each.
+    """
+
+    headers: tuple[tuple[str, ...], ...]
+    fields: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Annotation of an array of numbers: how many a user lists along each axis, None for any number."""
+
+    lengths: tuple[int | None, ...]
+
+
+@dataclass(frozen=True)
+class Least:
+    """Annotation of a list: how many entries it has at least."""
+
+    count: int
+
+
+@dataclass(frozen=True)
+class Absent:
+    """Annotation of a key that a user may leave out, and that then means something that no value says.
+
+    Attributes
+    ----------
+    value
+        What an object then has, an infinite stiffness for instance; the default of its field if None.
+    """
+
+    value: Any = None
+
+
+@dataclass(frozen=True)
+class AsDrawn(Absent):
+    """Annotation of a length that a user may leave out: it then is the distance of the two ends at the start."""
 
 
 def quantity_schema(description: str = "", **limits: float) -> dict[str, Any]:

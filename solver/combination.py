@@ -10,20 +10,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba.core import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vector_code import VectorCode, vector_code
 
 __all__ = ["PART", "combine", "combine_part", "copy_parts", "padded"]
 
 PART = 8
 """Numbers that are combined together; vectors are padded to a multiple of it."""
-
-FLAGS = ("contract", "nsz", "arcp")
-"""The rounding flags of `heavylift.numerics.jit.kernel`."""
 
 
 def padded(count: int) -> int:
@@ -34,36 +30,15 @@ def padded(count: int) -> int:
 @intrinsic
 def combine_part(typingctx, out, out_at, source, at, size, rows, weights):  # type: ignore[no-untyped-def]
     """``out[out_at + i] = sum_k weights[k] source[rows[k] size + at + i]`` for i = 0 ... `PART` - 1."""
-    signature = types.void(out, out_at, source, at, size, rows, weights)
 
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        vector = ir.VectorType(ir.DoubleType(), PART)
-        mask = ir.Constant(ir.VectorType(ir.IntType(32), PART), [0] * PART)
+    def write(code: VectorCode, to: Any, source: Any, size: Any, rows: list[Any], weights: list[Any]) -> None:
+        lines = [code.at(source, code.builder.mul(row, size)) for row in rows]
+        terms = [
+            (code.load(line, 0), code.spread(weight)) for line, weight in zip(lines, weights, strict=True)
+        ]
+        code.store(code.sum(*terms), to, 0)
 
-        def pointer(which: int, offset: Any) -> Any:
-            array = context.make_array(signature.args[which])(context, builder, values[which])
-            place = builder.gep(array.data, [offset], source_etype=ir.DoubleType())
-            return builder.bitcast(place, vector.as_pointer())
-
-        total = None
-        for k in range(len(signature.args[6])):
-            row = context.cast(
-                builder, builder.extract_value(values[5], k), signature.args[5][k], types.int64
-            )
-            place = builder.add(builder.mul(row, values[4]), values[3])
-            term = builder.load(pointer(2, place), align=8, typ=vector)
-            one = builder.insert_element(
-                ir.Constant(vector, ir.Undefined),
-                builder.extract_value(values[6], k),
-                ir.Constant(ir.IntType(32), 0),
-            )
-            weight = builder.shuffle_vector(one, ir.Constant(vector, ir.Undefined), mask)
-            term = builder.fmul(term, weight, flags=FLAGS)
-            total = term if total is None else builder.fadd(total, term, flags=FLAGS)
-        builder.store(total, pointer(0, values[1]), align=8)
-        return context.get_dummy_value()
-
-    return signature, generate
+    return vector_code((out, out_at, source, at, size, rows, weights), (1, 1), write, lanes=PART)
 
 
 @kernel(inline=True, internal=True)

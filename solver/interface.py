@@ -55,6 +55,7 @@ __all__ = [
     "fill_markers",
     "fill_rows",
     "finish",
+    "forget_accelerations",
     "free_acceleration",
     "iterate",
     "joint_rows",
@@ -459,6 +460,11 @@ def record_forces(kinds: Forces, time: float, work: Workspace, row: Floats1) -> 
 @generic("record")
 def add_totals(kinds: Bodies, work: Workspace) -> None:
     """Bodies: add energies, works and momenta of the carried state to the totals."""
+
+
+@optional("contact")
+def forget_accelerations(kinds: Bodies) -> None:
+    """Bodies: after an impact the differences of the last step say nothing of the next."""
 
 
 # ---- of systems of rows, in the order of a step: joints are served first, contacts ask them to respond ----

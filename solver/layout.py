@@ -8,9 +8,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
-from heavylift.solver.corners import scene_corners
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -19,14 +19,23 @@ from heavylift.solver.interface import (
     Workspace,
 )
 from heavylift.solver.kinds import STEP
-from heavylift.solver.layout_rows import pack_connections
+from heavylift.solver.layout_rows import pack_connections, point_forces
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, Channel, add_channels
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene.scene import AnyBody, Fixed, FlexibleBody, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import (
+    AnyBody,
+    Driven,
+    Fixed,
+    FlexibleBody,
+    Gravity,
+    Profile,
+    RigidBody,
+    Scene,
+)
 from heavylift.solver.scene_checks import check_scene
 
-__all__ = ["Channel", "Layout", "pack_scene"]
+__all__ = ["Channel", "Layout", "pack_scene", "scene_corners"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +95,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         scene = float_bodies(scene)
     ordered = [body for group, _ in _groups(scene) for body in group]
     gravity = [force for force in scene.forces if isinstance(force, Gravity)]
-    points = [force for force in scene.forces if isinstance(force, PointForce)]
+    points = point_forces(scene)
 
     channels: list[Channel] = []
     column = 0
@@ -191,11 +200,11 @@ def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
     hulls = [body for body in scene.bodies if _floats(body)]
     groups: list[tuple[list[Any], Callable[..., Any]]] = []
     if flexible:
-        from heavylift.solver.bodies.floating_frame.kind import pack_floating_frames
+        from heavylift.solver.bodies.floating_frame.packing import pack_floating_frames
 
         groups.append((flexible, pack_floating_frames))
     if rigid:
-        from heavylift.solver.bodies.rigid.kind import pack_rigid_bodies
+        from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 
         groups.append((rigid, pack_rigid_bodies))
     if hulls:
@@ -235,3 +244,29 @@ def _of_sensors(sensors: dict[str, list[tuple[int, Any]]], bodies: list[Any]) ->
         )
         for body in bodies
     ]
+
+
+def scene_corners(scene: Scene) -> NDArray[np.float64]:
+    """Positive times [s], increasing: rows of load, motor and winch tables, ends of the tables of drives."""
+    times: list[float] = []
+    for force in scene.forces:
+        times += list(np.ravel(getattr(force, "times", ())))
+    for rope in scene.ropes:
+        winch = getattr(rope, "winch", None)
+        times += [] if winch is None else list(winch.times)
+    for body in scene.bodies:
+        if isinstance(body, MeshBody):
+            times += [time for load in body.loads for time in np.ravel(load.times)]
+    if scene.sea is not None:
+        times += [time for tank in scene.sea.tanks for time in np.ravel(tank.times)]
+        turns = [np.asarray(field.direction) for field in scene.sea.fields]
+        times += [time for turn in turns if turn.ndim == 2 for time in turn[:, 0]]
+        times.append(scene.sea.ramp)
+    profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
+    for body in scene.bodies:
+        if isinstance(body.motion, Driven):
+            profiles += [*body.motion.translation, body.motion.angle]
+    for profile in profiles:
+        if profile is not None and len(profile.times):
+            times += [profile.times[0], profile.times[-1]]
+    return np.unique([time for time in times if time > 0.0])

@@ -14,15 +14,15 @@ from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
-from heavylift.solver.scene.connections import PairForce
+from heavylift.solver.scene.connections import OnBody, PackedForce
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, Gravity, PointForce, Scene
+from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.laws.packing import PackedLaws
     from heavylift.solver.layout_sea import PackedSea
 
-__all__ = ["PackedConnections", "pack_connections"]
+__all__ = ["PackedConnections", "pack_connections", "point_forces"]
 
 NOTHING_MOVES: Mapping[str, int] = {}
 
@@ -120,17 +120,16 @@ def _pack(
     """One pass with a given number of bases; one that only counts ends with the last marker."""
     packed = PackedConnections(MarkerBook(), bases, [], column)
     book = packed.book
-    for force in scene.forces:
-        if isinstance(force, PointForce):
-            packed.first_markers.append(book.point(force.body, force.point, FORCES))
-            if force.frame == "body":
-                for axis in np.eye(3):
-                    book.direction(force.body, axis, FORCES, at=force.point)
+    for force in point_forces(scene):
+        packed.first_markers.append(book.point(force.body, force.point, FORCES))
+        if force.frame == "body":
+            for axis in np.eye(3):
+                book.direction(force.body, axis, FORCES, at=force.point)
     if scene.sea is not None:
         from heavylift.solver.layout_sea import pack_sea
 
         packed.sea, packed.column = pack_sea(scene, book, packed.channels, packed.column)
-    _pack_pair_forces(scene, packed)
+    _pack_forces(scene, packed)
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
     if scene.joints:
@@ -170,11 +169,18 @@ def _pack(
     return packed
 
 
-def _pack_pair_forces(scene: Scene, packed: PackedConnections) -> None:
-    """Forces between two points, one kind a sort, with their channels."""
-    groups: dict[str, list[tuple[PairForce, int]]] = {}
+def point_forces(scene: Scene) -> list[Any]:
+    """Tabulated forces on points, in their order; their module is imported only if there are any."""
+    return [
+        force for force in scene.forces if isinstance(force, OnBody) and not isinstance(force, PackedForce)
+    ]
+
+
+def _pack_forces(scene: Scene, packed: PackedConnections) -> None:
+    """Forces that their modules pack, one kind a sort, with their channels."""
+    groups: dict[str, list[tuple[PackedForce, int]]] = {}
     for force in scene.forces:
-        if isinstance(force, PairForce):
+        if isinstance(force, PackedForce):
             groups.setdefault(type(force).__module__, []).append((force, packed.column))
             packed.column = add_channels(force.name, force.CHANNELS, packed.channels, packed.column)
     for module, members in groups.items():
@@ -252,7 +258,7 @@ def _pack_laws(
 
 def _has_laws(scene: Scene) -> bool:
     """Whether there is anything beside joints, gravity and point forces."""
-    plain = all(isinstance(force, (Gravity, PointForce, PairForce)) for force in scene.forces)
+    plain = all(isinstance(force, (Gravity, OnBody, PackedForce)) for force in scene.forces)
     cornered = any(
         getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
         for joint in scene.joints

@@ -233,7 +233,12 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
 
 
 def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[Channel], column: int) -> int:
-    from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
+    from heavylift.solver.water.wind.packing import (
+        fluid_channels,
+        fluid_markers,
+        fluid_pieces,
+        pack_fluid_loads,
+    )
 
     for one in sea.fields:
         speed, limit = float(np.max(np.atleast_2d(one.speed)[:, -1])), LARGE_SPEEDS[type(one).__name__]
@@ -242,15 +247,15 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
             packed.notes.append(
                 f"{one.name!r} of {speed:g} m/s is {knots:.3g} knots: was a speed in knots meant?"
             )
-    columns = []
-    for owner, kind in fluid_channels(sea.fields, sea.loads):
+    columns, loads = [], fluid_pieces(sea.loads)
+    for owner, kind in fluid_channels(sea.fields, loads):
         columns.append(column)
         column = add_channels(owner, [kind], channels, column)
     packed.forces.append(
         pack_fluid_loads(
             sea.fields,
-            sea.loads,
-            fluid_markers(book, sea.loads),
+            loads,
+            fluid_markers(book, loads),
             columns,
             level=sea.water.level,
             ramp=0.0 if sea.at_rest else sea.ramp,

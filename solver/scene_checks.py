@@ -9,16 +9,15 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import (
     GROUND,
+    AlongJoint,
+    Between,
     Joint,
-    JointMotor,
-    JointSpring,
-    PairForce,
-    Rope,
-    Spring,
-    SpringRope,
+    OnBody,
+    PackedForce,
 )
+from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, RigidBody, Scene
 
 __all__ = ["check_scene"]
 
@@ -38,9 +37,8 @@ def check_scene(scene: Scene) -> None:
         raise InputError("no body", source="scene", expected="at least one")
     kinds = (
         (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
-        (scene.forces, (Gravity, PointForce, PairForce, Spring, JointSpring, JointMotor), "forces"),
+        (scene.forces, (Gravity, OnBody, Between, AlongJoint, PackedForce), "forces"),
         (scene.joints, (Joint,), "joints"),
-        (scene.ropes, (Rope, SpringRope), "ropes"),
     )
     for parts, types, what in kinds:
         for part in parts:
@@ -51,13 +49,21 @@ def check_scene(scene: Scene) -> None:
         _check_body(body)
     for joint in scene.joints:
         _check_joint(joint)
+    described: list[Any] = [*scene.forces, *scene.ropes]
+    if scene.sea is not None:
+        described += [*scene.sea.loads, *scene.sea.lines, *scene.sea.fenders]
+    coordinates = {joint.name: joint.COORDINATE for joint in scene.joints}
+    for thing in described:
+        check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""))
 
 
 def _check_names(scene: Scene) -> None:
     """Every name of a channel once, and every reference to something that is there."""
     named = [force for force in scene.forces if not isinstance(force, Gravity)]
     seen: set[str] = set()
-    recorded = [force for force in named if not isinstance(force, PointForce)]
+    recorded = [
+        force for force in named if getattr(force, "CHANNELS", True)
+    ]  # the others need no name of their own
     touching: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
     at_sea = _named_at_sea(scene)
     for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded, *touching, *at_sea):
@@ -81,7 +87,7 @@ def _check_names(scene: Scene) -> None:
                     key=user.name,
                     expected=f"one of {', '.join(sorted(names))}{ground}",
                 )
-        if isinstance(user, (JointSpring, JointMotor)) and user.joint not in joints:
+        if isinstance(user, AlongJoint) and user.joint not in joints:
             raise InputError(
                 f"there is no joint {user.joint!r}",
                 source="scene",
@@ -100,13 +106,11 @@ def _named_at_sea(scene: Scene) -> list[Any]:
 
 def _bodies_of(thing: Any) -> list[tuple[str, bool]]:
     """Names of the bodies that something refers to, and whether each may be the ground."""
-    if isinstance(thing, Rope):
+    if hasattr(thing, "path"):
         return [(point.body, True) for point in thing.path]
-    if isinstance(thing, (Joint, Spring, SpringRope)) or hasattr(thing, "body_a"):  # lines and fenders too
+    if hasattr(thing, "body_a"):
         return [(thing.body_a, True), (thing.body_b, True)]
-    if isinstance(thing, (JointSpring, JointMotor)):
-        return []
-    return [(thing.body, False)]
+    return [(thing.body, False)] if hasattr(thing, "body") else []
 
 
 def _check_joint(joint: Joint) -> None:

@@ -22,9 +22,8 @@ from heavylift.solver.integrate.energy_watch import EnergyWatch
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
-from heavylift.solver.mesh_warning import mesh_warning
 from heavylift.solver.scene.scene import Scene
-from heavylift.solver.stop_message import stop_message
+from heavylift.solver.stop_message import mesh_warning, stop_message
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
@@ -251,7 +250,7 @@ class Simulation:
         with compile_clock() as compiling:
             self.start_text = ways[self._start_mode](rows).text
         if any("excitation" in kind._fields for kind in self._layout.bodies):
-            from heavylift.solver.water.hulls.parts import check_series
+            from heavylift.solver.water.hulls.packing import check_series
 
             check_series(self._layout.bodies)
         self.start_seconds += clock.thread_time() - begin - compiling.seconds

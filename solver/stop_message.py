@@ -1,4 +1,4 @@
-"""Why a simulation stopped by itself, as a sentence: when, which part, and what may help."""
+"""What a user should know of a run: why it stopped by itself and what may help, and how meshes were stepped."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ from typing import Any
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.layout import Layout
-from heavylift.solver.mesh_warning import explicit_limit
 
-__all__ = ["stop_message"]
+__all__ = ["mesh_warning", "stop_message"]
 
 
 def stop_message(layout: Layout, when: str) -> str:
@@ -26,7 +25,7 @@ def stop_message(layout: Layout, when: str) -> str:
     remedy, part = {
         Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
         Outcome.STEP_TOO_LARGE: (
-            explicit_limit(layout) or "a smaller step: the body turns too far in one step",
+            _explicit_limit(layout) or "a smaller step: the body turns too far in one step",
             "body",
         ),
         Outcome.STEP_TOO_SMALL: ("a larger tolerance, or 'dele2' for a stiff scene", "body"),
@@ -42,7 +41,7 @@ def stop_message(layout: Layout, when: str) -> str:
     }[outcome]
     reason = ""
     if outcome is Outcome.OUTSIDE_DATABASE:
-        from heavylift.solver.water.hulls.stop import left_because
+        from heavylift.solver.water.hulls.checks import left_because
 
         happened, remedy = left_because(layout.bodies, int(status.body))
         reason = f": {happened}" if happened else ""
@@ -81,3 +80,62 @@ def _contact_remedy(layout: Layout, contact: int) -> str:
     if contacts.state[contact].search == TOO_DEEP:
         return "a smaller step, a stiffer law or a larger radius: it is deeper inside its contour than its rounding"
     return "a smaller step, or a contour whose control points are not crowded"
+
+
+LARGEST_LOSS = 0.02
+"""Energy that a scene with meshes loses without dampers, relative to the largest in motion, that is worth a warning."""
+
+
+def mesh_warning(layout: Layout, loss: float) -> str:
+    """Meshes whose carried strains drifted too far, as a sentence; empty if none.
+
+    Parameters
+    ----------
+    layout
+        Packed scene after a run. Scenes without meshes import nothing for this.
+    loss
+        Largest loss of the energy balance relative to the largest kinetic and elastic energy.
+    """
+    parts = []
+    meshes = any("strain" in kind._fields for kind in layout.bodies)
+    if meshes and loss > LARGEST_LOSS:
+        parts.append(
+            f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step"
+        )
+    for kind in layout.bodies:
+        if "strain" not in kind._fields:
+            continue
+        from heavylift.solver.bodies.ancf.kind import CARRIED
+
+        for line, numbers in zip(kind.table, kind.body, strict=True):
+            name = layout.body_names[line.number]
+            if numbers.changed_over:
+                parts.append(
+                    f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"
+                    f" where its carried strains had drifted by more than {numbers.drift_tolerance:g}"
+                )
+            elif line.scheme == CARRIED and numbers.largest_drift > numbers.drift_tolerance:
+                parts.append(
+                    f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
+                    " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
+                    " 'auto'"
+                )
+    return "; ".join(parts)
+
+
+def _explicit_limit(layout: Layout) -> str:
+    """What would have helped the body that stopped, if its step was explicit; empty if not.
+
+    Parameters
+    ----------
+    layout
+        Packed scene whose status names the body.
+    """
+    for kind in layout.bodies:
+        if "strain" not in kind._fields:
+            continue
+
+        for line, numbers in zip(kind.table, kind.body, strict=True):
+            if line.number == layout.work.status.body:
+                return f"a step below {numbers.step_limit:.3g} s, the limit of explicit elastic forces"
+    return ""

@@ -22,8 +22,8 @@ import numpy as np
 from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
 HERE = Path(__file__).parent
 RADIUS, DENSITY, GRAVITY = 5.0, 1000.0, 9.81

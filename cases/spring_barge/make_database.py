@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from heavylift.preprocess.bem import compute_database
-from heavylift.preprocess.bem_inputs import BemInputs, database_digest
-from heavylift.preprocess.hull_panels import box_panels
-from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+from heavylift.preprocess.hydrodynamics.bem import BemInputs, compute_database, database_digest
+from heavylift.preprocess.hydrodynamics.hull_panels import box_panels
+from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
 
 def database_inputs() -> BemInputs:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
 LENGTH, BREADTH, DRAFT = 182.0, 70.0, 5.5
 DENSITY, GRAVITY = 1025.0, 9.80665

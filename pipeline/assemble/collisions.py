@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from heavylift.pipeline.case.collisions import thesis_numbers
+from heavylift.pipeline.assemble.described import said_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.collisions import Collision
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene import collisions as c
     from heavylift.solver.scene.contacts import ContactLaw
@@ -39,7 +38,7 @@ def assemble_surfaces(
         See `heavylift.pipeline.assemble.surfaces.make_surface`.
     """
     from heavylift.pipeline.assemble.surfaces import stored_surface
-    from heavylift.preprocess.surfaces import placed
+    from heavylift.preprocess.surfaces.triangle_surface import placed
     from heavylift.solver.scene.collisions import CollisionSurface
 
     found = []
@@ -72,33 +71,17 @@ def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
                 name=name,
                 surfaces=pair,
                 law=collision_law(case, section),
-                friction=section.friction,
-                events=section.law != "rigid" or section.events,
-                method=section.method,
-                patch_angle=section.patch_angle,
-                patch_size=section.patch_size or 0.0,
-                most_contacts=section.most_contacts,
-                recorded=section.recorded,
-                clearance=section.clearance,
+                **said_of(section, c.Collision),
             )
         )
     return tuple(found)
 
 
-def collision_law(case: Case, section: Collision) -> ContactLaw:
+def collision_law(case: Case, section: Any) -> ContactLaw:
     """Law of a collision as the solver takes it; that of the thesis becomes a spring and a damper."""
-    from heavylift.solver.scene.contacts import HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
-
-    if section.law == "rigid":
-        return RigidLaw(section.restitution, section.rest_speed)
-    if section.law == "linear":
-        return LinearLaw(section.stiffness, section.damping)
-    if section.law == "hertz":
-        return HertzLaw(section.stiffness)
-    if section.law == "hunt-crossley":
-        return HuntCrossleyLaw(section.stiffness, section.exponent, section.restitution)
-    numbers = thesis_numbers(section, _step(case))
-    return LinearLaw(numbers.stiffness, numbers.damping)
+    law = section.DESCRIBED(**said_of(section, section.DESCRIBED))
+    taken: ContactLaw = law.at_step(_step(case)) if section.law == "thesis" else law
+    return taken
 
 
 def collision_notes(case: Case) -> list[str]:
@@ -110,14 +93,16 @@ def collision_notes(case: Case) -> list[str]:
         if section.law != "thesis":
             continue
         from heavylift.pipeline.results.words import number_words
+        from heavylift.solver.scene.contacts import ThesisLaw
 
         step = _step(case)
-        numbers = thesis_numbers(section, step)
+        law = ThesisLaw(section.epsilon, section.gamma)
+        numbers = law.at_step(step)
         notes.append(
             f"{section.name}: epsilon = {section.epsilon:g} m/N is a spring of "
             f"{number_words(numbers.stiffness, 'N/m')} a patch, whatever the step; gamma = {section.gamma:g} is no "
             f"restitution coefficient but, at the step of {number_words(step, 's')}, a damper of "
-            f"{number_words(numbers.damping, 'N s/m')} (time constant {number_words(numbers.time_constant, 's')})"
+            f"{number_words(numbers.damping, 'N s/m')} (time constant {number_words(law.time_constant(step), 's')})"
         )
     return notes
 

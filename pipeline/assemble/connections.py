@@ -1,4 +1,4 @@
-"""From the joints, ropes, springs and motors of a case to what the solver integrates.
+"""From the joints of a case to what the solver integrates.
 
 Points and directions of a case stand in coordinates of geometries or in the world at the start; the solver
 takes them in the frames of the bodies.
@@ -6,7 +6,6 @@ takes them in the frames of the bodies.
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,30 +17,21 @@ from heavylift.pipeline.case.bodies import ProfileSection
 from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
 from heavylift.pipeline.case.places import located
 from heavylift.solver.scene import connections as c
-from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.connections import Place
 from heavylift.solver.scene.descriptions import described_fields
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.forces import JointSpringSection, MotorSection, SpringForceSection
-    from heavylift.pipeline.case.ropes import PathPointSection, SpringRopeSection, WireRopeSection
 
-__all__ = [
-    "assemble_joints",
-    "assemble_loads",
-    "assemble_ropes",
-]
+__all__ = ["assemble_joints"]
 
 COINCIDENT = 1e-9
 """Distance [m] below which two points are one."""
-LARGEST_STRAIN = 0.02
-"""Strain of a rope at the start beyond which its length is taken for a mistake."""
 
 
 def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...]:
@@ -50,7 +40,7 @@ def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...
     for index, joint in enumerate(case.joints):
         with located(case, f"joints.{index}"):
             if joint.DESCRIBED.PLACE is Place.EDGE:
-                from heavylift.pipeline.assemble.edges import assemble_edge
+                from heavylift.pipeline.assemble.meshes import assemble_edge
 
                 found.append(assemble_edge(case, joint, sides))
             else:
@@ -131,141 +121,3 @@ def _value(value: Any, quantity: Quantity | WorldDirection, axes_a: NDArray[np.f
             damping=value.damping,
         )
     return value
-
-
-def assemble_ropes(case: Case, sides: Mapping[str, Side]) -> tuple[c.Rope | c.SpringRope, ...]:
-    """Ropes of a case."""
-    found: list[c.Rope | c.SpringRope] = []
-    for index, rope in enumerate(case.ropes):
-        with located(case, f"ropes.{index}"):
-            found.append(_wire(rope, sides) if rope.type == "wire" else _spring_rope(rope, sides))
-    return tuple(found)
-
-
-def _wire(rope: WireRopeSection, sides: Mapping[str, Side]) -> c.Rope:
-    path = tuple(_rope_point(stop, sides) for stop in rope.path)
-    places = [sides[stop.body].to_world(stop.point) for stop in path]
-    # every place where the rope touches a pulley is within its radius of the centre, so the path is no shorter
-    shortest = float(sum(np.linalg.norm(q - p) for p, q in pairwise(places)))
-    shortest -= 2.0 * sum(stop.radius for stop in path)
-    if rope.length is not None:
-        _check_strain(shortest, rope.length)
-    elif shortest <= 0.0 and not any(stop.radius for stop in path):
-        raise InputError("all its points coincide", key="path", expected="a path with a length, or 'length'")
-    winch = None
-    if rope.winch is not None:
-        winch = c.Winch(np.array(rope.winch.times), np.array(rope.winch.speeds))
-    return c.Rope(
-        name=rope.name,
-        path=path,
-        axial_stiffness=rope.axial_stiffness,
-        length=rope.length,
-        damping=rope.damping,
-        winch=winch,
-    )
-
-
-def _rope_point(stop: PathPointSection, sides: Mapping[str, Side]) -> c.RopePoint:
-    axis = np.array([0.0, 0.0, 1.0] if stop.axis is None else stop.axis)
-    return c.RopePoint(stop.body, sides[stop.body].local(stop.point), stop.radius, axis)
-
-
-def _check_strain(path: float, length: float) -> None:
-    """Refuse a rope that its path stretches beyond reason."""
-    strain = path / length - 1.0
-    if strain > LARGEST_STRAIN:
-        raise InputError(
-            f"{length:.6g} m is shorter than the path of at least {path:.6g} m by {path - length:.6g} m, a strain "
-            f"of {100.0 * strain:.3g} % at the start",
-            key="length",
-            expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, or none for a rope as drawn",
-        )
-
-
-def _ends(
-    names: Sequence[str], points: Sequence[ArrayLike], sides: Mapping[str, Side]
-) -> tuple[dict[str, Any], float]:
-    """Ends of something between two points, and their distance at the start [m]."""
-    p, q = (sides[name].local(point) for name, point in zip(names, points, strict=True))
-    length = float(np.linalg.norm(sides[names[1]].to_world(q) - sides[names[0]].to_world(p)))
-    return {"body_a": names[0], "point_a": p, "body_b": names[1], "point_b": q}, length
-
-
-def _spring_rope(rope: SpringRopeSection, sides: Mapping[str, Side]) -> c.SpringRope:
-    ends, drawn = _ends([stop.body for stop in rope.path], [stop.point for stop in rope.path], sides)
-    return c.SpringRope(
-        name=rope.name,
-        **ends,
-        length=drawn if rope.length is None else rope.length,
-        stiffness=rope.stiffness,
-        damping=rope.damping,
-    )
-
-
-def assemble_loads(
-    case: Case, sides: Mapping[str, Side]
-) -> list[s.PointForce | c.PairForce | c.Spring | c.JointSpring | c.JointMotor]:
-    """Forces, springs and motors of a case."""
-    return [_LOADS.get(force.type, _pair_force)(force, sides) for force in case.forces]
-
-
-def _pair_force(force: Any, sides: Mapping[str, Side]) -> c.PairForce:
-    ends, _ = _ends(force.between, force.points, sides)
-    own = {field.name: getattr(force, field.name) for field in described_fields(force.DESCRIBED)}
-    made: c.PairForce = force.DESCRIBED(name=force.name, **ends, **own)
-    return made
-
-
-def _point_force(force: Any, sides: Mapping[str, Side]) -> s.PointForce:
-    constant = force.force is not None
-    return s.PointForce(
-        name=force.name,
-        body=force.body,
-        point=sides[force.body].local(force.point),
-        times=np.array([0.0]) if constant else np.array(force.times),
-        forces=np.array([force.force]) if constant else np.array(force.forces),
-        frame=force.frame,
-    )
-
-
-def _spring(force: SpringForceSection, sides: Mapping[str, Side]) -> c.Spring:
-    ends, drawn = _ends(force.between, force.points, sides)
-    return c.Spring(
-        name=force.name,
-        **ends,
-        length=drawn if force.length is None else force.length,
-        stiffness=force.stiffness or 0.0,
-        damping=force.damping,
-        elongations=np.array(force.elongations, dtype=float),
-        forces=np.array(force.forces, dtype=float),
-    )
-
-
-def _joint_spring(force: JointSpringSection, _sides: Mapping[str, Side]) -> c.JointSpring:
-    return c.JointSpring(
-        name=force.name,
-        joint=force.joint,
-        rest=force.rest,
-        stiffness=force.stiffness or 0.0,
-        damping=force.damping,
-        deflections=np.array(force.deflections, dtype=float),
-        loads=np.array(force.loads, dtype=float),
-    )
-
-
-def _motor(force: MotorSection, _sides: Mapping[str, Side]) -> c.JointMotor:
-    constant = force.load is not None
-    return c.JointMotor(
-        name=force.name,
-        joint=force.joint,
-        times=np.array([0.0]) if constant else np.array(force.times),
-        loads=np.array([force.load]) if constant else np.array(force.loads),
-    )
-
-
-_LOADS: dict[str, Any] = {
-    "point": _point_force,
-    "spring": _spring,
-    "joint_spring": _joint_spring,
-    "motor": _motor,
-}

@@ -7,13 +7,14 @@ of the bodies. A contour of a flexible body is fitted through nodes of its mesh;
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.assemble.mesh_shapes import read_points
+from heavylift.pipeline.assemble.described import said_of
+from heavylift.pipeline.assemble.meshes import read_points
 from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourSection
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.model_io import read_model
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from heavylift.contours.splines.neutral import NeutralContour
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.contacts import Contact, Shape, TurnSection
+    from heavylift.pipeline.case.contacts import Shape, TurnSection
     from heavylift.pipeline.case.contours import (
         CircleSection,
         Contour,
@@ -347,9 +348,7 @@ def assemble_contacts(case: Case, sides: Mapping[str, Side]) -> tuple[c.Contact,
                     point=local if contact.at is None else side.from_world(contact.at),
                     shape=_shape(contact.shape),
                     law=_law(contact),
-                    friction=contact.friction,
-                    footprint=contact.footprint or 0.0,
-                    events=contact.law == "rigid" and contact.events,
+                    **said_of(contact, c.Contact),
                 )
             )
     return tuple(found)
@@ -386,18 +385,10 @@ def _turned(turn: TurnSection | None) -> NDArray[np.float64]:
     return rotation_matrix(quaternion_from_rotation_vector(turn.angle * _unit(turn.axis)))
 
 
-def _law(contact: Contact) -> c.ContactLaw:
-    if contact.law == "rigid":
-        return c.RigidLaw(contact.restitution, contact.rest_speed)
-    if contact.law == "bilateral":
-        return c.BilateralLaw()
-    if contact.law == "linear":
-        return c.LinearLaw(contact.stiffness, contact.damping)
-    stiffness = contact.stiffness
-    if stiffness is None:
-        assert contact.contact_modulus is not None
+def _law(contact: Any) -> c.ContactLaw:
+    given = said_of(contact, contact.DESCRIBED)
+    if getattr(contact, "contact_modulus", None) is not None:
         # Hertz: a ball of radius R on a flat surface
-        stiffness = 4.0 / 3.0 * contact.contact_modulus * float(np.sqrt(contact.shape.radius))  # type: ignore[union-attr]
-    if contact.law == "hertz":
-        return c.HertzLaw(stiffness)
-    return c.HuntCrossleyLaw(stiffness, contact.exponent, contact.restitution)
+        given["stiffness"] = 4.0 / 3.0 * contact.contact_modulus * float(np.sqrt(contact.shape.radius))
+    law: c.ContactLaw = contact.DESCRIBED(**given)
+    return law

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.geometry import FourFilesGeometry, Group
-    from heavylift.preprocess.exchange import FourFileData
-    from heavylift.preprocess.groups import NodeSelector
-    from heavylift.preprocess.mesh import Mesh
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.exchange import FourFileData
+    from heavylift.preprocess.finite_elements.groups import NodeSelector
+    from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = [
     "assemble_model",
@@ -38,8 +38,8 @@ __all__ = [
 
 def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
     """Mesh a body and assemble its matrices, or read them."""
-    from heavylift.preprocess.elasticity import assemble
-    from heavylift.preprocess.model import Material
+    from heavylift.preprocess.finite_elements.elasticity import assemble
+    from heavylift.preprocess.finite_elements.model import Material
 
     with in_body(case, name):
         if body.geometry.type == "four_files":
@@ -173,13 +173,13 @@ def _millimetres(point: NDArray[np.float64]) -> str:
 
 
 def _mesh(case: Case, name: str, body: FlexibleBodySection) -> Mesh:
-    from heavylift.preprocess.refinement import Refinement
+    from heavylift.preprocess.finite_elements.refinement import Refinement
 
     geometry, options = body.geometry, body.mesh
     selectors = _selectors(geometry.groups)
     refine = [Refinement(place.at, place.size, place.growth) for place in options.refine]
     if geometry.type == "blocks":
-        from heavylift.preprocess.blocks import Box, mesh_blocks
+        from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 
         add, cut = (
             [Box(block.name, block.lower, block.upper) for block in blocks]
@@ -196,18 +196,18 @@ def _mesh(case: Case, name: str, body: FlexibleBodySection) -> Mesh:
             name=name,
         )
     if geometry.type == "step":
-        from heavylift.preprocess.geometry import read_step
+        from heavylift.preprocess.finite_elements.geometry import read_step
 
         file = case.folder / geometry.file
         return read_step(file, size=options.size, curved=options.curved, groups=selectors, refine=refine)
-    from heavylift.preprocess.geometry import read_mesh
+    from heavylift.preprocess.finite_elements.geometry import read_mesh
 
     assert geometry.type == "mesh"
     return read_mesh(case.folder / geometry.file, length_unit=geometry.length_unit, groups=selectors)
 
 
 def _selectors(groups: Mapping[str, Group]) -> list[NodeSelector]:
-    from heavylift.preprocess.groups import InBox, OnFace, OnPlane
+    from heavylift.preprocess.finite_elements.groups import InBox, OnFace, OnPlane
 
     selectors: list[NodeSelector] = []
     for name, group in groups.items():
@@ -224,8 +224,8 @@ def four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
     """Matrices, mesh and shapes that another program has written."""
     from dataclasses import replace
 
-    from heavylift.preprocess.exchange import read_four_files
-    from heavylift.preprocess.groups import select_nodes
+    from heavylift.preprocess.finite_elements.exchange import read_four_files
+    from heavylift.preprocess.finite_elements.groups import select_nodes
 
     clamped = geometry.clamped_nodes
     folder = case.folder / geometry.folder

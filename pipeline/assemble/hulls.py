@@ -1,16 +1,29 @@
-"""From the hulls of a case to what the solver integrates, and to panels for a database."""
+"""From the hulls of a case to what the solver integrates: hydrostatics, databases and their panels."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.scene import assemble_rigid
 from heavylift.pipeline.assemble.surfaces import stored_surface
 from heavylift.pipeline.assemble.water import water_of
 from heavylift.pipeline.case.places import located
+from heavylift.pipeline.results.provenance import database_digest
+from heavylift.pipeline.results.storage import read_json
+from heavylift.preprocess.hydrodynamics.bem import BemInputs
+from heavylift.preprocess.hydrodynamics.hull_panels import (
+    HullPanels,
+    box_panels,
+    hydrostatics,
+    surface_panels,
+)
+from heavylift.preprocess.surfaces.refinement import refined_triangles
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene import sea as seas
 
 if TYPE_CHECKING:
@@ -20,21 +33,27 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.hulls import HullSection
+    from heavylift.pipeline.case.hulls import ComputeSection, DatabaseSection, HullSection
+    from heavylift.pipeline.case.surfaces import SurfaceSection
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.hull_panels import PanelHydrostatics
-    from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.water.hulls.floating import Tank
-    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.hull_panels import PanelHydrostatics
+    from heavylift.solver.scene.sea import Radiation
+    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, Tank
 
 __all__ = [
     "assemble_hulls",
+    "assemble_radiation",
+    "bem_inputs",
+    "database_manifest",
     "frame_origin",
     "hull_surface",
     "hull_tanks",
     "linear_from_panels",
     "linear_restoring",
+    "read_database_source",
     "resting_position",
+    "stored_database",
     "upright_position",
 ]
 
@@ -79,7 +98,7 @@ def frame_origin(case: Case, name: str) -> NDArray[np.float64]:
 
 def hull_surface(case: Case, name: str, folder: OutputFolder) -> TriangleSurface:
     """Surface of a hull in the frame of its body."""
-    from heavylift.preprocess.surfaces import placed
+    from heavylift.preprocess.surfaces.triangle_surface import placed
 
     wanted = case.hulls[name].surface
     index = next(i for i, surface in enumerate(case.surfaces) if surface.name == wanted)
@@ -89,7 +108,7 @@ def hull_surface(case: Case, name: str, folder: OutputFolder) -> TriangleSurface
 
 def hull_tanks(case: Case, name: str) -> tuple[Tank, ...]:
     """Tanks of a hull as they are at the start, in the frame of its body."""
-    from heavylift.solver.water.hulls.floating import Tank
+    from heavylift.solver.water.hulls.hydrostatics import Tank
 
     origin, found = frame_origin(case, name), []
     for tank in case.tanks:
@@ -112,7 +131,7 @@ def resting_position(case: Case, name: str, folder: OutputFolder) -> FloatingPos
     InputError
         If its surface is no hull, or it does not float.
     """
-    from heavylift.preprocess.hull_surface import check_hull
+    from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
     from heavylift.solver.water.hulls.hydrostatics import equilibrium
 
     section, body, origin = case.hulls[name], case.bodies[name], frame_origin(case, name)
@@ -172,7 +191,7 @@ def _restoring(
 
 def linear_restoring(case: Case, name: str, folder: OutputFolder) -> seas.LinearRestoring:
     """Linear restoring of the surface of a hull about the place where it rests upright."""
-    from heavylift.preprocess.hull_panels import hydrostatics, surface_panels
+    from heavylift.preprocess.hydrodynamics.hull_panels import hydrostatics, surface_panels
 
     height = upright_position(case, name, folder).pose.height
     panels = surface_panels(hull_surface(case, name, folder), level=-height, name=name)
@@ -196,4 +215,260 @@ def linear_from_panels(still: PanelHydrostatics, level: float) -> seas.LinearRes
     shift = np.array([0.0, 0.0, level])
     return seas.LinearRestoring(
         volume=float(V), centre_of_buoyancy=centre + shift, reference=shift, waterplane=np.array(moments)
+    )
+
+
+PARALLEL = math.radians(0.5)
+"""Between headings of hulls that share a database [rad]."""
+SAME_PLACE = 1e-6
+"""Of the extent: how far the mirror image of a corner may be from another corner."""
+
+
+def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> BemInputs:
+    """What a database is computed from.
+
+    The axes of the database are those of the first hull at the start, its origin above or below that of its frame.
+    Every hull lies upright as deep as it floats by itself, with its tanks, where it is at the start.
+
+    Raises
+    ------
+    InputError
+        If a hull does not float upright, several do not head the same way, or hulls that are said to be symmetric are
+        not.
+    """
+    assert section.compute is not None
+    compute, water = section.compute, water_of(case)
+    places = {name: _place(case, name) for name in section.hulls}
+    origin, heading = places[section.hulls[0]]
+    turn = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
+    hulls, references = [], []
+    for index, name in enumerate(section.hulls):
+        place, own = places[name]
+        off = math.remainder(own - heading, 2.0 * math.pi)
+        if abs(off) > PARALLEL:
+            raise InputError(
+                f"{name!r} heads {math.degrees(off):.4g} degrees off {section.hulls[0]!r}",
+                key=f"hulls.{index}",
+                expected="hulls of one database that head the same way at the start",
+            )
+        x, y = (float(value) for value in turn @ (place - origin))
+        height = upright_position(case, name, folder).pose.height
+        hulls.append(_panels(case, name, compute, folder, height).translated(x, y, name=name))
+        reference = np.array(case.hulls[name].reference) - frame_origin(case, name)
+        references.append(reference + np.array([x, y, height]))
+    if compute.symmetric:
+        for hull in hulls:
+            _check_symmetry(hull)
+    headings = compute.headings or _headings(compute)
+    steps = compute.frequencies
+    return BemInputs(
+        hulls=tuple(hulls),
+        omega=np.linspace(steps.first, steps.last, steps.count),
+        headings=np.array(headings),
+        reference_points=np.array(references),
+        density=water.density,
+        gravity=water.gravity,
+        depth=water.depth,
+        symmetric=compute.symmetric,
+        lid=compute.lid,
+        only_at_headings=bool(compute.headings),
+    )
+
+
+def _place(case: Case, name: str) -> tuple[NDArray[np.float64], float]:
+    """Horizontal place of the frame of a hull at the start [m], shape (2,), and its heading [rad]."""
+    from heavylift.numerics.rotation import rotation_matrix
+
+    body = case.bodies[name]
+    assert body.type == "rigid"
+    rigid, _ = assemble_rigid(name, body)
+    R = rotation_matrix(rigid.orientation)
+    return rigid.position[:2], math.atan2(R[1, 0], R[0, 0])
+
+
+def _panels(
+    case: Case, name: str, compute: ComputeSection, folder: OutputFolder, height: float
+) -> HullPanels:
+    """Wetted panels of a hull whose frame is at a height above the water [m]."""
+    surface = next(entry for entry in case.surfaces if entry.name == case.hulls[name].surface)
+    origin = frame_origin(case, name)
+    size = _plain_box(surface)
+    if size is not None:
+        length, breadth, depth = size
+        x, y, z = (float(value) for value in np.array(surface.at) - origin)
+        draft = 0.5 * depth - z - height
+        return box_panels(length, breadth, draft, compute.panel_size, name=name).translated(x, y)
+    wetted = surface_panels(hull_surface(case, name, folder), level=-height, name=name)
+    if compute.symmetric:
+        return _mirrored(wetted, compute.panel_size)
+    points, triangles = refined_triangles(wetted.points, wetted.triangles, compute.panel_size, name=name)
+    return _panels_of(points, triangles, name)
+
+
+def _mirrored(wetted: HullPanels, size: float) -> HullPanels:
+    """Refined panels of a hull that is symmetric about its plane y = 0: those of one half, and their mirror image."""
+    # the half of negative y: with y as the height, what is below the water
+    turned = TriangleSurface(
+        np.ascontiguousarray(wetted.points[:, [2, 0, 1]]), wetted.triangles, name=wetted.name
+    )
+    half = surface_panels(turned, name=wetted.name)
+    points, triangles = refined_triangles(half.points[:, [1, 2, 0]], half.triangles, size, name=wetted.name)
+    sides = [
+        hydrostatics(panels, 1.0, 1.0, np.zeros(3)) for panels in (wetted, _panels_of(points, triangles, ""))
+    ]
+    extent = float(np.ptp(wetted.points, axis=0).max())
+    if (
+        abs(2.0 * sides[1].volume - sides[0].volume) > SAME_PLACE * sides[0].volume
+        or abs(float(sides[0].centre_of_buoyancy[1])) > SAME_PLACE * extent
+    ):
+        raise _not_symmetric(wetted.name, "unequal halves")
+    middle = np.abs(points[:, 1]) <= SAME_PLACE * extent
+    points[middle, 1] = 0.0
+    image = np.arange(len(points))
+    image[~middle] = len(points) + np.arange(np.count_nonzero(~middle))
+    others = points[~middle] * np.array([1.0, -1.0, 1.0])
+    both = np.concatenate(
+        [triangles, image[triangles[:, [1, 0, 2]]]]
+    )  # the last corner, which repeats, stays
+    return _panels_of(np.concatenate([points, others]), both, wetted.name)
+
+
+def _panels_of(points: NDArray[np.float64], triangles: NDArray[np.int64], name: str) -> HullPanels:
+    return HullPanels(points, np.column_stack([triangles, triangles[:, 2]]), name)
+
+
+def _not_symmetric(name: str, what: str) -> InputError:
+    return InputError(
+        f"{name!r} has {what}",
+        key="compute.symmetric",
+        expected="hulls that are symmetric about y = 0 of the first one, or 'symmetric = false'",
+    )
+
+
+def _plain_box(surface: SurfaceSection) -> tuple[float, float, float] | None:
+    """Size of a surface that is a box along the axes of its body, which has panels of four corners; else None."""
+    shape = surface.shape
+    whole = not surface.exclude and surface.radius == 0.0 and surface.turned is None
+    return shape.size if whole and shape is not None and shape.type == "box" else None
+
+
+def _headings(compute: ComputeSection) -> NDArray[np.float64]:
+    """Equal steps over half a turn, or over a whole one."""
+    whole = math.pi if compute.symmetric else 2.0 * math.pi
+    count = math.ceil(whole / compute.heading_step - 1e-9)
+    return np.linspace(0.0, whole, count + 1)[: None if compute.symmetric else -1]
+
+
+def _check_symmetry(hull: HullPanels) -> None:
+    """Every corner has its mirror image."""
+    scale = SAME_PLACE * float(np.ptp(hull.points, axis=0).max())
+    corners = {tuple(row) for row in np.round(hull.points / scale).astype(np.int64).tolist()}
+    for x, y, z in corners:
+        near = ((x + i, -y + j, z + k) for i in (0, -1, 1) for j in (0, -1, 1) for k in (0, -1, 1))
+        if not any(corner in corners for corner in near):
+            raise _not_symmetric(hull.name, f"a corner at y = {y * scale:.4g} m without its mirror image")
+
+
+def assemble_radiation(case: Case, folder: OutputFolder) -> tuple[Radiation, ...]:
+    """Databases of a case."""
+    from heavylift.solver.scene.sea import Radiation
+
+    found = []
+    for name, section in case.databases.items():
+        with located(case, f"databases.{name}"):
+            database = stored_database(case, name, folder)
+            if database.body_count != len(section.hulls):
+                raise InputError(
+                    f"{len(section.hulls)} hulls for a database of {database.body_count}",
+                    key="hulls",
+                    expected=f"one for each of {', '.join(database.bodies)}",
+                )
+        found.append(
+            Radiation(
+                bodies=section.hulls,
+                database=database,
+                memory=section.memory,
+                memory_length=section.memory_length,
+                fit_error=section.fit_error,
+                drift=section.drift,
+            )
+        )
+    return tuple(found)
+
+
+def database_manifest(folder: OutputFolder) -> dict[str, Any]:
+    """What the mesh stage says of the databases, by name; empty if it has not run."""
+    return dict((read_json(folder.database_manifest) or {}).get("items", {}))
+
+
+def stored_database(case: Case, name: str, folder: OutputFolder) -> HydrodynamicDatabase:
+    """Database of a case as its output folder has it; one of a file is read anew if it is absent or of other inputs.
+
+    Raises
+    ------
+    InputError
+        If one that has to be computed is not there, or a file cannot be read.
+    """
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+
+    section, file = case.databases[name], folder.database(name)
+    item = database_manifest(folder).get(name, {})
+    if file.is_file() and item.get("digest") == database_digest(case, section):
+        return replace(read_netcdf(file), source=str(item["properties"]["source"]))
+    if section.file is not None:
+        return read_database_source(case, section)
+    raise InputError(
+        "has not been computed for these inputs",
+        key="compute",
+        expected="a database in the output folder; make it with `heavylift mesh CASE`",
+    )
+
+
+def read_database_source(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
+    """Database from the file that a case names, called by this name, wherever the case folder is.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is no database that can be true.
+    """
+    return replace(_read(case, section), source=str(section.file))
+
+
+def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
+    """The same by the name that its reader gives it."""
+    assert section.file is not None
+    path = case.folder / section.file
+    points = None if section.reference_points is None else np.array(section.reference_points)
+    if section.file_format == "netcdf":
+        from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+
+        return read_netcdf(path, time_convention=section.time_convention or "", reference_points=points)
+    if section.file_format == "bemio":
+        from heavylift.preprocess.hydrodynamics.bemio_files import read_bemio
+
+        return read_bemio(path, reference_points=points, symmetric=bool(section.symmetric))
+    water = water_of(case)
+    if section.file_format == "wamit-out":
+        from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit_out
+
+        return read_wamit_out(
+            path,
+            density=water.density,
+            bodies=section.hulls,
+            symmetric=bool(section.symmetric),
+            forces=section.forces or "diffraction",
+        )
+    from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit
+
+    return read_wamit(
+        path,
+        length=section.length_scale or 1.0,
+        density=water.density,
+        gravity=water.gravity,
+        depth=water.depth,
+        reference_points=np.zeros((len(section.hulls), 3)) if points is None else points,
+        bodies=section.hulls,
+        first_column=section.first_column or "period",
+        symmetric=bool(section.symmetric),
     )

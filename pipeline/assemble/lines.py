@@ -1,4 +1,4 @@
-"""From the mooring lines and fenders of a case to what the solver integrates."""
+"""From the mooring lines of a case to what the solver integrates: the lengths that follow from tensions."""
 
 from __future__ import annotations
 
@@ -9,67 +9,50 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.described import assemble_list
 from heavylift.pipeline.case.places import located
-from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.lines import MooringLineSection
+    from heavylift.solver.scene.moorings import LineSection
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
-__all__ = ["assemble_fenders", "assemble_lines"]
+__all__ = ["assemble_lines"]
 
 SLACKEST = 3.0
 """Of the distance of the ends: longest length that is tried for a tension."""
 
 
 def assemble_lines(case: Case, sides: Mapping[str, Side]) -> tuple[MooringLine, ...]:
-    """Lines of a case, those with a given tension with the length that gives it.
+    """Lines of a case, with the bottom that they lie on, and those with a given tension with the length that gives it.
 
     Raises
     ------
     InputError
         If no length gives the tension.
     """
-    found = []
-    for index, section in enumerate(case.lines):
-        with located(case, f"lines.{index}"):
-            found.append(_line(case, section, sides))
+    found: list[MooringLine] = []
+    for index, line in enumerate(assemble_list(case, "lines", sides)):
+        if line.on_seabed:
+            assert case.sea is not None
+            made = replace(line, on_seabed=False, seabed=case.sea.level - case.sea.water_depth)
+        else:
+            made = line
+        if made.fairlead_tension is not None:
+            anchor, fairlead = (
+                sides[body].to_world(point)
+                for body, point in ((made.body_a, made.point_a), (made.body_b, made.point_b))
+            )
+            span = fairlead - anchor
+            with located(case, f"lines.{index}"):
+                made = _with_tension(
+                    made, made.fairlead_tension, math.hypot(span[0], span[1]), float(span[2])
+                )
+        found.append(made)
     return tuple(found)
-
-
-def _line(case: Case, section: MooringLineSection, sides: Mapping[str, Side]) -> MooringLine:
-    a, b = (sides[name] for name in section.between)
-    points = a.local(section.points[0]), b.local(section.points[1])
-    seabed = section.seabed
-    if section.on_seabed:
-        seabed = bottom_of(case)
-    pieces = tuple(
-        LineSection(
-            math.nan if piece.length is None else piece.length,
-            piece.weight,
-            math.inf if piece.axial_stiffness is None else piece.axial_stiffness,
-        )
-        for piece in section.sections
-    )
-    line = MooringLine(
-        name=section.name,
-        body_a=section.between[0],
-        point_a=points[0],
-        body_b=section.between[1],
-        point_b=points[1],
-        sections=pieces,
-        clumps=section.clumps,
-        seabed=seabed,
-        friction=section.friction,
-        strain_limit=section.strain_limit,
-    )
-    if section.fairlead_tension is None:
-        return line
-    span = b.to_world(points[1]) - a.to_world(points[0])
-    return _with_tension(line, section.fairlead_tension, math.hypot(span[0], span[1]), float(span[2]))
 
 
 def _with_tension(line: MooringLine, tension: float, x: float, z: float) -> MooringLine:
@@ -96,7 +79,7 @@ def _with_tension(line: MooringLine, tension: float, x: float, z: float) -> Moor
             length = length_for_tension(
                 tension, piece.weight, piece.axial_stiffness, x, z, seabed=seabed, friction=line.friction
             )
-            return replace(line, sections=with_length(length))
+            return replace(line, sections=with_length(length), fairlead_tension=None)
     except InputError as error:
         raise InputError(error.problem, key="fairlead_tension", expected=error.expected) from None
 
@@ -117,38 +100,10 @@ def _with_tension(line: MooringLine, tension: float, x: float, z: float) -> Moor
     for length in lengths:
         if excess(float(length)) <= 0.0:
             root = float(brentq(excess, before, float(length), xtol=1e-12, rtol=1e-14))
-            return replace(line, sections=with_length(root))
+            return replace(line, sections=with_length(root), fairlead_tension=None)
         before = float(length)
     raise InputError(
         f"{tension:g} N is less than the line has at any length",
         key="fairlead_tension",
         expected="a larger tension, or lengths of all sections",
     )
-
-
-def bottom_of(case: Case) -> float:
-    """Height of the bottom of the sea in the world [m]."""
-    assert case.sea is not None
-    return case.sea.level - case.sea.water_depth
-
-
-def assemble_fenders(case: Case, sides: Mapping[str, Side]) -> tuple[Fender, ...]:
-    """Fenders of a case."""
-    found = []
-    for section in case.fenders:
-        a, b = section.between
-        found.append(
-            Fender(
-                name=section.name,
-                body_a=a,
-                point_a=sides[a].local(section.points[0]),
-                body_b=b,
-                point_b=sides[b].local(section.points[1]),
-                direction=np.array(section.direction),
-                stiffness=section.stiffness or 0.0,
-                damping=section.damping,
-                compressions=np.array(section.compressions, dtype=float),
-                forces=np.array(section.forces, dtype=float),
-            )
-        )
-    return tuple(found)

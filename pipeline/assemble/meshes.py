@@ -1,39 +1,162 @@
-"""From the frames and shells of a case to the bodies that the solver integrates."""
+"""From the frames and shells of a case to what the solver integrates: shapes, bodies, and joints along edges."""
 
 from __future__ import annotations
 
+import contextlib
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.mesh_shapes import Place, frame_mesh, shell_mesh
-from heavylift.pipeline.case.mesh_supports import CORNERS, EDGES
+from heavylift.pipeline.case.meshes import CORNERS, EDGES, counts_of
+from heavylift.solver.joints.edges import expand_edge
+from heavylift.solver.scene import mesh_shapes
 from heavylift.solver.scene import meshes as m
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
 
+    from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.geometry import BoxGroup
-    from heavylift.pipeline.case.mesh_geometry import (
+    from heavylift.pipeline.case.meshes import (
+        FrameBodySection,
+        FrameGeometry,
+        FrameLoad,
         FrameSectionTable,
+        MeshFiles,
         RegionSection,
+        ShellBodySection,
+        ShellGeometry,
+        ShellLoad,
         ShellSectionTable,
+        ShellSupportSection,
     )
-    from heavylift.pipeline.case.mesh_loads import FrameLoad, ShellLoad
-    from heavylift.pipeline.case.mesh_supports import ShellSupportSection
-    from heavylift.pipeline.case.meshes import FrameBodySection, ShellBodySection
+    from heavylift.solver.scene.connections import EdgeJoint, Joint
     from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh
+    from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["assemble_frame", "assemble_shell", "check_on_mesh", "check_pulleys"]
+__all__ = [
+    "Place",
+    "assemble_edge",
+    "assemble_frame",
+    "assemble_shell",
+    "check_on_mesh",
+    "check_pulleys",
+    "frame_mesh",
+    "joints_of_edge",
+    "read_points",
+    "shell_mesh",
+]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A body of a case, for errors: where something in it stands in the case file."""
+
+    case: Case
+    name: str
+
+    def error(self, key: str, problem: str, expected: str) -> InputError:
+        """An error at a key below the body."""
+        place = self.case.place(f"bodies.{self.name}.{key}")
+        return InputError(problem, source=self.case.file, key=place, expected=expected)
+
+
+def frame_mesh(place: Place, geometry: FrameGeometry) -> FrameMesh:
+    """Mesh of a line, arc or spline."""
+    if geometry.type == "line":
+        return mesh_shapes.line(geometry.start, geometry.end, geometry.elements)
+    if geometry.type == "arc":
+        normal: NDArray[np.float64] = np.array(geometry.normal) / np.linalg.norm(geometry.normal)
+        reference = np.array(geometry.reference)
+        first = reference - (normal @ reference) * normal
+        return mesh_shapes.arc(
+            geometry.centre,
+            geometry.radius,
+            geometry.first,
+            geometry.last,
+            geometry.elements,
+            axes=(first, np.cross(normal, first)),
+        )
+    with _told(place):
+        return mesh_shapes.spline(_points(place, geometry), geometry.elements)
+
+
+def shell_mesh(place: Place, geometry: ShellGeometry) -> ShellMesh:
+    """Mesh of a rectangle, quadrilateral or grid."""
+    nx, ny = counts_of(geometry.elements)
+    with _told(place):
+        if geometry.type == "rectangle":
+            return mesh_shapes.rectangle(*geometry.size, nx, ny)
+        if geometry.type == "quadrilateral":
+            return mesh_shapes.quadrilateral(geometry.corners, nx, ny)
+        points = _points(place, geometry)
+        if len(points) != (nx + 1) * (ny + 1):
+            raise InputError(
+                f"{len(points)} points for {nx} x {ny} elements",
+                key="file",
+                expected=f"{(nx + 1) * (ny + 1)}, one more than elements in each direction",
+            )
+        return mesh_shapes.grid(points.reshape(ny + 1, nx + 1, 3).swapaxes(0, 1))
+
+
+@contextlib.contextmanager
+def _told(place: Place) -> Iterator[None]:
+    """Put the place in the case file into errors on a geometry."""
+    try:
+        yield
+    except InputError as error:
+        if error.source:
+            raise
+        geometry = place.case.meshes[place.name].geometry
+        key = "corners" if geometry.type == "quadrilateral" and error.key == "points" else error.key
+        raise place.error(f"geometry.{key}", error.problem, error.expected) from None
+
+
+def _points(place: Place, geometry: MeshFiles) -> NDArray[np.float64]:
+    """Points of a geometry, from its table or its file, shape (n, 3)."""
+    if geometry.file is None:
+        return np.array(geometry.points)
+    return read_points(place.case.folder / geometry.file)
+
+
+def read_points(file: Path) -> NDArray[np.float64]:
+    """Points of a file of lines ``x,y,z`` [m], shape (n, 3); ``#`` begins a comment.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a line is not three finite numbers.
+    """
+    rows = []
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(error), source=file, expected="a readable text file") from None
+    for number, line in enumerate(lines, start=1):
+        text = line.partition("#")[0].strip()
+        if not text:
+            continue
+        try:
+            row = [float(entry) for entry in text.split(",")]
+        except ValueError:
+            row = []
+        if len(row) != 3 or not np.all(np.isfinite(row)):
+            raise InputError(f"{line!r}", source=file, key=f"line {number}", expected="x,y,z in m")
+        rows.append(row)
+    return np.array(rows).reshape(-1, 3)
+
 
 AnyMesh = TypeVar("AnyMesh", m.FrameBody, m.ShellBody)
 
 NEAR = 1e-6
-"""Distance from a node, relative to the size of the mesh, at which a point or box still means it."""
+"""Distance from a node, relative to the size of the mesh, at which a point or box still means it; and of two nodes that
+are meant to be at one place, relative to the length of an edge."""
 SQUARE = 1e-9
 """Deviation from one of the component of a normal along the axis it belongs to."""
 
@@ -262,7 +385,7 @@ def _shell_supports(
 def _edge_fixed(
     place: Place, key: str, support: ShellSupportSection, edge: str, slopes: NDArray[np.float64]
 ) -> dict[str, str]:
-    """Axes that an edge holds, by vector; the table of `heavylift.pipeline.case.mesh_supports`."""
+    """Axes that an edge holds, by vector; the table of `heavylift.pipeline.case.meshes`."""
     along, across = ("slope_y", "slope_x") if edge.startswith("x") else ("slope_x", "slope_y")
     normal = _normal_axis(place, key, slopes) if support.sliding or support.fix == "clamped" else ""
     axes = normal if support.sliding else "xyz"
@@ -343,3 +466,86 @@ def _checked(place: Place, body: AnyMesh) -> AnyMesh:
             key = "section" if number == "0" else f"sections.{tables[int(number) - 1]}"
         raise place.error(key, problem, error.expected) from None
     return body
+
+
+def assemble_edge(case: Case, joint: Any, sides: Mapping[str, Side]) -> EdgeJoint:
+    """Hinge or clamp of a case.
+
+    Nodes of the second edge are put in the order of the first.
+
+    Raises
+    ------
+    InputError
+        If a node is not there, or the edges of two shells do not coincide; its key is below the joint.
+    """
+    given: list[NDArray[np.int64]] = []
+    places: list[NDArray[np.float64]] = []
+    names = joint.edges or ((joint.edge,) if joint.edge else ())
+    for number in range(len(names) or len(joint.node_lists)):
+        body = joint.between[number]
+        table = case.meshes[body]
+        assert table.type == "shell"
+        mesh = shell_mesh(Place(case, body), table.geometry)
+        nodes = mesh.edges[names[number]] if names else np.array(joint.node_lists[number], dtype=np.int64)
+        if nodes.max() >= len(mesh.nodes):
+            raise InputError(
+                f"there is no node {nodes.max()} in {body!r}",
+                key=_key(joint, number),
+                expected=f"numbers from 0 to {len(mesh.nodes) - 1}",
+            )
+        side = sides[body]
+        given.append(nodes)
+        places.append(side.position + mesh.nodes[nodes] @ side.rotation.T)
+    if len(given) == 2:
+        given[1] = _matched(joint, given[1], places)
+    return joint.DESCRIBED(
+        name=joint.name,
+        body_a=joint.between[0],
+        body_b=joint.between[1],
+        nodes_a=given[0],
+        nodes_b=given[1] if len(given) == 2 else np.zeros(0, dtype=np.int64),
+        compliance=joint.compliance,
+        relaxation=joint.relaxation,
+    )
+
+
+def _matched(
+    joint: Any, nodes: NDArray[np.int64], places: Sequence[NDArray[np.float64]]
+) -> NDArray[np.int64]:
+    """Nodes of the second edge in the order of the first."""
+    first, second = places
+    if len(first) != len(second):
+        raise InputError(
+            f"{len(first)} nodes of {joint.between[0]!r} and {len(second)} of {joint.between[1]!r}",
+            key=_key(joint),
+            expected="edges that are divided into the same elements",
+        )
+    ways = [np.linalg.norm(first - other, axis=1) for other in (second, second[::-1])]
+    turned = ways[1].max() < ways[0].max()
+    distances = ways[int(turned)]
+    if distances.max() > NEAR * np.linalg.norm(np.diff(first, axis=0), axis=1).sum():
+        worst = int(np.argmax(distances))
+        raise InputError(
+            f"the edges do not coincide: node {worst} along them is {1e3 * distances[worst]:.6g} mm from the other one",
+            key=_key(joint),
+            expected="two edges at one place at the start; 'initial' places a body",
+        )
+    return nodes[::-1].copy() if turned else nodes
+
+
+def joints_of_edge(joint: Any, made: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
+    """Joints of its nodes, as the solver makes them; what it refuses is told by keys of the case."""
+    try:
+        return expand_edge(made, bodies)
+    except InputError as error:
+        number = {"nodes_a": 0, "nodes_b": 1}.get(error.key)
+        key = error.key if number is None else _key(joint, number)
+        raise InputError(error.problem, key=key, expected=error.expected) from None
+
+
+def _key(joint: Any, number: int | None = None) -> str:
+    """Key of the edges of a joint, or of one of them."""
+    if joint.edge:
+        return "edge"
+    key = "edges" if joint.edges else "nodes"
+    return key if number is None or (key == "nodes" and len(joint.node_lists) == 1) else f"{key}.{number}"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.modes import ContactPatchSection, ModesSection
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = ["reduce_model", "reduced_properties"]
 

@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.connections import (
-    assemble_joints,
-    assemble_loads,
-    assemble_ropes,
-)
+from heavylift.pipeline.assemble.connections import assemble_joints
+from heavylift.pipeline.assemble.described import assemble_list
 from heavylift.pipeline.assemble.finite_elements import check_on_body
 from heavylift.pipeline.assemble.sides import make_profile, start_sides
 from heavylift.pipeline.assemble.water import has_sea
@@ -93,10 +90,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         )
     sides = start_sides(bodies, origins)
     forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
-    forces += assemble_loads(case, sides)
-    sensors = tuple(
-        s.Sensor(sensor.name, sensor.body, sides[sensor.body].local(sensor.point)) for sensor in case.sensors
-    )
+    forces += assemble_list(case, "forces", sides)
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
@@ -118,9 +112,9 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     return s.Scene(
         tuple(bodies),
         tuple(forces),
-        sensors,
+        tuple(assemble_list(case, "sensors", sides)),
         joints=joints,
-        ropes=assemble_ropes(case, sides),
+        ropes=tuple(assemble_list(case, "ropes", sides)),
         contours=_contours(case, bodies, sides, folder),
         contacts=contacts,
         surfaces=_surfaces(case, sides, folder),
@@ -179,7 +173,7 @@ def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> li
     found: list[tuple[str, Joint]] = []
     for index, (joint, made) in enumerate(zip(case.joints, joints, strict=True)):
         if isinstance(made, EdgeJoint):
-            from heavylift.pipeline.assemble.edges import joints_of_edge
+            from heavylift.pipeline.assemble.meshes import joints_of_edge
 
             with located(case, f"joints.{index}"):
                 place = case.place(f"joints.{index}.between.1")
@@ -200,7 +194,7 @@ def _points_on(
         found.append((f"sensors.{i}.point", sensor.body, sensor.point))
     force: Any
     for i, force in enumerate(case.forces):
-        if force.type == "point":
+        if hasattr(force, "point"):
             found.append((f"forces.{i}.point", force.body, force.point))
         elif hasattr(force, "points"):
             sides = zip(force.between, force.points, strict=True)

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.assemble.lines import assemble_fenders, assemble_lines
+from heavylift.pipeline.assemble.described import assemble_list
+from heavylift.pipeline.assemble.lines import assemble_lines
 from heavylift.pipeline.assemble.water import has_sea, water_of
 from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.case.waves import ELEVATION_COLUMNS, SPECTRUM_COLUMNS
-from heavylift.pipeline.case.wind import COEFFICIENT_COLUMNS
 from heavylift.solver.scene import sea as seas
 
 if TYPE_CHECKING:
@@ -23,12 +23,10 @@ if TYPE_CHECKING:
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.waves import JonswapWaves, PiersonMoskowitzWaves, SpectrumWaves, Waves
-    from heavylift.pipeline.case.wind import CoefficientLoadSection, WindSection
+    from heavylift.pipeline.case.wind import WindSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.wind_loads import (
-        CoefficientLoad,
         CurrentField,
-        DragElement,
         FluctuationRecord,
         WindField,
     )
@@ -62,8 +60,7 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
     hulls: tuple[seas.Hull, ...] = ()
     radiation: tuple[seas.Radiation, ...] = ()
     if case.hulls:
-        from heavylift.pipeline.assemble.databases import assemble_radiation
-        from heavylift.pipeline.assemble.hulls import assemble_hulls
+        from heavylift.pipeline.assemble.hulls import assemble_hulls, assemble_radiation
 
         hulls, radiation = assemble_hulls(case, sides, folder), assemble_radiation(case, folder)
     return seas.Sea(
@@ -76,9 +73,9 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
         excitation="summed" if section is None else section.excitation,
         duration=duration,
         fields=_fields(case, duration),
-        loads=_loads(case, sides),
+        loads=tuple(assemble_list(case, "fluid_loads", sides)),
         lines=assemble_lines(case, sides),
-        fenders=assemble_fenders(case, sides),
+        fenders=tuple(assemble_list(case, "fenders", sides)),
     )
 
 
@@ -195,60 +192,6 @@ def _direction(direction: Any) -> float | NDArray[np.float64]:
     if isinstance(direction, float):
         return direction
     return np.column_stack([direction.times, direction.angles])
-
-
-def _loads(case: Case, sides: Mapping[str, Side]) -> tuple[CoefficientLoad | DragElement, ...]:
-    """What wind and current push on."""
-    if not case.fluid_loads:
-        return ()
-    from heavylift.solver.scene.wind_loads import DragElement
-
-    found: list[CoefficientLoad | DragElement] = []
-    for section in case.fluid_loads:
-        axis = np.array(section.axis)
-        if section.type == "coefficients":
-            found.append(_coefficient_load(case, section, sides))
-            continue
-        found += [
-            DragElement(
-                name=section.name,
-                body=section.body,
-                point=sides[section.body].local(element.point),
-                area=element.areas or element.area or 0.0,
-                coefficient=element.coefficient,
-                fluid=section.fluid,
-                vertical=element.vertical,
-                extent=element.extent,
-                axis=axis,
-            )
-            for element in section.elements
-        ]
-    return tuple(found)
-
-
-def _coefficient_load(
-    case: Case, section: CoefficientLoadSection, sides: Mapping[str, Side]
-) -> CoefficientLoad:
-    from heavylift.solver.scene.wind_loads import CoefficientLoad
-
-    angles, *columns = (section.angles, section.cx, section.cy, section.cn)
-    if section.file is not None:
-        header, (angles, *columns) = read_columns(case.folder / section.file, COEFFICIENT_COLUMNS)
-        if header[0] == "angle_deg":
-            angles = tuple(np.radians(angles))
-    return CoefficientLoad(
-        name=section.name,
-        body=section.body,
-        point=sides[section.body].local(section.point),
-        angles=np.array(angles),
-        coefficients=np.column_stack(columns),
-        area_x=section.area_x,
-        area_y=section.area_y,
-        length=section.length,
-        fluid=section.fluid,
-        symmetric=section.symmetric,
-        axis=np.array(section.axis),
-    )
 
 
 def _tanks(case: Case, sides: Mapping[str, Side]) -> tuple[seas.Tank, ...]:

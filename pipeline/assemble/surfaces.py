@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.contacts import TurnSection
     from heavylift.pipeline.case.surfaces import SurfaceSection, SurfaceShape
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 __all__ = [
     "StoredSurface",
@@ -66,7 +66,7 @@ class StoredSurface(NamedTuple):
     @property
     def surface(self) -> TriangleSurface:
         """The triangles that take part."""
-        from heavylift.preprocess.surfaces import with_triangles
+        from heavylift.preprocess.surfaces.triangle_surface import with_triangles
 
         return self.whole if self.kept.all() else with_triangles(self.whole, self.whole.triangles[self.kept])
 
@@ -85,14 +85,14 @@ def make_surface(case: Case, index: int) -> StoredSurface:
         Of a file that cannot be read or has no triangle with an area, of values that are not finite, of boxes that
         exclude everything; with the key in the case file.
     """
-    from heavylift.preprocess.surface_report import report_surface
-    from heavylift.preprocess.surfaces import clean, placed
+    from heavylift.preprocess.surfaces.report import report_surface
+    from heavylift.preprocess.surfaces.triangle_surface import clean, placed
 
     section = case.surfaces[index]
     dropped = None
     with located(case, f"surfaces.{index}"):
         if section.file is not None:
-            from heavylift.preprocess.surface_files import read_triangles
+            from heavylift.preprocess.surfaces.files import read_triangles
 
             with _of_file(section.file):
                 scale = None if section.unit is None else _SCALES[section.unit]
@@ -143,7 +143,7 @@ def read_surface_file(path: Path) -> StoredSurface:
     InputError
         If the file is absent or damaged.
     """
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
     remedy = "make it with `heavylift mesh CASE --force`"
     try:
@@ -181,8 +181,8 @@ def turned(turn: TurnSection | None) -> NDArray[np.float64]:
 
 def _shaped(section: SurfaceSection, shape: SurfaceShape) -> TriangleSurface:
     """Triangles of a simple shape about its own origin."""
-    from heavylift.preprocess import primitive_surfaces as p
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces import primitives as p
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
     name, radius = section.name, section.radius
     if shape.type == "plane":
@@ -201,7 +201,7 @@ def _shaped(section: SurfaceSection, shape: SurfaceShape) -> TriangleSurface:
 
 def _kept(section: SurfaceSection, whole: TriangleSurface) -> NDArray[np.bool_]:
     """Which triangles take part."""
-    from heavylift.preprocess.exclusion import ExclusionBox, exclude
+    from heavylift.preprocess.surfaces.exclusion import ExclusionBox, exclude
 
     boxes = [
         ExclusionBox(np.array(box.centre), np.array(box.size), turned(box.turned), box.keep == "outside")
@@ -231,7 +231,7 @@ def _of_file(file: str) -> Iterator[None]:
 
 def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[str]:
     """What looks like a file in millimetres among surfaces that may touch, with their boxes; each once."""
-    from heavylift.preprocess.surface_report import check_magnitudes
+    from heavylift.preprocess.surfaces.report import check_magnitudes
 
     found: dict[str, None] = {}
     for _, (a, b) in case.collided.values():

@@ -6,34 +6,25 @@ import tomllib
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from heavylift.numerics.outcome import InputError, InputErrors
-from heavylift.pipeline.case.channel_kinds import Declared, declared
+from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
-from heavylift.pipeline.case.collision_pairs import collision_pairs
-from heavylift.pipeline.case.collisions import Collision
-from heavylift.pipeline.case.contacts import Contact
-from heavylift.pipeline.case.contours import Contour
+from heavylift.pipeline.case.collisions import collision_pairs
 from heavylift.pipeline.case.errors import group_errors, input_errors
-from heavylift.pipeline.case.fields import GROUND, CaseContext, Section, UniqueName, reject
-from heavylift.pipeline.case.forces import Force, PointForceSection
-from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
-from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.lines import FenderSection, MooringLineSection
+from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.quantity_names import QuantityName, parse_quantity_name
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
-from heavylift.pipeline.case.ropes import Rope
-from heavylift.pipeline.case.sea import SeaSection, check_sea
-from heavylift.pipeline.case.sections import GravitySection, ReportSection, SensorSection
+from heavylift.pipeline.case.report import ReportSection
+from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
-from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.case.wind import FluidLoad
+from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -43,8 +34,8 @@ CASE_FILE = "case.toml"
 _KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
 
-class Case(Section):
-    """The content of a case file in SI units; made by `load_case`."""
+class _CaseHeading(Section):
+    """What a case says before its scene."""
 
     title: str
     """One line that says what is simulated."""
@@ -54,40 +45,11 @@ class Case(Section):
     """Named numbers, for counts and for ``{...}`` in texts."""
     repeat: tuple[RepeatSection, ...] = ()
     """Blocks of tables that are copied with an index."""
-    bodies: Annotated[dict[UniqueName, Body], Field(min_length=1)]
-    """Bodies by name."""
-    gravity: GravitySection | None = None
-    """Uniform gravity; none if absent."""
-    joints: tuple[Joint, ...] = ()
-    """Joints between two bodies, or a body and the ground."""
-    ropes: tuple[Rope, ...] = ()
-    """Ropes."""
-    forces: tuple[Force, ...] = ()
-    """Applied forces, springs, motors."""
-    contours: dict[UniqueName, Contour] = Field(default_factory=dict)
-    """Curves and surfaces of bodies that something may touch, by name."""
-    contacts: tuple[Contact, ...] = ()
-    """What touches contours, and by what law."""
-    surfaces: tuple[SurfaceSection, ...] = ()
-    """Triangles of bodies that may touch those of others: CAD files and simple shapes."""
-    collisions: tuple[Collision, ...] = ()
-    """Which surfaces may touch, and by what law."""
-    sea: SeaSection | None = None
-    """Water, waves, wind and current."""
-    hulls: dict[HullName, HullSection] = Field(default_factory=dict)
-    """What floats, by the names of rigid bodies."""
-    databases: dict[DatabaseName, DatabaseSection] = Field(default_factory=dict)
-    """Added mass, damping and excitation of hulls, by names of their own."""
-    tanks: tuple[TankSection, ...] = ()
-    """Ballast water in hulls."""
-    fluid_loads: tuple[FluidLoad, ...] = ()
-    """What wind and current push on."""
-    lines: tuple[MooringLineSection, ...] = ()
-    """Mooring lines that hang by their weight."""
-    fenders: tuple[FenderSection, ...] = ()
-    """One-sided springs between bodies."""
-    sensors: tuple[SensorSection, ...] = ()
-    """Material points whose motion is recorded."""
+
+
+class Case(SceneTables, _CaseHeading):
+    """The content of a case file in SI units; made by `load_case`."""
+
     reference: tuple[ReferenceSection, ...] = ()
     """Recorded histories to compare with."""
     simulate: SimulateSection | None = None
@@ -124,31 +86,13 @@ class Case(Section):
     def _conserves_momentum(self, text: str, key: str) -> None:
         """The drift of a momentum is an error of the integration only if nothing outside acts on the scene."""
         causes = [
-            f"the {body.frame.motion} frame of {name!r}"
-            for name, body in self.bodies.items()
-            if not isinstance(body, MeshBodySection) and body.frame.motion != "free"
+            f"the {entry.frame.motion} frame of {name!r}" if key == "bodies" else f"{table.one} {name!r}"
+            for key, table in TABLES.items()
+            for name, entry in table.outer(self)
         ]
         for name, mesh in self.meshes.items():
             causes += [f"{key} of {name!r}" for key in ("supports", "loads") if getattr(mesh, key)]
             causes += [f"viscous damping of {name!r}"] if mesh.damping.viscous else []
-        for force in self.forces:
-            outside = isinstance(force, PointForceSection) or GROUND in getattr(force, "between", ())
-            causes += [f"force {force.name!r}"] if outside else []
-        causes += [f"joint {joint.name!r}" for joint in self.joints if GROUND in joint.between]
-        for contact in self.contacts:
-            outside = self.contours[contact.between[1]].body == GROUND
-            causes += [f"contact {contact.name!r}"] if outside else []
-        on_ground = {surface.name for surface in self.surfaces if surface.body == GROUND}
-        causes += [
-            f"collision {name!r}" for name, (_, pair) in self.collided.items() if on_ground & set(pair)
-        ]
-        causes += [
-            f"rope {rope.name!r}" for rope in self.ropes if GROUND in {stop.body for stop in rope.path}
-        ]
-        causes += [f"hull {name!r}" for name in self.hulls]
-        causes += [f"load {load.name!r}" for load in self.fluid_loads]
-        causes += [f"line {line.name!r}" for line in self.lines if GROUND in line.between]
-        causes += [f"fender {fender.name!r}" for fender in self.fenders if GROUND in fender.between]
         if self.gravity is not None and any(self.gravity.acceleration):
             causes.append("gravity")
         if causes:

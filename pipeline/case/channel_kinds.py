@@ -4,38 +4,27 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from heavylift.pipeline.case.collision_pairs import declared_collisions, yields
-from heavylift.solver.scene.bodies import Fixed, FlexibleBody, Free, RigidBody
 from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, MONITOR_CHANNELS
 from heavylift.solver.scene.collisions import Collision
-from heavylift.solver.scene.connections import JOINTS, LOAD_CHANNELS, PAIR_FORCES, Place, Rope, Spring
-from heavylift.solver.scene.contacts import Contact
+from heavylift.solver.scene.connections import JOINTS, Place
 from heavylift.solver.scene.descriptions import known_channels
-from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene.moorings import Fender, MooringLine
-from heavylift.solver.scene.scene import Sensor
-from heavylift.solver.scene.sea import Hull
-from heavylift.solver.scene.wind_loads import CoefficientLoad, DragElement, WindField
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Mapping
 
-    from heavylift.solver.scene.descriptions import ChannelKind
 
 __all__ = [
     "COLLISION_CONTACT",
     "CONTOUR_TYPES",
     "MESH_TYPES",
-    "NAMED_LISTS",
     "OF_THE_SCENE",
     "RESERVED_NAMES",
     "SCENE_CHANNELS",
     "Declared",
     "all_channels",
     "channel_components",
-    "declared",
     "joint_coordinate",
     "lies_along_edge",
 ]
@@ -51,41 +40,9 @@ SCENE_CHANNELS = {
 RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "ground"})
 """Names that nothing in a case may take: first parts of channels of the scene, and the world."""
 
-NAMED_LISTS = (
-    "joints",
-    "ropes",
-    "forces",
-    "sensors",
-    "contacts",
-    "surfaces",
-    "collisions",
-    "tanks",
-    "fluid_loads",
-    "lines",
-    "fenders",
-)
-"""Lists of a case file whose tables have names."""
-
-
-def _quantities(channels: Iterable[ChannelKind]) -> dict[str, str]:
-    """Last parts of channels, and their quantities."""
-    return {channel.name: channel.quantity for channel in channels}
-
-
-COLLISION_CONTACT = _quantities(Collision.CONTACT_CHANNELS)
+COLLISION_CONTACT = {channel.name: channel.quantity for channel in Collision.CONTACT_CHANNELS}
 """Last parts of the channels of each recorded contact of a collision, ``NAME.contact_1.point``: name to kind."""
-MESHES: Mapping[str, type[MeshBody]] = {"frame": FrameBody, "shell": ShellBody}
-BODIES: Mapping[str, Any] = {"flexible": FlexibleBody, "rigid": RigidBody, **MESHES}
-LISTED: Mapping[str, Any] = {
-    "ropes": Rope,
-    "sensors": Sensor,
-    "contacts": Contact,
-    "lines": MooringLine,
-    "fenders": Fender,
-}
-"""What the tables of some lists become, whatever they say: they record the same."""
-
-MESH_TYPES = frozenset(MESHES)
+MESH_TYPES = frozenset({"frame", "shell"})
 """Types of bodies made of elements, whose channels have a component for every node or element."""
 
 CONTOUR_TYPES = frozenset({"surface", "curve", "cylinder", "band"})
@@ -178,119 +135,3 @@ class Declared:
     checks: Mapping[str, str] = field(default_factory=dict)
     reference_names: Counter[str] = field(default_factory=Counter)
     check_ids: Counter[str] = field(default_factory=Counter)
-
-
-def declared(document: Mapping[str, Any]) -> Declared:
-    """Collect the names of a document as read from TOML, blocks written out."""
-    bodies = document.get("bodies", {})
-    bodies = bodies if isinstance(bodies, dict) else {}
-    types = {name: str(body.get("type")) for name, body in bodies.items() if isinstance(body, dict)}
-    channels: dict[str, Mapping[str, str]] = {}
-    for name, body in bodies.items():
-        channels[name] = _body_channels(body if isinstance(body, dict) else {})
-    joints: dict[str, str] = {}
-    for name, row in _named(document, "joints"):
-        joints.setdefault(name, str(row.get("type")))  # of a name that occurs again the first one counts
-    channels |= {name: _joint_channels(kind) for name, kind in joints.items()}
-    for key, described in LISTED.items():
-        channels |= dict.fromkeys(
-            (name for name, _ in _named(document, key)), _quantities(described.CHANNELS)
-        )
-    channels |= {name: _force_channels(row, joints) for name, row in _named(document, "forces")}
-    contours = document.get("contours", {})
-    contours = contours if isinstance(contours, dict) else {}
-    channels |= {name: {} for name in contours}
-    surfaces = {name: str(row.get("body")) for name, row in _named(document, "surfaces")}
-    yielding = frozenset(name for name, body in bodies.items() if yields(body))
-    rows = list(_named(document, "collisions"))
-    collided = declared_collisions(rows, surfaces, yielding)
-    channels |= {name: {} for name in (*surfaces, *(name for name, _ in rows))}
-    channels |= {pair: _quantities(Collision.CHANNELS) for _, pair, _ in collided}
-    afloat = document.get("hulls", {})
-    hulls = frozenset(name for name in afloat if name in bodies) if isinstance(afloat, dict) else frozenset()
-    channels |= {name: {**channels[name], **_quantities(Hull.CHANNELS)} for name in hulls}
-    fluids = _fluids(document)
-    channels |= dict.fromkeys(fluids, _quantities(WindField.CHANNELS))  # a current has the same
-    channels |= {name: _fluid_load_channels(row) for name, row in _named(document, "fluid_loads")}
-    channels |= {name: {} for name, _ in _named(document, "tanks")}
-    numbered = [pair for name, pair, _ in collided if pair != name]
-    return Declared(
-        names=Counter(
-            [*bodies, *contours, *numbered, *fluids]
-            + [name for key in NAMED_LISTS for name, _ in _named(document, key)]
-        ),
-        bodies=frozenset(bodies),
-        body_types=types,
-        contours={
-            name: (str(row.get("type")), str(row.get("body"))) if isinstance(row, dict) else ("", "")
-            for name, row in contours.items()
-        },
-        surfaces=surfaces,
-        yielding=yielding,
-        collisions={pair: recorded for _, pair, recorded in collided},
-        meshes=frozenset(name for name, kind in types.items() if kind in MESH_TYPES),
-        shells=frozenset(name for name, kind in types.items() if kind == "shell"),
-        joints=joints,
-        hulls=hulls,
-        fluids=frozenset(fluids),
-        lines=frozenset(name for name, _ in _named(document, "lines")),
-        channels=channels,
-        references={
-            name: (str(row.get("channel")), row.get("scale") is not None)
-            for name, row in _named(document, "reference")
-        },
-        checks={name: str(row.get("quantity", "")) for name, row in _named(document, "check", "id")},
-        reference_names=Counter(name for name, _ in _named(document, "reference")),
-        check_ids=Counter(name for name, _ in _named(document, "check", "id")),
-    )
-
-
-def _named(document: Mapping[str, Any], key: str, name: str = "name") -> Iterator[tuple[str, dict[str, Any]]]:
-    """Entries of a list of tables that have a name."""
-    rows: Iterable[Any] = document.get(key, [])
-    for row in rows if isinstance(rows, list) else ():
-        if isinstance(row, dict) and isinstance(row.get(name), str):
-            yield row[name], row
-
-
-def _body_channels(body: Mapping[str, Any]) -> Mapping[str, str]:
-    described = BODIES.get(str(body.get("type")), RigidBody)
-    frame = body.get("frame")
-    free = described in MESHES.values() or (isinstance(frame, dict) and frame.get("motion") == "free")
-    return _quantities((*described.CHANNELS, *(Free if free else Fixed).CHANNELS))
-
-
-def _fluids(document: Mapping[str, Any]) -> list[str]:
-    """Names of winds and currents, as often as they occur; a table alone may have none of its own."""
-    sea = document.get("sea")
-    found = []
-    for kind in ("wind", "current"):
-        rows = sea.get(kind, []) if isinstance(sea, dict) else []
-        for row in [rows] if isinstance(rows, dict) else rows if isinstance(rows, list) else []:
-            name = row.get("name", kind) if isinstance(row, dict) else None
-            found += [name] if isinstance(name, str) else []
-    return found
-
-
-def _fluid_load_channels(row: Mapping[str, Any]) -> Mapping[str, str]:
-    described = CoefficientLoad if row.get("type") == "coefficients" else DragElement
-    return _quantities(described.CHANNELS)
-
-
-def _joint_channels(kind: str) -> Mapping[str, str]:
-    """Of a sort that does not exist any channel, so that its type is all that is told."""
-    described = JOINTS.get(kind)
-    return all_channels() if described is None else _quantities(described.CHANNELS)
-
-
-def _force_channels(row: Mapping[str, Any], joints: Mapping[str, str]) -> Mapping[str, str]:
-    kind = row.get("type", "point")
-    if kind in {"joint_spring", "motor"}:
-        coordinate = joint_coordinate(joints.get(str(row.get("joint")), ""))
-        return _quantities([LOAD_CHANNELS["travel" if coordinate == "travel" else "angle"]])
-    if kind == "spring":
-        return _quantities(Spring.CHANNELS)
-    if kind == "point":
-        return {}
-    described = PAIR_FORCES.get(str(kind))
-    return all_channels() if described is None else _quantities(described.CHANNELS)

@@ -2,13 +2,15 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from collections.abc import Callable
+from functools import cache
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from heavylift.numerics.outcome import InputError
-from heavylift.numerics.units import Dimension, Kind, parse_quantity
+from heavylift.numerics.quantity import ByExponent
 from heavylift.pipeline.case.channel_kinds import CONTOUR_TYPES
+from heavylift.pipeline.case.described import make_section
 from heavylift.pipeline.case.fields import (
     GROUND,
     CaseContext,
@@ -18,29 +20,24 @@ from heavylift.pipeline.case.fields import (
     Quantity,
     Section,
     UniqueName,
-    quantity_schema,
     refuse_unknown,
     reject,
 )
-from heavylift.solver.scene import contacts as solver
+from heavylift.solver.scene.contacts import CONTACT_LAWS, Contact
+from heavylift.solver.scene.descriptions import Family, described_fields
 
 __all__ = [
-    "BilateralContactSection",
     "BoxShapeSection",
     "CapsuleShapeSection",
     "CircleShapeSection",
-    "Contact",
     "CylinderShapeSection",
     "EllipsoidShapeSection",
-    "HertzContactSection",
-    "HuntCrossleyContactSection",
-    "LinearContactSection",
     "PointShapeSection",
-    "RigidContactSection",
     "Shape",
     "SphereShapeSection",
     "TurnSection",
-    "contact_stiffness",
+    "contact_section",
+    "refuse_keys_of_others",
 ]
 
 Length = Annotated[float, Positive("length")]
@@ -157,26 +154,22 @@ Shape = Annotated[
     Field(discriminator="type"),
 ]
 
-_LAWS_OF = {
-    "restitution": ("rigid", "hunt-crossley"),
-    "rest_speed": ("rigid",),
-    "events": ("rigid",),
-    "stiffness": ("linear", "hertz", "hunt-crossley"),
-    "contact_modulus": ("hertz", "hunt-crossley"),
-    "damping": ("linear",),
-    "exponent": ("hunt-crossley",),
-}
-"""Keys of laws, and which laws have them."""
-
-_LAWS = ("rigid", "bilateral", "linear", "hertz", "hunt-crossley")
 _ON_SURFACES = frozenset({"circle", "ellipsoid", "box", "capsule", "cylinder"})
 """Shapes that touch surfaces only."""
 
 
-class _ContactSection(Section):
-    """What all contacts have."""
+def refuse_keys_of_others(section: Any, value: Any, family: Family[Any], made: Callable[[Any], Any]) -> None:
+    """Reject keys of a table that it would have under another law of a family; `made` is the section of a law."""
+    for key in value if isinstance(value, dict) else ():
+        if key not in section.model_fields:
+            owners = [word for word in family.words if key in made(family.get(word)).model_fields]
+            words = " or ".join(map(repr, owners))
+            if owners:
+                reject(f"{key!r} with law {section.DESCRIBED.WORD!r}", f"law {words}, or no {key!r}", key=key)
 
-    CHANNELS: ClassVar = solver.Contact.CHANNELS
+
+class _ContactPlace(Section):
+    """Where a contact is."""
 
     name: UniqueName
     """Name; the first part of its channels."""
@@ -191,19 +184,11 @@ class _ContactSection(Section):
     """In place of `point`: where it is at the start [m], in the world."""
     shape: Shape = Field(default_factory=lambda: PointShapeSection(type="point"))
     """What touches; the point itself if absent."""
-    friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0
-    """Coulomb's coefficient; 0 without."""
-    footprint: Length | None = None
-    """Radius [m] of a disc on the contour over which gap and force are spread with the weight (1 - r^2/R^2)^2."""
 
     @model_validator(mode="before")
     @classmethod
     def _has_the_keys_of_its_law(cls, value: Any) -> Any:
-        law = value.get("law") if isinstance(value, dict) else None
-        for key, laws in _LAWS_OF.items():
-            if law in _LAWS and key in value and law not in laws:
-                owners = " or ".join(repr(name) for name in laws)
-                reject(f"{key!r} with law {law!r}", f"law {owners}, or no {key!r}", key=key)
+        refuse_keys_of_others(cls, value, CONTACT_LAWS, contact_section)
         return value
 
     @field_validator("between")
@@ -230,7 +215,7 @@ class _ContactSection(Section):
         return value
 
     @model_validator(mode="after")
-    def _fits(self, info: ValidationInfo) -> Self:
+    def _fits(self: Any, info: ValidationInfo) -> Any:
         if self.point is not None and self.at is not None:
             reject("both 'point' and 'at'", "'point' (of the body), or 'at' (in the world)", key="at")
         law, shape = self.law, self.shape.type
@@ -270,43 +255,17 @@ class _ContactSection(Section):
         return self
 
 
-class RigidContactSection(_ContactSection):
-    """Without compliance: what touches does not enter, and impacts are at once."""
-
-    law: Literal["rigid"]
-    restitution: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 0.0
-    """Velocity after an impact over that before it, 0 to 1."""
-    rest_speed: Annotated[float, Quantity("velocity", minimum=0.0, closed=True)] = 0.0
-    """Approach [m/s] below which an impact has no restitution."""
-    events: Annotated[bool, Field(strict=True)] = True
-    """Split the step where an impact happens; else impacts happen at ends of steps."""
-
-
-class BilateralContactSection(_ContactSection):
-    """Never leaves the contour: a bead on a curve, a slider in a surface."""
-
-    law: Literal["bilateral"]
-
-
-class LinearContactSection(_ContactSection):
-    """A spring and a damper that never pull."""
-
-    law: Literal["linear"]
-    stiffness: Annotated[float, Positive("stiffness")]
-    """[N/m]."""
-    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
-    """[N s/m]."""
-
-
-class _PowerLawSection(_ContactSection):
-    """What laws have whose force is a power of the depth."""
+class _BallPlace(_ContactPlace):
+    """Of a law whose force is a power of the depth."""
 
     contact_modulus: Annotated[float, Positive("pressure")] | None = None
     """In place of `stiffness`, of a sphere: E* [Pa] with 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; the stiffness is
     4/3 E* sqrt(radius), of a ball on a flat surface."""
 
-    def check_stiffness(self, stiffness: float | None, exponent: float) -> None:
+    @model_validator(mode="after")
+    def _has_a_stiffness(self: Any) -> Any:
         """One of `stiffness` and `contact_modulus`, which is for spheres."""
+        stiffness, exponent = self.stiffness, getattr(self, "exponent", 1.5)
         if (stiffness is None) == (self.contact_modulus is None):
             problem = "no 'stiffness'" if stiffness is None else "both 'stiffness' and 'contact_modulus'"
             reject(problem, "'stiffness', or 'contact_modulus' of a sphere")
@@ -316,82 +275,12 @@ class _PowerLawSection(_ContactSection):
         if self.contact_modulus is not None and exponent != 1.5:
             problem = f"'contact_modulus' with exponent {exponent:g}"
             reject(problem, "exponent 1.5, or 'stiffness'", key="contact_modulus")
-
-
-def contact_stiffness(value: Any, exponent: float) -> float:
-    """SI number of the stiffness of a power law [N/m^exponent]; a rejected one ends the validation of the field."""
-    unit = f"N/m^{exponent:g}"
-    try:
-        number = parse_quantity(
-            value, Kind("stiffness of a contact", unit, Dimension(1.0 - exponent, 1.0, -2.0))
-        )
-    except InputError as error:
-        reject(error.problem, error.expected)
-    if number <= 0.0:
-        reject(f"{value!r} is too small", f"a stiffness of a contact > 0 {unit}")
-    return number
-
-
-PowerStiffness = Annotated[
-    float, WithJsonSchema(quantity_schema("number in N/m^exponent", exclusiveMinimum=0.0), mode="validation")
-]
-
-
-class HertzContactSection(_PowerLawSection):
-    """Elastic and smooth bodies (Hertz): a force that grows with the depth to the power of 3/2."""
-
-    law: Literal["hertz"]
-    stiffness: PowerStiffness | None = None
-    """[N/m^1.5]."""
-
-    @field_validator("stiffness", mode="before")
-    @classmethod
-    def _in_its_unit(cls, value: Any) -> Any:
-        return None if value is None else contact_stiffness(value, 1.5)
-
-    @model_validator(mode="after")
-    def _has_a_stiffness(self) -> Self:
-        self.check_stiffness(self.stiffness, 1.5)
         return self
 
 
-class HuntCrossleyContactSection(_PowerLawSection):
-    """A force that grows with a power of the depth, and damping that gives a restitution (Hunt and Crossley)."""
-
-    law: Literal["hunt-crossley"]
-    exponent: Annotated[float, Quantity("number", minimum=1.0, maximum=3.0, closed=True)] = 1.5
-    """1.5 of Hertz, 1 linear."""
-    stiffness: PowerStiffness | None = None
-    """[N/m^exponent]."""
-    restitution: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 1.0
-    """Velocity after an impact over that before it, above 0 up to 1."""
-
-    @field_validator("stiffness", mode="before")
-    @classmethod
-    def _in_its_unit(cls, value: Any, info: ValidationInfo) -> Any:
-        # an exponent that is wrong is told by itself
-        if value is None or "exponent" not in info.data:
-            return None if value is None else 1.0
-        return contact_stiffness(value, info.data["exponent"])
-
-    @field_validator("restitution")
-    @classmethod
-    def _bounces(cls, value: float) -> float:
-        if value == 0.0:
-            reject("0 needs infinite damping", "above 0, or law 'rigid'")
-        return value
-
-    @model_validator(mode="after")
-    def _has_a_stiffness(self) -> Self:
-        self.check_stiffness(self.stiffness, self.exponent)
-        return self
-
-
-Contact = Annotated[
-    RigidContactSection
-    | BilateralContactSection
-    | LinearContactSection
-    | HertzContactSection
-    | HuntCrossleyContactSection,
-    Field(discriminator="law"),
-]
+@cache
+def contact_section(law: Any) -> Any:
+    """Section of a contact by a law: where it is, what all contacts have, and the keys of the law."""
+    of_power = any(field.mark(ByExponent) is not None for field in described_fields(law))
+    base = make_section(Contact, _BallPlace if of_power else _ContactPlace, {})
+    return make_section(law, base, {}, optional={"stiffness"} if of_power else ())

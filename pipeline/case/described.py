@@ -2,87 +2,330 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING
-from functools import reduce
+from functools import cache, reduce
 from operator import or_
-from typing import Annotated, Any, Literal, Optional, cast, get_args
+from types import GenericAlias, UnionType
+from typing import Annotated, Any, ClassVar, Literal, Optional, Union, cast, get_args, get_origin
 
+import numpy as np
+from annotated_types import Interval
 from pydantic import (
+    AfterValidator,
+    BeforeValidator,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     TypeAdapter,
     ValidationInfo,
+    WithJsonSchema,
     create_model,
+    field_validator,
+    model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from heavylift.numerics.quantity import Quantity, WorldDirection
-from heavylift.pipeline.case.fields import Direction, Section, reject
-from heavylift.solver.scene.descriptions import DescribedField, Family, described_fields
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import (
+    BodyDirection,
+    BodyPoint,
+    ByCoordinate,
+    ByExponent,
+    Least,
+    NameOf,
+    Quantity,
+    Shape,
+    TableFile,
+    WorldDirection,
+    quantity_schema,
+)
+from heavylift.pipeline.case.channel_kinds import joint_coordinate
+from heavylift.pipeline.case.columns import read_columns
+from heavylift.pipeline.case.fields import (
+    BodyName,
+    CaseContext,
+    Direction,
+    InFolder,
+    LengthVector,
+    Section,
+    SideName,
+    UniqueName,
+    refuse_unknown,
+    reject,
+)
+from heavylift.solver.scene.connections import JOINTS, Between
+from heavylift.solver.scene.descriptions import (
+    DescribedField,
+    Family,
+    described_fields,
+    is_described,
+    recorded_channels,
+)
 
-__all__ = ["Chosen", "make_section"]
+__all__ = ["BetweenSection", "Chosen", "checked", "make_section", "section_of"]
+
+Parts = Mapping[Any, Callable[[Quantity], Any]]
+
+
+class _NamedSection(Section):
+    """What everything has that has a name."""
+
+    name: UniqueName
+    """Name; the first part of its channels."""
+
+
+class BetweenSection(_NamedSection):
+    """What all have that is between two points."""
+
+    between: tuple[SideName, SideName]
+    """Its two sides a and b: names of bodies, or ``"ground"`` for the world."""
+    points: tuple[LengthVector, LengthVector]
+    """One point a side [m] in the coordinates of the geometry of the body; of the ground in the world."""
+
+    DESCRIBED: ClassVar[type[Between]]
+
+    @field_validator("between")
+    @classmethod
+    def _joins_two(cls, value: tuple[str, str]) -> tuple[str, str]:
+        checked(cls.DESCRIBED.check_sides, value)
+        return value
+
+
+@cache
+def section_of(described: Any) -> type[Section]:
+    """Section of a description, with the keys of where the thing is."""
+    if issubclass(described, Between):
+        return make_section(described, BetweenSection, {})
+    named = "name" in described.__dataclass_fields__
+    return make_section(described, _NamedSection if named else Section, {})
 
 
 def make_section(
     described: Any,
     base: type[Section],
-    parts: Mapping[Any, Callable[[Quantity], Any]],
+    parts: Parts,
     changed: Mapping[str, Any] | None = None,
+    optional: Collection[str] = (),
 ) -> type[Section]:
     """Section of a description.
 
     Parameters
     ----------
     described
-        The description; its fields become keys.
+        The description; its fields become keys, its ``check`` the last check of the section.
     base
         What the sections of its family have in common.
     parts
         By class of a value that a table of its own describes: the section of that table for a quantity.
     changed
         Keys of the base with another type: type and default by name.
+    optional
+        Keys of the description that may be left out, because the base has others in their place.
 
     Raises
     ------
     TypeError
         If a field hides a key of the base.
     """
-    own: dict[str, Any] = {"type": (Literal[described.WORD], ...)}
-    for field in described_fields(described):
+    own: dict[str, Any] = {}
+    if described.WORD and described.FAMILY.typed:
+        default = described.WORD if described.FAMILY.default == described.WORD else ...
+        own[described.FAMILY.key] = (Literal[described.WORD], default)
+    for field in sorted(described_fields(described), key=lambda field: field.mark(ByExponent) is not None):
         if field.name in base.model_fields or field.name in own:
             raise TypeError(f"{described.__qualname__}.{field.name} hides a key that {base.__name__} has")
-        own[field.name] = (_annotation(field, parts), ... if field.default is MISSING else field.default)
+        made, default = _annotation(field, parts), _default(field)
+        own[field.name] = (made | None, None) if field.name in optional else (made, default)
     own |= changed or {}
-    name = "".join(word.capitalize() for word in described.WORD.split("_")) + base.__name__.lstrip("_")
+    within = base.DESCRIBED.__name__ if hasattr(base, "DESCRIBED") else ""
     made = create_model(
-        name, __base__=base, __module__=described.__module__, __doc__=described.__doc__, **own
+        f"{described.__name__}{within}Section",
+        __base__=base,
+        __module__=described.__module__,
+        __doc__=described.__doc__,
+        __validators__={"check": model_validator(mode="after")(_run_check)},  # type: ignore[dict-item]
+        **own,
     )
-    made.DESCRIBED = described  # type: ignore[attr-defined]
-    made.CHANNELS = described.CHANNELS
+    made.DESCRIBED = described
+    if hasattr(described, "CHANNELS") or not base.CHANNELS:
+        made.CHANNELS = recorded_channels(described)
     return made
 
 
-def _annotation(field: DescribedField, parts: Mapping[Any, Callable[[Quantity], Any]]) -> Any:
+def _run_check(section: Any) -> Any:
+    check = getattr(section.DESCRIBED, "check", None)
+    if check is not None:
+        checked(check, section)
+    return section
+
+
+def checked(check: Callable[[Any], None], value: Any) -> None:
+    """Run a check of a description on what a case file says."""
+    try:
+        check(value)
+    except InputError as error:
+        reject(error.problem, error.expected, key=error.key)
+
+
+def _default(field: DescribedField) -> Any:
+    """What a key that is not there stands for in a section."""
+    if field.absent:
+        return None
+    if isinstance(field.default, np.ndarray):
+        return tuple(field.default.tolist())
+    return ... if field.default is MISSING else field.default
+
+
+def _annotation(field: DescribedField, parts: Parts) -> Any:
     """Type of a key of a case file."""
-    if isinstance(field.quantity, WorldDirection):
+    made = _type(field.hint, field, parts)
+    least = field.mark(Least)
+    if least is not None:
+        made = Annotated[made, Field(min_length=least.count)]
+    if field.absent:
+        made = Optional[made]  # noqa: UP045
+    power = field.mark(ByExponent)
+    if power is not None:
+        made = Annotated[made, BeforeValidator(_InItsUnit(power).parse)]
+    along = field.mark(ByCoordinate)
+    return made if along is None else Annotated[made, BeforeValidator(_InUnitsOfTheJoint(along).parse)]
+
+
+def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
+    """Type of a value of a case file."""
+    quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
+    if origin in {Union, UnionType}:
+        choices = [_type(kind, field, parts) for kind in inner if kind is not type(None)]
+        made: Any = reduce(or_, choices)
+        return Optional[made] if type(None) in inner else made  # noqa: UP045
+    if hint in parts:
+        return parts[hint](quantity)
+    if isinstance(quantity, (WorldDirection, BodyDirection)):
         return Direction
-    choices = get_args(field.hint) or (field.hint,)
-    optional = type(None) in choices
-    kinds = [choice for choice in choices if choice is not type(None)]
-    if len(kinds) != 1 or (kinds[0] is not float and kinds[0] not in parts):
-        raise TypeError(
-            f"{field.name}: {field.hint}, expected float, or one of {', '.join(kind.__name__ for kind in parts)}"
+    if isinstance(quantity, BodyPoint):
+        return LengthVector
+    if isinstance(quantity, NameOf):
+        return _NAMES[quantity.what]
+    if isinstance(quantity, TableFile):
+        return Annotated[str, InFolder(), AfterValidator(_ReadsTable(quantity).check)]
+    if origin is tuple:
+        kinds = tuple(part if part is ... else _type(part, field, parts) for part in inner)
+        return GenericAlias(tuple, kinds)
+    if origin is np.ndarray and field.mark(Shape) is not None:
+        made = _number(quantity)
+        for length in reversed(field.mark(Shape).lengths):
+            made = GenericAlias(tuple, (made, ...) if length is None else (made,) * length)
+        return made
+    if hint in {bool, int}:
+        limits = [mark for mark in field.marks if isinstance(mark, Interval)]
+        return Annotated[(hint, Field(strict=True), *limits)]
+    if origin is Literal:
+        return hint
+    if is_described(hint):
+        return section_of(hint)
+    if hint is float:
+        return _number(quantity)
+    known = ", ".join(kind.__name__ for kind in parts)
+    raise TypeError(f"{field.name}: {hint}, expected float{', or one of ' * bool(known)}{known}")
+
+
+def _number(quantity: Quantity | ByCoordinate) -> Any:
+    if isinstance(quantity, ByCoordinate):
+        return Annotated[float, WithJsonSchema(quantity_schema(), mode="validation")]
+    if isinstance(quantity, ByExponent):
+        schema = quantity_schema("number in N/m^exponent", exclusiveMinimum=0.0)
+        return Annotated[float, WithJsonSchema(schema, mode="validation")]
+    return Annotated[float, quantity]
+
+
+class _InItsUnit:
+    """Parses a stiffness whose unit depends on an exponent."""
+
+    def __init__(self, quantity: ByExponent) -> None:
+        self.quantity = quantity
+
+    def parse(self, value: Any, info: ValidationInfo) -> Any:
+        """A value in SI; one if the exponent is wrong, which is told already."""
+        exponent = self.quantity.exponent or info.data.get("exponent")
+        if value is None or exponent is None:
+            return None if value is None else 1.0
+        try:
+            return self.quantity.parse(value, exponent)
+        except InputError as error:
+            reject(error.problem, error.expected)
+
+
+class _InUnitsOfTheJoint:
+    """Parses what is an angle, or the like, for a joint that turns, and a travel for one that slides."""
+
+    def __init__(self, quantities: ByCoordinate) -> None:
+        self.quantities = quantities
+
+    def parse(self, value: Any, info: ValidationInfo) -> Any:
+        """A value, or a list of values, in SI; zeros if the joint is not known, whose error is told already."""
+        if value is None or "joint" not in info.data:
+            return [] if isinstance(value, list) else 0.0
+        context = CaseContext.of(info)
+        joints = {} if context is None else context.names.joints
+        slides = joint_coordinate(joints.get(info.data["joint"], "")) == "travel"
+        quantity = self.quantities.travel if slides else self.quantities.angle
+        return (
+            [quantity.parse(entry) for entry in value] if isinstance(value, list) else quantity.parse(value)
         )
-    one = kinds[0]
-    made = parts[one](field.quantity) if one in parts else Annotated[one, field.quantity]
-    return Optional[made] if optional else made  # noqa: UP045
+
+
+class _ReadsTable:
+    """Refuses a file that is not the table that is wanted."""
+
+    def __init__(self, wanted: TableFile) -> None:
+        self.wanted = wanted
+
+    def check(self, name: str, info: ValidationInfo) -> str:
+        """The name of the file."""
+        context = CaseContext.of(info)
+        if context is not None:
+            try:
+                read_columns(context.folder / name, self.wanted.headers)
+            except InputError as error:
+                where = f"{name}: {error.key}: " if error.key else f"{name}: "
+                reject(where + error.problem, error.expected)
+        return name
+
+
+def _turns_or_slides(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context is None:
+        return name
+    joints = context.names.joints
+    refuse_unknown("joint", name, joints)
+    described = JOINTS.get(joints[name])
+    if described is not None and not described.COORDINATE:
+        both = {"angle", "travel"} <= {channel.name for channel in described.CHANNELS}
+        has = "an angle and a travel" if both else "neither an angle nor a travel"
+        reject(f"joint {name!r} of type {joints[name]!r} has {has}", "a hinge or a slider")
+    return name
+
+
+def _known_fluid(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context:
+        refuse_unknown("wind or current", name, context.names.fluids)
+    return name
+
+
+_NAMES: Mapping[str, Any] = {
+    "body": BodyName,
+    "side": SideName,
+    "joint": Annotated[str, AfterValidator(_turns_or_slides)],
+    "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
+}
+"""By what a name is the name of."""
 
 
 class Chosen:
-    """Annotation of a table whose key ``type`` says by which description of a family it is made.
+    """Annotation of a table that a description of a family makes: the one that its key ``type`` names.
 
     Parameters
     ----------
@@ -90,14 +333,14 @@ class Chosen:
         Its descriptions.
     section
         Section of a description.
-    others
-        Words for tables that stand beside, for the message.
+    word
+        The description, in place of a key ``type``.
     """
 
     def __init__(
-        self, family: Family[Any], section: Callable[[Any], type[Section]], others: Sequence[str] = ()
+        self, family: Family[Any], section: Callable[[Any], type[Section]] = section_of, *, word: str = ""
     ) -> None:
-        self.family, self.section, self.others = family, section, others
+        self.family, self.section, self.word = family, section, word
 
     def validate(self, value: Any, info: ValidationInfo) -> Section:
         """The section of a table."""
@@ -105,19 +348,26 @@ class Chosen:
             return value
         if not isinstance(value, dict):
             reject(f"{value!r} is not a table", "a table")
-        if "type" not in value:
-            reject("key 'type' is missing", "the kind of this table")
-        word = value["type"]
-        described = self.family.get(word) if isinstance(word, str) else None
+        word, described = self._word(value), self.described(value)
+        if word == "":
+            reject(f"key {self.family.key!r} is missing", "the kind of this table")
         if described is None:
-            words = (*self.others, *self.family.words)
-            reject(f"type = {word!r}", "one of " + ", ".join(f"'{word}'" for word in words))
+            known = ", ".join(f"'{word}'" for word in self.family.words)
+            reject(f"{self.family.key} = {word!r}", f"one of {known}")
         return self.section(described).model_validate(value, context=info.context)
+
+    def _word(self, row: Mapping[str, Any]) -> Any:
+        return self.word or row.get(self.family.key, self.family.default)
+
+    def described(self, row: Mapping[str, Any]) -> Any:
+        """The description of a table as read from TOML; None if there is none with its word."""
+        word = self._word(row)
+        return self.family.get(word) if isinstance(word, str) else None
 
     @property
     def sections(self) -> Iterable[type[Section]]:
         """Those of all descriptions."""
-        for word in self.family.words:
+        for word in [self.word] if self.word else self.family.words:
             yield self.section(self.family.get(word))
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -126,6 +376,12 @@ class Chosen:
     def __get_pydantic_json_schema__(
         self, _schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        union: Any = reduce(or_, self.sections)
-        adapter: TypeAdapter[Any] = TypeAdapter(cast("Any", Annotated[union, Field(discriminator="type")]))
-        return handler(adapter.core_schema)
+        made: Any = reduce(or_, self.sections)
+        if self.word:  # a section that is used once has no definition of its own
+            twice: TypeAdapter[Any] = TypeAdapter(cast("Any", tuple[made, made]))
+            found: JsonSchemaValue = handler(twice.core_schema)["prefixItems"][0]
+            return found
+        chosen: TypeAdapter[Any] = TypeAdapter(
+            cast("Any", Annotated[made, Field(discriminator=self.family.key)])
+        )
+        return handler(chosen.core_schema)

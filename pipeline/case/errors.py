@@ -17,7 +17,15 @@ if TYPE_CHECKING:
 
     from pydantic import ValidationError
 
-__all__ = ["group_errors", "input_errors", "known_keys", "sections_below"]
+__all__ = [
+    "chosen_in",
+    "group_errors",
+    "input_errors",
+    "is_chosen",
+    "known_keys",
+    "sections_below",
+    "sections_in",
+]
 
 _MISSING = object()
 
@@ -170,7 +178,7 @@ def _candidates(root: type[BaseModel], document: Any, keys: Sequence[str | int])
     for key in keys:
         node = node[key] if _has(node, key) else _MISSING
         sections = sections_below(sections, key) or sections
-        chosen = {section for section in sections if _is_chosen(section, node)}
+        chosen = {section for section in sections if is_chosen(section, node)}
         sections = chosen or sections
     return sections
 
@@ -181,21 +189,28 @@ def sections_below(sections: Iterable[type[BaseModel]], key: str | int) -> set[t
     for section in sections:
         for name, field in section.model_fields.items():
             if key in {name, field.alias}:
-                found |= set(_models(field.annotation))
+                found |= set(sections_in(field.annotation))
     return found
 
 
-def _models(annotation: Any) -> Iterable[type[BaseModel]]:
+def sections_in(annotation: Any) -> Iterable[type[BaseModel]]:
     """All section types inside a type annotation."""
     if isinstance(annotation, Chosen):
         yield from annotation.sections
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for argument in get_args(annotation):
-        yield from _models(argument)
+        yield from sections_in(argument)
 
 
-def _is_chosen(section: type[BaseModel], node: Any) -> bool:
+def chosen_in(annotation: Any) -> Chosen | None:
+    """What chooses the descriptions of the tables that a type annotation is of; None if sections stand in it."""
+    if isinstance(annotation, Chosen):
+        return annotation
+    return next(filter(None, map(chosen_in, get_args(annotation))), None)
+
+
+def is_chosen(section: type[BaseModel], node: Any) -> bool:
     """Whether a table's ``type``, ``motion`` or ``law`` says that it is this section."""
     for name in ("type", "motion", "law"):
         field = section.model_fields.get(name)

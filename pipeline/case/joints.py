@@ -8,9 +8,8 @@ from typing import Annotated, Any, Self
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from heavylift.pipeline.case.bodies import ProfileSection
-from heavylift.pipeline.case.described import Chosen, make_section
+from heavylift.pipeline.case.described import Chosen, checked, make_section
 from heavylift.pipeline.case.fields import (
-    GROUND,
     AnyOf,
     CaseContext,
     Direction,
@@ -23,10 +22,10 @@ from heavylift.pipeline.case.fields import (
     is_parallel,
     reject,
 )
-from heavylift.pipeline.case.mesh_supports import EdgeName, NodeNumber
+from heavylift.pipeline.case.meshes import EdgeName, NodeNumber
 from heavylift.solver.scene import connections as c
 from heavylift.solver.scene.bodies import Profile
-from heavylift.solver.scene.connections import Place
+from heavylift.solver.scene.connections import Between, Place
 
 __all__ = [
     "AngleLimitsSection",
@@ -34,7 +33,6 @@ __all__ = [
     "Joint",
     "JointSection",
     "TravelLimitsSection",
-    "check_sides",
     "joint_section",
 ]
 
@@ -111,7 +109,7 @@ class JointSection(Section):
     @field_validator("between")
     @classmethod
     def _joins_two(cls, value: tuple[str, str]) -> tuple[str, str]:
-        check_sides(value)
+        checked(Between.check_sides, value)
         return value
 
 
@@ -132,14 +130,6 @@ class PlacedJointSection(JointSection):
                 "'at' (a point in the world), or 'points' (one a side, in coordinates of the bodies)",
             )
         return self
-
-
-def check_sides(between: tuple[str, str]) -> None:
-    """Two sides are two different bodies, or a body and the world."""
-    if between == (GROUND, GROUND):
-        reject("both sides are the ground", "at least one body")
-    if between[0] == between[1]:
-        reject(f"both sides are {between[0]!r}", "two different bodies, or a body and 'ground'")
 
 
 class AxisJointSection(PlacedJointSection):

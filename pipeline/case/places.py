@@ -6,8 +6,8 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import InputError, InputErrors
-from heavylift.pipeline.case.channel_kinds import NAMED_LISTS
 from heavylift.pipeline.case.simulate import SimulateSection
+from heavylift.pipeline.case.tables import TABLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,12 +19,10 @@ __all__ = ["in_case", "located", "places"]
 
 def places(case: Case) -> dict[str, str]:
     """Dotted keys in the case file of what has a name: bodies, contours, joints, surfaces, collisions and so on."""
-    found = {name: case.place(f"bodies.{name}") for name in case.bodies}
-    found |= {name: case.place(f"contours.{name}") for name in case.contours}
-    for section in NAMED_LISTS:
-        for index, entry in enumerate(getattr(case, section)):
-            found[entry.name] = case.place(f"{section}.{index}")
-    found |= {name: case.place(f"databases.{name}") for name in case.databases if name not in found}
+    found: dict[str, str] = {}
+    for table in sorted(TABLES.values(), key=lambda table: table.names == "apart"):
+        for key, name, _ in table.entries(case) if table.names != "bodies" else ():
+            found.setdefault(name, case.place(key))
     for kind in ("wind", "current"):
         rows = () if case.sea is None else getattr(case.sea, kind)
         for index, row in enumerate(rows):

@@ -7,28 +7,24 @@ are told at the place in the file that the user wrote.
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-import contextlib
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.case.arithmetic import Numbers, filled, value_of
-from heavylift.pipeline.case.channel_kinds import NAMED_LISTS as LISTS
-from heavylift.pipeline.case.fields import GROUND, LengthVector, Section, reject
+from heavylift.pipeline.case.fields import LengthVector, Section, reject
+from heavylift.pipeline.case.tables import TABLES, Table, lengths
 
 __all__ = ["Expansion", "Origin", "Parameters", "RepeatSection", "expand"]
 
 INDEX = "i"
 LIMIT = 100_000
 """Largest number of copies of one block."""
-TABLES = ("bodies", "contours", "hulls", "databases")
-_SINGULAR = {"bodies": "body", "contours": "contour", "hulls": "hull", "databases": "database"}
 PROSE = ("title", "sources", "source")
 """Keys whose texts may have braces that mean nothing."""
 
@@ -48,7 +44,7 @@ _WHOLE = WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 0}, {"type": "
 _ANY_WHOLE = WithJsonSchema({"anyOf": [{"type": "integer"}, {"type": "string"}]}, mode="validation")
 
 
-class RepeatSection(Section):
+class _RepeatSection(Section):
     """Tables that are copied for ``i = first, ..., first + count - 1``; ``{i+1}`` in a text becomes a number."""
 
     count: Annotated[int, Field(ge=0, le=LIMIT, strict=True), _WHOLE]
@@ -58,36 +54,17 @@ class RepeatSection(Section):
     shift: LengthVector = (0.0, 0.0, 0.0)
     """Added i times to places in the world at the start [m]: positions of bodies, pivots of driven frames, ``at`` of
     joints and contacts, points and surfaces on the ground."""
-    bodies: dict[str, dict[str, Any]] = Field(default_factory=dict)
-    """Bodies by name, as in the case."""
-    joints: tuple[dict[str, Any], ...] = ()
-    """Joints, as in the case."""
-    ropes: tuple[dict[str, Any], ...] = ()
-    """Ropes, as in the case."""
-    forces: tuple[dict[str, Any], ...] = ()
-    """Forces, as in the case."""
-    sensors: tuple[dict[str, Any], ...] = ()
-    """Sensors, as in the case."""
-    contours: dict[str, dict[str, Any]] = Field(default_factory=dict)
-    """Contours by name, as in the case."""
-    contacts: tuple[dict[str, Any], ...] = ()
-    """Contacts, as in the case."""
-    surfaces: tuple[dict[str, Any], ...] = ()
-    """Surfaces, as in the case."""
-    collisions: tuple[dict[str, Any], ...] = ()
-    """Collisions, as in the case."""
-    hulls: dict[str, dict[str, Any]] = Field(default_factory=dict)
-    """Hulls by name, as in the case."""
-    databases: dict[str, dict[str, Any]] = Field(default_factory=dict)
-    """Databases by name, as in the case."""
-    tanks: tuple[dict[str, Any], ...] = ()
-    """Tanks, as in the case."""
-    fluid_loads: tuple[dict[str, Any], ...] = ()
-    """Loads of wind and current, as in the case."""
-    lines: tuple[dict[str, Any], ...] = ()
-    """Mooring lines, as in the case."""
-    fenders: tuple[dict[str, Any], ...] = ()
-    """Fenders, as in the case."""
+
+
+if TYPE_CHECKING:
+    RepeatSection = _RepeatSection
+else:
+    RepeatSection = create_model(
+        "RepeatSection",
+        __base__=_RepeatSection,
+        __doc__=_RepeatSection.__doc__,
+        **{key: table.repeated for key, table in TABLES.items()},
+    )
 
 
 @dataclass(frozen=True)
@@ -189,6 +166,8 @@ def expand(document: dict[str, Any], file: Path) -> Expansion:
             target[key] = writer.fill(value, key, writer.names)
     for number, block in enumerate(blocks):
         writer.write_out(target, block, f"repeat.{number}")
+    if blocks:
+        target.setdefault("bodies", {})  # which is told as too few, not as a key that is missing
     return Expansion(target, writer.origins, tuple({error.key: error for error in writer.errors}.values()))
 
 
@@ -238,8 +217,8 @@ class _Writer:
         settings |= {
             key: self._whole(block[key], f"{path}.{key}") for key in ("count", "first") if key in block
         }
-        rest = {key: value for key, value in block.items() if key not in {*TABLES, *LISTS, *settings}}
-        shapes = {key: block[key] for key in (*TABLES, *LISTS) if key in block}
+        rest = {key: value for key, value in block.items() if key not in {*TABLES, *settings}}
+        shapes = {key: block[key] for key in TABLES if key in block}
         target["repeat"].append({**rest, **settings, **shapes})
         count, first = settings.get("count"), settings.get("first", 0)
         if (
@@ -249,14 +228,12 @@ class _Writer:
             or count > LIMIT
         ):
             return
-        shift = _lengths(settings.get("shift", [0.0, 0.0, 0.0]))
+        shift = lengths(settings.get("shift", [0.0, 0.0, 0.0]))
         for index in range(first, first + count):
             names = {**self.names, INDEX: index}
-            move = [index * entry for entry in shift] if shift else None
-            for section in TABLES:
-                self._tables(target, section, block, path, names, move if move and any(move) else None)
-            for section in LISTS:
-                self._entries(target, section, block, path, names, move if move and any(move) else None)
+            move = [index * entry for entry in shift] if shift and any(shift) and index else None
+            for table in TABLES.values():
+                self._entries(target, table, block.get(table.key), path, names, move)
 
     def _whole(self, value: Any, key: str) -> Any:
         """An integer, or a text that is arithmetic; what is neither is left for the validation."""
@@ -269,136 +246,42 @@ class _Writer:
             self.complain(error, key)
             return 0
 
-    def _tables(
-        self,
-        target: dict[str, Any],
-        section: str,
-        block: Any,
-        path: str,
-        names: Numbers,
-        move: list[float] | None,
-    ) -> None:
-        templates = block.get(section, {})
-        found = target.setdefault(section, {}) if templates or section == "bodies" else None
-        if not isinstance(templates, dict) or not isinstance(found, dict):
-            return
-        for template, body in templates.items():
-            place = f"{path}.{section}.{template}"
-            name = str(self.fill(template, place, names))
-            if name in found:
-                before = self.origins.get(f"{section}.{name}")
-                other = f"{before.key} ({INDEX} = {before.index})" if before else f"{section}.{name}"
-                problem = f"{name!r} ({INDEX} = {names[INDEX]}) is already made by {other}"
-                one = f"one {_SINGULAR[section]} a name"
-                expected = one if "{" in template else f"a name with {{{INDEX}}}"
-                self.complain(InputError(problem, expected=expected), place)
-                continue
-            entry = self.fill(body, place, names)
-            if move is not None and isinstance(entry, dict):
-                if section == "bodies":
-                    self._move_body(entry, move, place)
-                elif entry.get("body") == GROUND:
-                    _move_contour(entry, move)
-            found[name] = entry
-            self.origins[f"{section}.{name}"] = Origin(place, int(names[INDEX]))
-
     def _entries(
         self,
         target: dict[str, Any],
-        section: str,
-        block: Any,
+        table: Table,
+        templates: Any,
         path: str,
         names: Numbers,
         move: list[float] | None,
     ) -> None:
-        templates = block.get(section, [])
-        if not templates or not isinstance(templates, list):
+        """Add the entries of one table of a block for one index."""
+        made: type[Any] = dict if table.by_name else list
+        if not isinstance(templates, made) or not templates:
             return
-        found = target.setdefault(section, [])
-        if not isinstance(found, list):
+        found: Any = target.setdefault(table.key, made())
+        if not isinstance(found, made):
             return
-        for number, template in enumerate(templates):
-            place = f"{path}.{section}.{number}"
-            entry = self.fill(template, place, names)
-            if move is not None and isinstance(entry, dict):
-                if section == "surfaces":
-                    _move_surface(entry, move)
-                else:
-                    _move_entry(entry, move)
-            self.origins[f"{section}.{len(found)}"] = Origin(place, int(names[INDEX]))
-            found.append(entry)
-
-    def _move_body(self, body: dict[str, Any], move: list[float], place: str) -> None:
-        """Move where a body starts; without a position that is where its geometry was drawn."""
-        frame, initial = body.get("frame"), body.setdefault("initial", {})
-        if not isinstance(initial, dict):
-            return
-        given = initial.get("position")
-        if given is None and isinstance(frame, dict) and frame.get("origin") == "centre_of_mass":
-            given = body.get("centre_of_mass") if body.get("type") == "rigid" else None
-            if given is None:
-                problem = "is missing, and the frame starts at a centre of mass that is computed"
-                expected = "a position [m] for the body to be shifted from"
-                self.complain(InputError(problem, expected=expected), f"{place}.initial.position")
-                return
-        initial["position"] = _moved([0.0, 0.0, 0.0] if given is None else given, move)
-        if isinstance(frame, dict) and "angle" in frame:
-            frame["pivot"] = _moved(frame.get("pivot", [0.0, 0.0, 0.0]), move)
-
-
-def _move_entry(entry: dict[str, Any], move: list[float]) -> None:
-    """Move the places in the world of a joint, rope, spring, contact."""
-    if "at" in entry:
-        entry["at"] = _moved(entry["at"], move)
-    sides, points = entry.get("between"), entry.get("points")
-    if isinstance(sides, list) and isinstance(points, list):
-        entry["points"] = [
-            _moved(point, move) if side == GROUND else point
-            for side, point in zip(sides, points, strict=False)
-        ] + points[len(sides) :]
-    path = entry.get("path")
-    for stop in path if isinstance(path, list) else ():
-        if isinstance(stop, dict) and stop.get("body") == GROUND and "point" in stop:
-            stop["point"] = _moved(stop["point"], move)
-
-
-def _move_surface(entry: dict[str, Any], move: list[float]) -> None:
-    """Move a surface of the ground, and the boxes that exclude its triangles; those of bodies move with them."""
-    if entry.get("body") != GROUND:
-        return
-    entry["at"] = _moved(entry.get("at", [0.0, 0.0, 0.0]), move)
-    boxes = entry.get("exclude")
-    for box in boxes if isinstance(boxes, list) else ():
-        if isinstance(box, dict) and "centre" in box:
-            box["centre"] = _moved(box["centre"], move)
-
-
-def _move_contour(entry: dict[str, Any], move: list[float]) -> None:
-    """Move the points of a contour of the ground; those in a file stay where they are."""
-    if "points" in entry:
-        entry["points"] = _moved_all(entry["points"], move)
-    for key, name in (("circle", "centre"), ("spline", "control")):
-        table = entry.get(key)
-        if isinstance(table, dict):
-            table[name] = _moved_all(table.get(name, [0.0, 0.0, 0.0]), move)
-
-
-def _moved_all(points: Any, move: list[float]) -> Any:
-    """A point, or lists of points, moved."""
-    if isinstance(points, list) and points and isinstance(points[0], list):
-        return [_moved_all(point, move) for point in points]
-    return _moved(points, move)
-
-
-def _moved(point: Any, move: list[float]) -> Any:
-    """A point in SI, moved; left alone if it is none, for the validation to refuse."""
-    given = _lengths(point)
-    return point if given is None else [a + b for a, b in zip(given, move, strict=True)]
-
-
-def _lengths(values: Any) -> list[float] | None:
-    """Three lengths [m], or None if that is not what is given."""
-    if isinstance(values, list) and len(values) == 3:
-        with contextlib.suppress(InputError):
-            return [parse_quantity(value, KINDS["length"]) for value in values]
-    return None
+        given = templates.items() if isinstance(templates, dict) else enumerate(templates)
+        for template, content in given:
+            place = f"{path}.{table.key}.{template}"
+            name = str(self.fill(template, place, names)) if table.by_name else str(len(found))
+            if table.by_name and name in found:
+                before = self.origins.get(f"{table.key}.{name}")
+                other = f"{before.key} ({INDEX} = {before.index})" if before else f"{table.key}.{name}"
+                problem = f"{name!r} ({INDEX} = {names[INDEX]}) is already made by {other}"
+                one = f"one {table.one} a name"
+                expected = one if "{" in str(template) else f"a name with {{{INDEX}}}"
+                self.complain(InputError(problem, expected=expected), place)
+                continue
+            entry = self.fill(content, place, names)
+            if move is not None and table.move is not None and isinstance(entry, dict):
+                try:
+                    table.move(entry, move)
+                except InputError as error:
+                    self.complain(error, f"{place}.{error.key}")
+            self.origins[f"{table.key}.{name}"] = Origin(place, int(names[INDEX]))
+            if table.by_name:
+                found[name] = entry
+            else:
+                found.append(entry)

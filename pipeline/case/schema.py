@@ -1,29 +1,37 @@
-"""JSON Schema of case files, for editors."""
+"""Schema of case files: as JSON Schema for editors, and as tables of all keys, which docs/case_keys.md holds."""
 
 from __future__ import annotations
 
 import ast
 import importlib
 import inspect
+import json
 import textwrap
-from typing import TYPE_CHECKING, Any
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic.json_schema import GenerateJsonSchema
 
+from heavylift.numerics.quantity import quantity_schema
+from heavylift.numerics.units import KINDS
 from heavylift.pipeline.case.case_file import Case
-from heavylift.pipeline.case.collisions import CollisionSection
+from heavylift.pipeline.case.channel_kinds import OF_THE_SCENE
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.descriptions import described_fields
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import core_schema
 
     from heavylift.solver.scene.descriptions import ChannelKind
 
-__all__ = ["case_schema", "channel_schema"]
+__all__ = [
+    "case_schema",
+    "channel_schema",
+    "key_tables",
+]
 
 
 def case_schema() -> dict[str, Any]:
@@ -63,15 +71,15 @@ class _Described(GenerateJsonSchema):
         for base in reversed(section.__mro__):
             docs |= _attribute_docs(base)
         channels = channel_schema("NAME", section.CHANNELS)
-        if issubclass(section, CollisionSection):
+        if section.CHANNELS == Collision.CHANNELS:
             channels += channel_schema("NAME.contact_1", Collision.CONTACT_CHANNELS)
         if channels:
             found["channels"] = channels
-        described = getattr(section, "DESCRIBED", None)
-        if described is not None:
+        for described in filter(None, (vars(base).get("DESCRIBED") for base in reversed(section.__mro__))):
             own = {field.name for field in described_fields(described)}
             for base in reversed(described.__mro__):
                 docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}
+            docs |= getattr(described, "SENTENCES", {})
         for name, field in section.model_fields.items():
             key = field.alias or name
             if docs.get(name) and key in found.get("properties", {}):
@@ -98,3 +106,156 @@ def _attribute_docs(section: type) -> dict[str, str]:
                 inspect.cleandoc(str(text.value)) if isinstance(text, ast.Constant) else ""
             )
     return found
+
+
+NUMBER = quantity_schema()["anyOf"][1]["pattern"]
+HEAD = """# Keys of case.toml
+
+Written by `heavylift schema --tables`; do not edit. A quantity is a number in the unit given, or a string with another
+unit of the same dimension: `"95 mm"`. A vector is a list. What has no default is needed, unless "none" says that it
+may be left out.
+"""
+
+
+class _Found(NamedTuple):
+    """A section: where it stands, and what chooses it there."""
+
+    path: str
+    choice: str
+    schema: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        return f"{self.path}, {self.choice}" if self.choice else self.path
+
+
+def key_tables() -> str:
+    """One table a section, in the order in which they are met."""
+    schema = case_schema()
+    definitions = schema["$defs"]
+    found = {"": _Found("case.toml", "", schema)}
+    order: list[_Found] = []
+    waiting = [""]
+    while waiting:  # depth first, so that a section stands below the one that holds it
+        section = found[waiting.pop(0)]
+        order.append(section)
+        below = []
+        for key, value in section.schema.get("properties", {}).items():
+            path = key if section.schema is schema else f"{section.path}.{key}"
+            several = len({reference for reference, _ in _references(value)}) > 1
+            for reference, suffix in _references(value):
+                if reference not in found:
+                    definition = definitions[reference]
+                    made = _Found(path + suffix, _choice(definition) if several else "", definition)
+                    if any(made.title == other.title for other in found.values()):
+                        made = made._replace(choice=f"in a table with {section.choice or section.path}")
+                    found[reference] = made
+                    below.append(reference)
+        waiting = below + waiting
+    titles = {name: section.title for name, section in found.items()}
+    scene = (channel_schema(owner, channels) for owner, channels in OF_THE_SCENE.items())
+    last = ["\n## Channels of the whole scene\n", *_channels(chain.from_iterable(scene))]
+    return "\n".join([HEAD, *(_table(section, titles) for section in order), *last])
+
+
+def _choice(definition: Mapping[str, Any]) -> str:
+    """What says that one of several sections is meant: a key that has one value only."""
+    for key, node in definition.get("properties", {}).items():
+        if "const" in node:
+            return f'{key} = "{node["const"]}"'
+    return f"with {definition['required'][0]}" if definition.get("required") else ""
+
+
+def _references(node: Any, suffix: str = "") -> Iterator[tuple[str, str]]:
+    """Sections that a value may be, and how their paths go on."""
+    if isinstance(node, list):
+        for entry in node:
+            yield from _references(entry, suffix)
+    if not isinstance(node, dict):
+        return
+    if "$ref" in node:
+        yield node["$ref"].rpartition("/")[2], suffix
+    for key in ("anyOf", "oneOf", "items", "prefixItems"):
+        yield from _references(node.get(key), suffix)
+    for key in ("patternProperties", "additionalProperties"):
+        entries = node.get(key)
+        if isinstance(entries, dict):
+            values = list(entries.values()) if key == "patternProperties" else [entries]
+            yield from _references(values, f"{suffix}.NAME")
+
+
+def _table(section: _Found, titles: Mapping[str, str]) -> str:
+    lines = [f"\n## {section.title}\n"] if section.path != "case.toml" else [""]
+    words = _sentence(section.schema.get("description", ""))
+    if words and section.path != "case.toml":
+        lines += [words, ""]
+    needed = set(section.schema.get("required", ()))
+    lines += ["| key | value | default | |", "|---|---|---|---|"]
+    for key, node in section.schema.get("properties", {}).items():
+        default = "" if key in needed else _default(node)
+        cells = (f"`{key}`", _words(node, titles), default, _sentence(node.get("description", "")))
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    if "channels" in section.schema:
+        lines += ["", *_channels(section.schema["channels"])]
+    return "\n".join(lines)
+
+
+def _channels(channels: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    yield from ("| channel | unit | components | |", "|---|---|---|---|")
+    for channel in channels:
+        names = channel["components"]
+        components = "several" if names is None else ", ".join(f"`{name}`" for name in names)
+        yield f"| `{channel['name']}` | {channel['unit']} | {components} | {channel['sentence']} |"
+
+
+def _sentence(text: str) -> str:
+    """A docstring on one line."""
+    return " ".join(text.split()).replace("``", "`")
+
+
+def _default(node: Mapping[str, Any]) -> str:
+    value = node.get("default")
+    if value is None or value in ([], {}, ""):
+        return "none"
+    return f"`{json.dumps(value)}`"
+
+
+def _words(node: Mapping[str, Any], titles: Mapping[str, str]) -> str:
+    """What a value may be."""
+    sections = list(dict.fromkeys(reference for reference, _ in _references(node)))
+    if sections:
+        holder = "list of tables" if "items" in node or "prefixItems" in node else "table"
+        holder = "tables by name" if "patternProperties" in node or "propertyNames" in node else holder
+        return f"{holder}: " + ", ".join(f"[{titles[name]}](#{_anchor(titles[name])})" for name in sections)
+    if "quantity" in node and "anyOf" in node:
+        unit = KINDS[node["quantity"]].unit
+        return node["quantity"] + ("" if unit == "1" else f" [{unit}]") + _range(node["anyOf"][0])
+    if any(choice.get("pattern") == NUMBER for choice in node.get("anyOf", ())):
+        return "quantity" + _range(node["anyOf"][0])
+    choices = [choice for choice in node.get("anyOf", node.get("oneOf", ())) if choice.get("type") != "null"]
+    if choices:
+        return " or ".join(dict.fromkeys(_words(choice, titles) for choice in choices))
+    if "const" in node:
+        return f'`"{node["const"]}"`'
+    if "enum" in node:
+        return ", ".join(f"`{json.dumps(value)}`" for value in node["enum"])
+    if "prefixItems" in node:
+        parts = [_words(part, titles) for part in node["prefixItems"]]
+        return f"{len(parts)} x {parts[0]}" if len(set(parts)) == 1 else ", ".join(parts)
+    if "items" in node:
+        return f"list of {_words(node['items'], titles)}"
+    if node.get("type") == "object":
+        return "table"
+    return {"string": "text", "boolean": "`true`, `false`"}.get(
+        node.get("type", ""), node.get("type", "value")
+    ) + _range(node)
+
+
+def _range(node: Mapping[str, Any]) -> str:
+    signs = (("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<"))
+    return ",".join(f" {sign} {node[key]:g}" for key, sign in signs if key in node)
+
+
+def _anchor(title: str) -> str:
+    """As Markdown viewers make it from a heading."""
+    return "".join(c for c in title.lower().replace(" ", "-") if c.isalnum() or c in "-_")

@@ -4,18 +4,16 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import field_validator, model_validator
 
 from heavylift.pipeline.case.fields import Positive, Quantity, Section, refuse_unknown, reject
 from heavylift.pipeline.case.hulls import DatabaseSection, HullSection, TankSection
-from heavylift.pipeline.case.lines import MooringLineSection
-from heavylift.pipeline.case.sections import GravitySection
 from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.waves import Waves, check_wave, one_or_many
-from heavylift.pipeline.case.wind import CurrentSection, FluidLoad, WindSection
+from heavylift.pipeline.case.wind import CurrentSection, WindSection
 
 __all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea"]
 
@@ -73,14 +71,14 @@ class SeaSection(Section):
 def check_sea(
     sea: SeaSection | None,
     *,
-    gravity: GravitySection | None,
+    gravity: Any,
     simulate: SimulateSection | None,
     surfaces: Sequence[SurfaceSection],
     hulls: Mapping[str, HullSection],
     databases: Mapping[str, DatabaseSection],
     tanks: Sequence[TankSection],
-    fluid_loads: Sequence[FluidLoad],
-    lines: Sequence[MooringLineSection],
+    fluid_loads: Sequence[Any],
+    lines: Sequence[Any],
 ) -> None:
     """Reject tables of a case that do not fit together."""
     tables = {"hulls": hulls, "databases": databases, "tanks": tanks, "fluid_loads": fluid_loads}
@@ -107,7 +105,7 @@ def check_sea(
         reject("'series' without a duration to tabulate", "'summed', or a duration", key="sea.excitation")
 
 
-def _check_weight(own: float | None, gravity: GravitySection | None) -> None:
+def _check_weight(own: float | None, gravity: Any) -> None:
     """Water and bodies have one weight, which points down."""
     x, y, z = (0.0, 0.0, 0.0) if gravity is None else gravity.acceleration
     if x or y or z >= 0.0:

@@ -1,39 +1,25 @@
-"""Tables of a case file that describe wind, current, and what they push on."""
+"""Tables of a case file that describe wind and current."""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-import math
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.fields import (
-    BodyName,
-    CaseContext,
-    Direction,
-    InFolder,
-    LengthVector,
     Positive,
     Quantity,
     Section,
     UniqueName,
-    refuse_unknown,
     reject,
 )
 from heavylift.pipeline.case.waves import Heading
-from heavylift.solver.scene.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
+from heavylift.solver.scene.wind_loads import CurrentField, WindField
 
 __all__ = [
-    "COEFFICIENT_COLUMNS",
-    "CoefficientLoadSection",
     "CurrentProfileSection",
     "CurrentSection",
-    "DragElementSection",
-    "DragLoadSection",
-    "FluidLoad",
     "TurbulenceSection",
     "VeeringSection",
     "WindSection",
@@ -189,116 +175,3 @@ class CurrentSection(Section):
     """The same at all depths [m/s], or a table over the depth."""
     direction: Veering = 0.0
     """Where the water goes [rad], from world x, anticlockwise seen from above; or a table over time."""
-
-
-def _known_fluid(name: str, info: ValidationInfo) -> str:
-    context = CaseContext.of(info)
-    if context:
-        refuse_unknown("wind or current", name, context.names.fluids)
-    return name
-
-
-class _FluidLoadSection(Section):
-    """What all loads of wind and current have."""
-
-    type: str
-    """How the force is found."""
-    name: UniqueName
-    """Name; the first part of its channels."""
-    body: BodyName
-    """Body that is pushed on."""
-    fluid: Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)] = "wind"
-    """Name of the wind or current."""
-    axis: Direction = (1.0, 0.0, 0.0)
-    """Direction of the body that is its heading, in its coordinates."""
-
-
-class CoefficientLoadSection(_FluidLoadSection):
-    """Horizontal force and yaw moment on a whole body, by coefficients over the direction of the relative flow."""
-
-    CHANNELS: ClassVar = CoefficientLoad.CHANNELS
-
-    type: Literal["coefficients"]
-    point: LengthVector
-    """Centre of pressure, in the coordinates of the geometry [m]."""
-    file: Annotated[str, InFolder()] | None = None
-    """Comma-separated with the header ``angle,cx,cy,cn`` (rad) or ``angle_deg,cx,cy,cn``."""
-    angles: tuple[Annotated[float, Quantity("angle")], ...] = ()
-    """In place of `file`: directions in which the fluid goes past the body [rad], from its heading, anticlockwise: 0
-    comes from astern, 180 degrees is a head wind."""
-    cx: tuple[_Number, ...] = ()
-    """Coefficients of the force ahead, one an angle."""
-    cy: tuple[_Number, ...] = ()
-    """Of the force to port."""
-    cn: tuple[_Number, ...] = ()
-    """Of the yaw moment, anticlockwise; it refers to the side area and the length."""
-    area_x: _Area
-    """Frontal area [m^2]."""
-    area_y: _Area
-    """Side area [m^2]."""
-    length: _Length
-    """That of the moment [m]."""
-    symmetric: Annotated[bool, Field(strict=True)] = False
-    """The table covers 0 to 180 degrees, and the other side is its mirror image."""
-
-    @model_validator(mode="after")
-    def _has_one_table(self, info: ValidationInfo) -> Self:
-        inline = bool(self.angles or self.cx or self.cy or self.cn)
-        if inline == (self.file is not None):
-            problem = "both 'file' and 'angles'" if inline else "neither 'file' nor 'angles'"
-            reject(problem, "a table of coefficients in one of them")
-        if inline:
-            counts = {len(self.angles), len(self.cx), len(self.cy), len(self.cn)}
-            if len(counts) != 1 or any(b <= a for a, b in pairwise(self.angles)):
-                reject(
-                    f"{len(self.angles)} angles, {len(self.cx)}, {len(self.cy)} and {len(self.cn)} coefficients",
-                    "increasing angles, with one cx, cy and cn each",
-                    key="angles",
-                )
-            if max(map(abs, self.angles)) > 2.0 * math.pi + 1e-9:
-                reject(f"{max(self.angles):g} rad", 'a full turn at most; degrees as "30 deg"', key="angles")
-        context = CaseContext.of(info)
-        if self.file is not None and context is not None:
-            try:
-                read_columns(context.folder / self.file, COEFFICIENT_COLUMNS)
-            except InputError as error:
-                where = f"{self.file}: {error.key}: " if error.key else f"{self.file}: "
-                reject(where + error.problem, error.expected, key="file")
-        return self
-
-
-class DragElementSection(Section):
-    """A piece of a body at its own height."""
-
-    point: LengthVector
-    """Its centre, in the coordinates of the geometry [m]."""
-    area: _Area | None = None
-    """Seen from all sides the same [m^2]."""
-    areas: tuple[_Area, _Area, _Area] | None = None
-    """In place of `area`, those of a box seen along the heading, across it and from above [m^2]."""
-    coefficient: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 1.0
-    """Shape coefficient C: the force is ``rho C A |V| V / 2`` along the relative flow."""
-    vertical: Annotated[bool, Field(strict=True)] = False
-    """Whether the vertical part of the relative velocity counts as well."""
-    extent: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
-    """Height of the piece [m]: of one that the water cuts, the part on its own side counts."""
-
-    @model_validator(mode="after")
-    def _has_one_area(self) -> Self:
-        if (self.area is None) == (self.areas is None):
-            problem = "neither 'area' nor 'areas'" if self.area is None else "both 'area' and 'areas'"
-            reject(problem, "one of them")
-        return self
-
-
-class DragLoadSection(_FluidLoadSection):
-    """Drag on the pieces of a body, each at its own height."""
-
-    CHANNELS: ClassVar = DragElement.CHANNELS
-
-    type: Literal["drag"]
-    elements: Annotated[tuple[DragElementSection, ...], Field(min_length=1)]
-    """The pieces; their forces are recorded as a sum."""
-
-
-FluidLoad = Annotated[CoefficientLoadSection | DragLoadSection, Field(discriminator="type")]

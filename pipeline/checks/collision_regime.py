@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.pipeline.case.collisions import thesis_numbers
+from heavylift.pipeline.assemble.described import said_of
+from heavylift.solver.scene.contacts import HertzLaw, ThesisLaw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.collisions import Collision
     from heavylift.pipeline.results.histories import Results
 
 __all__ = [
@@ -164,7 +164,7 @@ def linear_restitution(stiffness: float, damping: float, mass: float) -> float:
     return math.exp(-zeta * math.atanh(2.0 * zeta * s / (2.0 * zeta * zeta - 1.0)) / s)
 
 
-def regime(section: Collision, force: float, mass: float | None, step: float) -> Regime | None:
+def regime(section: Any, force: float, mass: float | None, step: float) -> Regime | None:
     """How well a collision is resolved at its largest force; None of rigid laws and without a force.
 
     Parameters
@@ -180,18 +180,11 @@ def regime(section: Collision, force: float, mass: float | None, step: float) ->
     """
     if section.law == "rigid" or force <= 0.0:
         return None
-    damping, exponent = 0.0, 1.0
-    restitution: float | None = None
-    if section.law == "thesis":
-        stiffness, _, damping = thesis_numbers(section, step)
-    else:
-        stiffness = section.stiffness
-    if section.law == "linear":
-        damping = section.damping
-    elif section.law == "hertz":
-        exponent, restitution = 1.5, 1.0
-    elif section.law == "hunt-crossley":
-        exponent, restitution = section.exponent, section.restitution
+    law = section.DESCRIBED(**said_of(section, section.DESCRIBED))
+    taken = law.at_step(step) if isinstance(law, ThesisLaw) else law
+    stiffness, damping = taken.stiffness, getattr(taken, "damping", 0.0)
+    exponent = 1.5 if isinstance(taken, HertzLaw) else getattr(taken, "exponent", 1.0)
+    restitution: float | None = 1.0 if isinstance(taken, HertzLaw) else getattr(taken, "restitution", None)
     # tangent of F = k d^n at the force
     tangent = exponent * stiffness ** (1.0 / exponent) * force ** (1.0 - 1.0 / exponent)
     if restitution is None and mass is not None:

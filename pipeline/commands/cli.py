@@ -214,7 +214,7 @@ def schema(*, tables: bool = False) -> int:
         Tables of all keys in Markdown instead, as in docs/case_keys.md.
     """
     if tables:
-        from heavylift.pipeline.case.key_tables import key_tables
+        from heavylift.pipeline.case.schema import key_tables
 
         print(key_tables())  # noqa: T201
         return 0

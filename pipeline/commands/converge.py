@@ -55,7 +55,7 @@ def converge_case(
     StopError
         If a run does not complete; one of several series goes on and tells so in its row.
     """
-    from heavylift.pipeline.pictures.plot_convergence import plot_series, plot_study
+    from heavylift.pipeline.pictures.plots import plot_series, plot_study
 
     base = load_case(path, overrides)
     section = base.converge

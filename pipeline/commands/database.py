@@ -9,14 +9,14 @@ import numpy as np
 
 from heavylift.pipeline.commands.scene import check_databases, load_sea_case
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.preprocess.hydrodynamics import COORDINATES
+from heavylift.preprocess.hydrodynamics.database import COORDINATES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from heavylift.pipeline.log import Log
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 __all__ = ["database_command", "database_entry"]
 
@@ -31,8 +31,8 @@ def database_command(
     InputError
         If the case has no hulls or no databases, or one of them is wrong.
     """
-    from heavylift.pipeline.pictures.plot_database import database_plots
-    from heavylift.pipeline.stages.lock import locked
+    from heavylift.pipeline.pictures.hull_plots import database_plots
+    from heavylift.pipeline.stages.stages import locked
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     check_databases(found)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.commands.scene import SeaCase
     from heavylift.pipeline.log import Log
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.scene.sea import Hull, Sea
 
@@ -70,9 +70,9 @@ def hydrostatics_command(
     """
     from heavylift.pipeline.assemble.hulls import frame_origin
     from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
-    from heavylift.pipeline.stages.lock import locked
-    from heavylift.preprocess.surfaces import placed
-    from heavylift.solver.water.hulls.floating import Tank as Liquid
+    from heavylift.pipeline.stages.stages import locked
+    from heavylift.preprocess.surfaces.triangle_surface import placed
+    from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     sea, water = found.sea, found.sea.water
@@ -282,7 +282,7 @@ def _ropes(scene: Scene, group: set[str]) -> list[str]:
             else {getattr(one, "body_a", None), getattr(one, "body_b", None)} - {None}
         )
         if sides & group and sides - group:
-            found.append(f"{'rope' if path is not None else 'spring'} {one.name}")  # type: ignore[union-attr]
+            found.append(f"{'rope' if path is not None else 'spring'} {one.name}")
     return found
 
 

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.commands.moordyn_lines import DynamicLine
+    from heavylift.pipeline.commands.moordyn import DynamicLine
     from heavylift.pipeline.commands.scene import SeaCase
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.pictures.mooring_lines import DrawnLine
     from heavylift.pipeline.results.histories import Results
-    from heavylift.solver.scene.moorings import MooringLine
     from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 __all__ = ["LineEnds", "line_ends", "line_entry", "lines_command", "section_masses"]
 
@@ -84,7 +84,7 @@ def lines_command(
     """
     from heavylift.pipeline.pictures.mooring_lines import draw_line, profile_picture
     from heavylift.pipeline.results.histories import load_results
-    from heavylift.pipeline.stages.lock import locked
+    from heavylift.pipeline.stages.stages import locked
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log, needs="lines")
     chosen = _choose(found, lines)
@@ -208,8 +208,7 @@ def _dynamics(
     folder: Path,
 ) -> DynamicLine:
     """One line along a part of the run."""
-    from heavylift.pipeline.commands.moordyn_input import LineDynamics
-    from heavylift.pipeline.commands.moordyn_lines import run_moordyn
+    from heavylift.pipeline.commands.moordyn import LineDynamics, run_moordyn
 
     water = found.sea.water
     ends = line_ends(found.scene, line, results)
@@ -277,7 +276,7 @@ def _plot(name: str, one: DynamicLine) -> bytes:
     """Tension by MoorDyn and that of the catenary over time."""
     from matplotlib.figure import Figure
 
-    from heavylift.pipeline.pictures.png import few_colours, figure_png
+    from heavylift.pipeline.pictures.plots import few_colours, figure_png
     from heavylift.pipeline.results.signals import envelope, scaled_unit
 
     unit = scaled_unit("N", [one.tension])

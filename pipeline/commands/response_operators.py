@@ -14,7 +14,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.commands.scene import check_databases, load_sea_case
 from heavylift.pipeline.report.response_operators import rao_document, write_rao_report
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.preprocess.hydrodynamics import COORDINATES
+from heavylift.preprocess.hydrodynamics.database import COORDINATES
 from heavylift.solver.water.hulls.frequency_domain import (
     NaturalMode,
     ResponseStatistics,
@@ -75,7 +75,7 @@ def rao_command(
         If there are no hulls with databases, no equilibrium, or headings that the databases do not have.
     """
     from heavylift.pipeline.case.places import in_case
-    from heavylift.pipeline.stages.lock import locked
+    from heavylift.pipeline.stages.stages import locked
     from heavylift.solver.water.hulls.linearise import linear_group, linearise
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)

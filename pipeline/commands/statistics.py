@@ -5,21 +5,238 @@ from __future__ import annotations
 import csv
 import io
 import math
+import os
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.results.column_statistics import PROBABILITY, chosen_columns, column_statistics
-from heavylift.pipeline.results.storage import replacing, write_json
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.pictures.plots import few_colours, figure_png
+from heavylift.pipeline.results.signals import scaled_unit
+from heavylift.pipeline.results.statistics import LEAST_RUNS, PROBABILITY, chosen_columns, column_statistics
+from heavylift.pipeline.results.storage import OutputFolder, StopError, replacing, write_json
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.results.column_statistics import ColumnStatistics
+    from heavylift.pipeline.results.histories import Results
+    from heavylift.pipeline.results.statistics import ColumnStatistics, GumbelFit
 
-__all__ = ["statistics_command"]
+__all__ = [
+    "gumbel_plots",
+    "seed_keys",
+    "simulate_seeds",
+    "spectrum_plots",
+    "statistics_command",
+]
+
+PANELS = 6
+"""Of a picture."""
+
+ENERGY_SHOWN = 0.999
+"""Part of the variance up to which a spectrum is drawn."""
+
+_DPI = 110
+_INK, _GREY = "#1d2733", "#66707c"
+_BLUE, _RED = "#1f5fa8", "#b8322a"
+_PROBABILITIES = (0.05, 0.2, 0.5, 0.8, 0.9, 0.95, 0.98)
+
+
+def spectrum_plots(found: Sequence[ColumnStatistics], *, title: str) -> list[bytes]:
+    """Spectra over frequency, a panel a channel, with the significant value; all of them have a spectrum."""
+    pictures = []
+    for group in _groups(found):
+        figure, panels = _panels(len(group), title)
+        for axes, one in zip(panels, group, strict=True):
+            assert one.spectrum is not None
+            entry = one.entry()
+            factor, unit = _shown(one.column.unit, entry["standard_deviation"])
+            w, S = one.spectrum.frequency, factor**2 * one.spectrum.density
+            energy = np.cumsum(S)
+            still = not energy[-1] > 0.0
+            last = len(w) - 1 if still else int(np.searchsorted(energy, ENERGY_SHOWN * energy[-1]))
+            axes.fill_between(w, S, color=_BLUE, alpha=0.12, lw=0)
+            axes.plot(w, S, color=_BLUE, lw=1.4)
+            axes.set_xlim(0.0, float(w[min(max(last, 8), len(w) - 1)]) * 1.05)
+            axes.set_ylim(bottom=0.0)
+            words = f"4 st. dev. = {factor * entry['significant_by_deviation']:.4g} {unit}"
+            axes.set_title(f"{_text(one.column.name)}   {words}", loc="left", fontsize=9.5, color=_INK)
+            axes.set_ylabel(
+                f"[{unit}² s/rad]" if unit.isalpha() else f"[({unit})² s/rad]", color=_INK, fontsize=9
+            )
+            axes.set_xlabel("frequency [rad/s]", color=_INK, fontsize=9)
+            _tidy(axes)
+        pictures.append(few_colours(figure_png(figure)))
+    return pictures
+
+
+def gumbel_plots(found: Sequence[ColumnStatistics], *, title: str) -> list[bytes]:
+    """Extremes over their probability, with the fitted lines; maxima and minima in a panel each."""
+    sides = [
+        (one, fit, [getattr(record, word) for record in one.records])
+        for one in found
+        for fit, word in ((one.maxima, "maximum"), (one.minima, "minimum"))
+        if fit is not None
+    ]
+    pictures = []
+    for group in _groups(sides):
+        figure, panels = _panels(len(group), title)
+        for axes, (one, fit, values) in zip(panels, group, strict=True):
+            assert fit is not None
+            _draw_extremes(axes, one, fit, np.sort(np.array(values) * fit.side) * fit.side)
+        pictures.append(few_colours(figure_png(figure)))
+    return pictures
+
+
+def _draw_extremes(axes: Any, one: ColumnStatistics, fit: GumbelFit, values: Any) -> None:
+    """Points at (i - 0.44) / (n + 0.12) (Gringorten), the line of the fit and its standard errors."""
+    factor, unit = _shown(one.column.unit, float(np.abs(values).max()))
+    count = len(values)
+    place = (np.arange(1, count + 1) - 0.44) / (count + 0.12)
+    p = np.linspace(min(0.02, float(place[0])), max(0.985, float(place[-1])), 200)
+    line = factor * np.array([fit.quantile(float(x)) for x in p])
+    error = factor * np.array([fit.standard_error(float(x)) for x in p])
+    y = _reduced(p)
+    axes.fill_between(y, line - error, line + error, color=_BLUE, alpha=0.14, lw=0, label="standard error")
+    axes.plot(y, line, color=_BLUE, lw=1.4, label="Gumbel")
+    axes.plot(_reduced(place), factor * values, "o", ms=4.5, color=_RED, label="runs")
+    axes.set_xticks(_reduced(np.array(_PROBABILITIES)), [f"{100.0 * x:g}" for x in _PROBABILITIES])
+    axes.set_xlim(float(y[0]), float(y[-1]))
+    side = "maximum" if fit.side > 0 else "minimum"
+    words = f"{side}, expected {factor * fit.mean:.4g} {unit}"
+    axes.set_title(f"{_text(one.column.name)}: {words}", loc="left", fontsize=9.5, color=_INK)
+    axes.set_ylabel(f"[{unit}]", color=_INK, fontsize=9)
+    axes.set_xlabel("probability of not being exceeded [%]", color=_INK, fontsize=9)
+    axes.legend(frameon=False, fontsize=8, loc="best")
+    _tidy(axes)
+
+
+def _reduced(p: Any) -> Any:
+    return -np.log(-np.log(p))
+
+
+def _shown(unit: str, size: float) -> tuple[float, str]:
+    """Factor and unit for a picture: angles in degrees, forces in kN or MN."""
+    if unit == "rad":
+        return 180.0 / math.pi, "deg"
+    if unit == "m" or not size > 0.0:
+        return 1.0, unit
+    scaled = scaled_unit(unit, [np.array([size])])
+    return 1.0 / scaled.divisor, scaled.text
+
+
+def _groups(entries: Sequence[Any]) -> list[Sequence[Any]]:
+    return [entries[first : first + PANELS] for first in range(0, len(entries), PANELS)]
+
+
+def _panels(count: int, title: str) -> tuple[Any, list[Any]]:
+    """A figure with two columns of panels, or one."""
+    from matplotlib.figure import Figure
+
+    columns = min(count, 2)
+    rows = math.ceil(count / columns)
+    figure = Figure(
+        figsize=(5.4 * columns, 0.5 + 2.6 * rows), dpi=_DPI, facecolor="white", layout="constrained"
+    )
+    axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    for unused in axes[count:]:
+        unused.set_visible(False)
+    figure.suptitle(_text(title), x=0.01, ha="left", fontsize=12, color=_INK)
+    return figure, axes[:count]
+
+
+def _text(words: str) -> str:
+    return words.replace("$", r"\$")
+
+
+def _tidy(axes: Any) -> None:
+    axes.grid(visible=True, color="#e3e7eb", lw=0.8)
+    axes.set_axisbelow(True)
+    axes.tick_params(colors=_INK, labelsize=8.5, length=3)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in {"left", "bottom"})
+        spine.set_color("#9aa4ae")
+
+
+def seed_keys(case: Case) -> dict[str, int]:
+    """Dotted keys of the seeds in the [sea] of a case file, and their values."""
+    found: dict[str, int] = {}
+
+    def walk(value: Any, written: Any, key: str) -> None:
+        if isinstance(value, dict):
+            for name, entry in value.items():
+                if name == "seed" and isinstance(entry, int):
+                    found[f"{key}.seed"] = entry
+                else:
+                    walk(entry, written.get(name) if isinstance(written, dict) else None, f"{key}.{name}")
+        elif isinstance(value, (list, tuple)):
+            for index, entry in enumerate(value):
+                # a single table may stand for a list of one
+                inside = written[index] if isinstance(written, list) else written
+                walk(entry, inside, f"{key}.{index}" if isinstance(written, list) else key)
+
+    if case.sea is not None:
+        walk(case.sea.model_dump(), case.document.get("sea"), "sea")
+    return found
+
+
+def simulate_seeds(
+    case: Case, root: Path, path: Path, overrides: Sequence[str], count: int, log: Log
+) -> tuple[list[int], list[Results]]:
+    """Runs of several seeds, each in a folder of its own below ``seeds``; those that are there are not repeated."""
+    from heavylift.pipeline.results.histories import load_results
+    from heavylift.pipeline.stages.stages import load_changed_case, run_case
+
+    keys = seed_keys(case)
+    if count < LEAST_RUNS:
+        raise InputError(f"{count}", source="--seeds", expected=f"{LEAST_RUNS} runs or more, better 10 to 20")
+    if not keys:
+        raise InputError(
+            "nothing has a seed",
+            source=case.file,
+            key="sea",
+            expected="irregular waves, or wind with turbulence",
+        )
+    if case.simulate is None:
+        raise InputError(
+            "no [simulate] section", source=case.file, expected="step or tolerance, output_interval, duration"
+        )
+    made = run_case(case, out=root, stages=("mesh", "modes"), log=log)
+    if made.outcome is not Outcome.COMPLETED:
+        raise StopError(made.outcome, made.message)
+    main = OutputFolder(root)
+    runs, first = [], min(keys.values())
+    for number in range(count):
+        changes = [*overrides, *(f"{key}={seed + number}" for key, seed in keys.items())]
+        varied = load_changed_case(path, changes)
+        folder = root / "seeds" / f"seed_{first + number}"
+        for stage in ("mesh", "modes"):  # the same for all seeds: surfaces and databases too
+            _link(main.stage(stage), folder / stage)
+        log.say(f"statistics: seed {first + number}, run {number + 1} of {count}")
+        done = run_case(varied, out=folder, stages=("mesh", "modes", "simulate"), log=log)
+        if done.outcome is not Outcome.COMPLETED:
+            raise StopError(done.outcome, f"seed {first + number}: {done.message}")
+        runs.append(load_results(varied, folder))
+    return [first + number for number in range(count)], runs
+
+
+def _link(source: Path, target: Path) -> None:
+    """The files of a stage in another folder; files are replaced, never changed, so they may be shared."""
+    if not source.is_dir():
+        return
+    for file in source.rglob("*"):
+        place = target / file.relative_to(source)
+        if file.is_dir() or place.exists() or file.name.startswith("."):
+            continue
+        place.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            os.link(file, place)
+        except OSError:
+            shutil.copyfile(file, place)
 
 
 def statistics_command(
@@ -58,11 +275,9 @@ def statistics_command(
     StopError
         If a run stops by itself.
     """
-    from heavylift.pipeline.commands.statistics_seeds import simulate_seeds
     from heavylift.pipeline.results.histories import load_results
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.pipeline.stages.lock import locked
-    from heavylift.pipeline.stages.stages import load_changed_case
+    from heavylift.pipeline.stages.stages import load_changed_case, locked
 
     case = load_changed_case(path, overrides)
     root = Path(out) if out is not None else case.output_folder
@@ -97,8 +312,6 @@ def _write(
     case: str,
 ) -> list[Path]:
     """Tables and pictures."""
-    from heavylift.pipeline.commands.statistics_plots import gumbel_plots, spectrum_plots
-
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "statistics.json", folder / "statistics.csv"]
     write_json(files[0], document)

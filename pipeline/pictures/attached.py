@@ -14,13 +14,10 @@ from heavylift.pipeline.pictures.triangles import drawn_triangles
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.scene.connections import (
     GROUND,
+    Between,
     EdgeJoint,
     Joint,
-    PairForce,
-    Rope,
     RopePoint,
-    Spring,
-    SpringRope,
 )
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
@@ -102,11 +99,11 @@ class Others:
         self._skins, self._coordinates, self._channel = skins, coordinates, channel
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
         self._surfaces = dict(surfaces or {})
-        self._ropes = [[(self._place(p.body, p.point), p) for p in _path(rope)] for rope in scene.ropes]
+        self._ropes = [[(self._place(p.body, p.point), p) for p in rope.path] for rope in scene.ropes]
         self._springs = [
             (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
             for force in scene.forces
-            if isinstance(force, (Spring, PairForce))
+            if isinstance(force, Between)
         ]
         self._joints = [
             (self._place(joint.body_a, joint.frame_a.point), self._place(joint.body_b, joint.frame_b.point))
@@ -316,10 +313,3 @@ def _single_joints(scene: Scene) -> list[Joint]:
         for joint in scene.joints
         for part in (expand_edge(joint, scene.bodies) if isinstance(joint, EdgeJoint) else (joint,))
     ]
-
-
-def _path(rope: Rope | SpringRope) -> list[RopePoint]:
-    """Places a rope passes."""
-    if isinstance(rope, Rope):
-        return list(rope.path)
-    return [RopePoint(rope.body_a, rope.point_a), RopePoint(rope.body_b, rope.point_b)]

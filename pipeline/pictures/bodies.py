@@ -26,7 +26,7 @@ from heavylift.pipeline.pictures.drawings import (
     stress_drawing,
     stress_unit,
 )
-from heavylift.pipeline.pictures.png import few_colours, figure_png
+from heavylift.pipeline.pictures.plots import few_colours, figure_png
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -13,7 +13,7 @@ from heavylift.pipeline.pictures.camera import choose_view, fit_camera
 from heavylift.pipeline.pictures.contacts import force_arrow
 from heavylift.pipeline.pictures.drawings import INK, round_down
 from heavylift.pipeline.pictures.outer_surface import surface_from_triangles
-from heavylift.pipeline.pictures.png import figure_png
+from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points
 from heavylift.pipeline.pictures.triangles import clip_triangles, kinks, welded
 

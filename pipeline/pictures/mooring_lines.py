@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.pictures.png import few_colours, figure_png
+from heavylift.pipeline.pictures.plots import few_colours, figure_png
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.solver.water.lines.catenary import SLACK
 from heavylift.solver.water.lines.catenary_line import line_profile, solve_catenary
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.solver.scene.moorings import MooringLine
     from heavylift.solver.water.lines.catenary_line import Catenary, LineProfile
+    from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 __all__ = ["DrawnLine", "draw_line", "profile_picture"]
 

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.mesh import Mesh
+    from heavylift.preprocess.finite_elements.mesh import Mesh
 
 __all__ = ["Surface", "feature_edges", "surface_from_mesh", "surface_from_nodes", "surface_from_triangles"]
 

@@ -17,11 +17,20 @@ from heavylift.pipeline.pictures.annotations import (
 from heavylift.pipeline.pictures.attached import Others, Seen
 from heavylift.pipeline.pictures.camera import View, choose_view, fit_camera, plane_view
 from heavylift.pipeline.pictures.drawings import INK, deformation_scale, round_down, stress_unit
-from heavylift.pipeline.pictures.meshes import MeshSkin, Skin, frame_radius, join
+from heavylift.pipeline.pictures.meshes import (
+    Exaggeration,
+    MeshRun,
+    MeshSkin,
+    Scale,
+    Shot,
+    Skin,
+    frame_radius,
+    join,
+    stress_scale,
+)
 from heavylift.pipeline.pictures.outer_surface import Surface
-from heavylift.pipeline.pictures.png import figure_png
+from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines
-from heavylift.pipeline.pictures.run import Exaggeration, MeshRun, Scale, Shot, stress_scale
 from heavylift.pipeline.results.signals import scaled_unit
 
 if TYPE_CHECKING:

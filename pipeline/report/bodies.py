@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
     Item = Text | Facts | Table | Figure
 

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.quantity import ByExponent, Quantity
 from heavylift.pipeline.pictures.plots import Series, history_plot
 from heavylift.pipeline.report.document import Figure, Section, Table, Text, short_table
 from heavylift.pipeline.results.words import number_words, numbers_words
+from heavylift.solver.scene.descriptions import described_fields
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["contact_sections", "contact_tables"]
+__all__ = ["contact_sections", "contact_tables", "law_words"]
 
 _PLOTS = 4  # contacts with plots of their own at most
 
@@ -84,7 +86,7 @@ def _contact(contact: Any) -> tuple[str, ...]:
     if contact.law == "rigid":
         words.append("impacts split the step" if contact.events else "impacts at ends of steps")
     body, contour = contact.between
-    return (contact.name, body, contour, _shape(contact), _law(contact), "; ".join(words))
+    return (contact.name, body, contour, _shape(contact), law_words(contact), "; ".join(words))
 
 
 def _shape(contact: Any) -> str:
@@ -103,22 +105,22 @@ def _shape(contact: Any) -> str:
     return shape.type + size + rounding + where
 
 
-def _law(contact: Any) -> str:
-    """Law of a contact with its numbers."""
+def law_words(section: Any, of: str = "") -> str:
+    """Law of a contact or collision with its numbers; `of` says what a stiffness is of."""
     words = []
-    if contact.law in {"rigid", "hunt-crossley"}:
-        words.append(f"restitution {contact.restitution:g}")
-    if getattr(contact, "rest_speed", 0.0):
-        words.append(f"none below {number_words(contact.rest_speed, 'm/s')}")
-    if getattr(contact, "stiffness", None) is not None:
-        power = {"linear": 1.0, "hertz": 1.5}.get(contact.law) or contact.exponent
-        unit = "N/m" if power == 1.0 else f"N/m^{power:g}"
-        words.append(f"stiffness {contact.stiffness:.6g} {unit}")
-    if getattr(contact, "contact_modulus", None) is not None:
-        words.append(f"contact modulus {number_words(contact.contact_modulus, 'Pa')}")
-    if getattr(contact, "damping", 0.0):
-        words.append(f"damping {number_words(contact.damping, 'N s/m')}")
-    return ", ".join([contact.law, *words])
+    for field in described_fields(section.DESCRIBED):
+        value, name, quantity = getattr(section, field.name), field.name.replace("_", " "), field.quantity
+        if isinstance(quantity, ByExponent) and value is not None:
+            power = quantity.exponent or section.exponent
+            words.append(f"{name}{of} {value:.6g} N/m" + (f"^{power:g}" if power != 1.0 else ""))
+        elif isinstance(quantity, Quantity) and quantity.unit == "1":
+            words.append(f"{name} {value:g}")
+        elif isinstance(quantity, Quantity) and value:
+            name = "none below" if name == "rest speed" else name
+            words.append(f"{name}{of if name == 'stiffness' else ''} {number_words(value, quantity.unit)}")
+    if getattr(section, "contact_modulus", None) is not None:
+        words.append(f"contact modulus {number_words(section.contact_modulus, 'Pa')}")
+    return ", ".join([section.law, *words])
 
 
 def contact_sections(
@@ -170,7 +172,7 @@ def _picture(
     case: Case, stages: OutputFolder, results: Results, renderer: Renderer, album: Album
 ) -> list[Figure]:
     """The scene at its largest force or impact; nothing if the case can no longer be put together."""
-    from heavylift.pipeline.pictures.touch import touch_picture
+    from heavylift.pipeline.pictures.contacts import touch_picture
     from heavylift.pipeline.report.scene import scene_others
 
     record, words = _moment(case, results)

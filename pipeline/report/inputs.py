@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.pipeline.report.collisions import collision_tables
 from heavylift.pipeline.report.connections import connection_tables
 from heavylift.pipeline.report.contacts import contact_tables
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
-from heavylift.pipeline.report.surfaces import collision_tables
 from heavylift.pipeline.results.words import number_words, numbers_words, profile_words
 
 if TYPE_CHECKING:

@@ -6,18 +6,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.case.mesh_geometry import counts_of
+from heavylift.pipeline.case.channel_kinds import lies_along_edge
+from heavylift.pipeline.case.meshes import counts_of
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.report.inputs import initial_rows
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
 
-__all__ = ["mesh_facts", "mesh_sections"]
+__all__ = [
+    "edge_sections",
+    "mesh_facts",
+    "mesh_sections",
+]
 
 _EXTREMES = ("axial_force", "membrane_force", "bending_moment", "axial_stress", "von_mises", "strain_drift")
 """Channels of elements whose extremes are told."""
@@ -192,8 +199,8 @@ def _places(results: Results, shape: MeshShape) -> Table:
     return short_table(("node", *(f"{column} [{unit.text}]" for column in columns)), rows)
 
 
-def _when(results: Results, record: int, word: str) -> str:
-    """Time of a record, if there are several."""
+def _when(results: Results, record: int, word: str = ", ") -> str:
+    """Time of a record behind a word, if there are several."""
     if len(results.time) < 2:
         return ""
     return word + number_words(float(results.time[record]), "s")
@@ -230,7 +237,7 @@ def _extremes(results: Results, name: str) -> Table:
             record, column = np.unravel_index(index, history.shape)
             place = _component_words(results.components(channel)[column]) if history.shape[1] > 1 else ""
             value = history[record, column] / (1.0 if pure else unit.divisor) + 0.0
-            row.append(f"{value:.6g}{place}{_when(results, int(record), ', ')}")
+            row.append(f"{value:.6g}{place}{_when(results, int(record))}")
         rows.append(tuple(row))
     return short_table(("over all elements and records", "smallest", "largest"), rows)
 
@@ -241,3 +248,53 @@ def _component_words(component: str) -> str:
     if not number.isdecimal():
         return f" ({component})" if component else ""
     return f" (element {number}{', ' + rest.replace('.', ' ') if rest else ''})"
+
+
+def edge_sections(case: Case, results: Results | None) -> list[Section]:
+    """Reactions along the edges of a case, one row a joint; nothing without such joints or records."""
+    joints = [joint for joint in case.joints if lies_along_edge(joint.type)]
+    if results is None or not len(results.time) or not joints:
+        return []
+    rows = []
+    for joint in joints:
+        forces = _histories(results, joint.name, "reaction_force")
+        moments = _histories(results, joint.name, "reaction_moment")
+        if not len(forces):
+            continue
+        total = forces.sum(axis=0)
+        record = int(np.argmax(np.linalg.norm(total, axis=1)))
+        rows.append(
+            (
+                joint.name,
+                str(len(forces)),
+                _largest(results, forces, "N"),
+                _largest(results, moments, "N m"),
+                numbers_words(total[record].tolist(), "N") + _when(results, record),
+            )
+        )
+    if not rows:
+        return []
+    columns = (
+        "joint",
+        "nodes",
+        "largest force at a node",
+        "largest moment at a node",
+        "largest force of all nodes",
+    )
+    table: Table = short_table(columns, rows)
+    return [Section("Reactions along edges", (table,))]
+
+
+def _histories(results: Results, joint: str, kind: str) -> NDArray[np.float64]:
+    """Reactions of all nodes, shape (nodes, records, 3)."""
+    found: list[NDArray[np.float64]] = []
+    while f"{joint}.{len(found)}.{kind}" in results:
+        found.append(results[f"{joint}.{len(found)}.{kind}"].reshape(len(results.time), 3))
+    return np.array(found).reshape(len(found), len(results.time), 3)
+
+
+def _largest(results: Results, histories: NDArray[np.float64], unit: str) -> str:
+    """Largest length of a vector, with its node and time."""
+    sizes = np.linalg.norm(histories, axis=2)
+    node, record = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
+    return f"{number_words(float(sizes[node, record]), unit)} (node {node}){_when(results, int(record))}"

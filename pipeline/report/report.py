@@ -10,7 +10,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.checks.quantities import CheckResult, evaluate_checks
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.report.bodies import body_sections
-from heavylift.pipeline.report.collisions import collision_sections
+from heavylift.pipeline.report.collisions import collision_sections, surface_sections
 from heavylift.pipeline.report.contacts import contact_sections
 from heavylift.pipeline.report.document import (
     Album,
@@ -22,9 +22,8 @@ from heavylift.pipeline.report.document import (
     to_html,
     to_markdown,
 )
-from heavylift.pipeline.report.edges import edge_sections
 from heavylift.pipeline.report.inputs import input_section, rigid_sections
-from heavylift.pipeline.report.meshes import mesh_sections
+from heavylift.pipeline.report.meshes import edge_sections, mesh_sections
 from heavylift.pipeline.report.run import (
     history_section,
     load_finite_results,
@@ -34,7 +33,6 @@ from heavylift.pipeline.report.run import (
 )
 from heavylift.pipeline.report.scene import scene_sections
 from heavylift.pipeline.report.sea import sea_sections
-from heavylift.pipeline.report.surfaces import surface_sections
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:

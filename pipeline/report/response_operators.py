@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.preprocess.hydrodynamics import COORDINATES
+from heavylift.preprocess.hydrodynamics.database import COORDINATES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -147,7 +147,7 @@ def write_rao_report(
         temporary.write_text(text.getvalue(), encoding="utf-8")
     write_json(files[1], rao_document(operators, modes, responses))
     if pictures:
-        from heavylift.pipeline.pictures.plot_response_operators import operator_plot
+        from heavylift.pipeline.pictures.hull_plots import operator_plot
 
         for body, name in enumerate(operators.bodies):
             files.append(folder / f"rao_{name}.png")

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.sections import AnimationSection
+    from heavylift.pipeline.case.report import AnimationSection
     from heavylift.pipeline.pictures.attached import Others
+    from heavylift.pipeline.pictures.meshes import MeshRun
     from heavylift.pipeline.pictures.render import Renderer
-    from heavylift.pipeline.pictures.run import MeshRun
     from heavylift.pipeline.pictures.scene import ScenePainter
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
@@ -103,7 +103,7 @@ def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: 
 
 def mesh_run(shape: MeshShape, results: Results) -> MeshRun:
     """A recorded frame or shell, as pictures need it."""
-    from heavylift.pipeline.pictures.run import MeshRun
+    from heavylift.pipeline.pictures.meshes import MeshRun
 
     channels = [f"{shape.name}.{vector}" for vector in _VECTORS[shape.type]]
     count = len(shape.nodes)

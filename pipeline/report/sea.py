@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.report.described import described_table
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.results.words import number_words, numbers_words
 
@@ -30,8 +31,13 @@ def sea_sections(case: Case, stages: OutputFolder, results: Results | None) -> l
     items: list[Facts | Table | Text] = []
     if case.sea is not None:
         items += [Facts(tuple(_water(case))), *_waves(case, known), *_flows(case)]
-    items += [*_hulls(case, stages), *_databases(case, stages), *_tanks(case), *_loads(case)]
-    items += [*_lines(case, known), *_fenders(case)]
+    items += [
+        *_hulls(case, stages),
+        *_databases(case, stages),
+        *_tanks(case),
+        *described_table("load", case.fluid_loads),
+    ]
+    items += [*_lines(case, known), *described_table("fender", case.fenders)]
     return [Section("Sea" if case.sea is not None else "Lines", tuple(items))]
 
 
@@ -162,7 +168,7 @@ def _hulls(case: Case, stages: OutputFolder) -> list[Table | Text]:
 
 def _databases(case: Case, stages: OutputFolder) -> list[Table]:
     """What the mesh stage found of the databases."""
-    from heavylift.pipeline.assemble.databases import database_manifest
+    from heavylift.pipeline.assemble.hulls import database_manifest
 
     items, rows = database_manifest(stages), []
     for name, section in case.databases.items():
@@ -201,39 +207,10 @@ def _tanks(case: Case) -> list[Table]:
     return [short_table(("tank", "hull", "at", "water [kg]"), rows)] if rows else []
 
 
-def _loads(case: Case) -> list[Table]:
-    """What wind and current push on."""
-    rows = []
-    for load in case.fluid_loads:
-        if load.type == "coefficients":
-            words = f"coefficients, areas {load.area_x:g} and {load.area_y:g} m^2, length {load.length:g} m"
-        else:
-            words = f"{len(load.elements)} drag element{'s' if len(load.elements) > 1 else ''}"
-        rows.append((load.name, load.body, load.fluid, words))
-    return [short_table(("load", "body", "of", "by"), rows)] if rows else []
-
-
 def _lines(case: Case, known: dict[str, Any]) -> list[Table]:
     """Mooring lines, with the lengths that were found for given tensions."""
-    lengths, rows = known.get("line_lengths", {}), []
-    for line in case.lines:
-        found = lengths.get(line.name, [section.length for section in line.sections])
-        total = _NONE if None in found else f"{sum(found):.8g}"
-        weights = ", ".join(f"{section.weight:g}" for section in line.sections)
-        words = [f"{number_words(line.fairlead_tension, 'N')} at the start"] if line.fairlead_tension else []
-        if line.on_seabed or line.seabed is not None:
-            words.append(f"on the bottom, friction {line.friction:g}")
-        words += [f"{len(line.clumps)} clumps"] if line.clumps else []
-        rows.append((line.name, " – ".join(line.between), total, weights, "; ".join(words)))
-    header = ("line", "from – to", "length [m]", "weight [N/m]", "besides")
-    return [short_table(header, rows, frozenset({2}))] if rows else []
-
-
-def _fenders(case: Case) -> list[Table]:
-    rows = []
-    for fender in case.fenders:
-        law = f"table of {len(fender.compressions)} points"
-        if fender.stiffness is not None:
-            law = number_words(fender.stiffness, "N/m")
-        rows.append((fender.name, " – ".join(fender.between), law, number_words(fender.damping, "N s/m")))
-    return [short_table(("fender", "on – against", "stiffness", "damping"), rows)] if rows else []
+    lengths: dict[str, list[float]] = known.get("line_lengths", {})
+    more = {
+        line.name: [f"{sum(lengths[line.name]):.8g} m in all"] for line in case.lines if line.name in lengths
+    }
+    return described_table("line", case.lines, more=more)

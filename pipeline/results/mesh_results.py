@@ -111,7 +111,7 @@ class MeshShape:
 
 def mesh_shape(body: MeshBody) -> MeshShape:
     """Shape of a body of a scene."""
-    from heavylift.solver.bodies.ancf.frame_stress import frame_lengths
+    from heavylift.solver.bodies.ancf.stress import frame_lengths
     from heavylift.solver.scene.meshes import FRAME_VECTORS, SHELL_VECTORS, FrameBody, ShellBody
 
     assert isinstance(body, (FrameBody, ShellBody))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from heavylift.modal.reduced import ReducedBody
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = ["open_hdf5", "read_header", "read_model", "read_reduced", "write_model", "write_reduced"]
 
@@ -83,8 +83,8 @@ def read_model(path: Path) -> FEModel:
     InputError
         If the file is absent, damaged or something else.
     """
-    from heavylift.preprocess.mesh import Mesh
-    from heavylift.preprocess.model import FEModel, Material
+    from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.finite_elements.model import FEModel, Material
 
     with open_hdf5(path, "make it with `heavylift mesh CASE --force`") as file:
         _check_format(file, path, MODEL_FORMAT)

@@ -6,8 +6,10 @@ import hashlib
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
+from heavylift.pipeline.case.fields import InFolder, Section
+from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ PACKAGE = Path(__file__).resolve().parents[2]
 STAGE_SOURCES = {
     "mesh": (
         "numerics",
-        "preprocess",
+        "preprocess/finite_elements",
         "pipeline/assemble/finite_elements.py",
         "pipeline/results/model_io.py",
         "pipeline/stages/stages.py",
@@ -59,13 +61,16 @@ STAGE_SOURCES = {
         "pipeline/stages/simulate.py",
     ),
     "report": ("pipeline",),
-    "surfaces": ("numerics", "preprocess", "pipeline/assemble/surfaces.py"),
+    "surfaces": (
+        "numerics",
+        "preprocess/finite_elements",
+        "preprocess/surfaces",
+        "pipeline/assemble/surfaces.py",
+    ),
     "hydrodynamics": (
         "numerics",
         "preprocess",
-        "pipeline/assemble/databases.py",
         "pipeline/assemble/hulls.py",
-        "pipeline/assemble/panels.py",
         "pipeline/assemble/water.py",
         "pipeline/stages/hydrodynamics.py",
     ),
@@ -77,6 +82,9 @@ STAGE_SOURCES = {
 }
 """Sources, below the package, whose change makes the outputs of a stage stale; of modes also those that pick the nodes
 of contours, if they depend on them."""
+
+OWN_DIGESTS = {"bodies", "surfaces", "databases"}
+"""Tables of a scene with digests of their own."""
 
 STAGE_PACKAGES = {
     "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
@@ -180,28 +188,9 @@ def simulate_digest(case: Case) -> str:
             bodies[name] = body.model_dump(mode="json")
     for name, mesh in case.meshes.items():
         bodies[name]["files"] = _files(case, mesh)
-    scene = case.model_dump(
-        mode="json",
-        include={
-            "gravity",
-            "joints",
-            "ropes",
-            "forces",
-            "sensors",
-            "contours",
-            "contacts",
-            "collisions",
-            "sea",
-            "hulls",
-            "tanks",
-            "fluid_loads",
-            "lines",
-            "fenders",
-            "simulate",
-        },
-    )
-    names = {file for contour in case.contours.values() for file in (contour.nodes, contour.file) if file}
-    files = {name: digest_file(case.folder / name) for name in sorted(names)}
+    scene = case.model_dump(mode="json", include={*SceneTables.model_fields, "simulate"} - OWN_DIGESTS)
+    files = _files_in([getattr(case, key) for key in SceneTables.model_fields if key not in OWN_DIGESTS])
+    scene["files"] = {name: digest_file(case.folder / name) for name in sorted(files)}
     if case.surfaces:
         scene["surfaces"] = {
             surface.name: [surface.body, surface.facets, surface_digest(case, surface)]
@@ -213,15 +202,28 @@ def simulate_digest(case: Case) -> str:
             name: [section.model_dump(mode="json", include=memory), database_digest(case, section)]
             for name, section in case.databases.items()
         }
-    scene["sea files"] = _sea_files(case)
-    return _digest("simulate", {"bodies": bodies, "contour files": files, **scene})
+    return _digest("simulate", {"bodies": bodies, **scene})
 
 
-def _sea_files(case: Case) -> dict[str, str]:
-    """Digests of the files of waves and of loads of wind and current."""
-    rows: list[Any] = [*(case.sea.waves if case.sea is not None else ()), *case.fluid_loads]
-    names = {name for row in rows if (name := getattr(row, "file", None))}
-    return {name: digest_file(case.folder / name) for name in sorted(names)}
+def _files_in(node: Any) -> set[str]:
+    """Files of the case folder that sections name, with those of all sections below them."""
+    if isinstance(node, Section):
+        own = {getattr(node, key) for key in _file_keys(type(node))} - {None}
+        keys = type(node).model_fields.keys() - _file_keys(type(node))
+        return own.union(*(_files_in(getattr(node, key)) for key in keys))
+    below = node.values() if isinstance(node, dict) else node if isinstance(node, (list, tuple)) else ()
+    return {name for entry in below for name in _files_in(entry)}
+
+
+@cache
+def _file_keys(section: type[Section]) -> frozenset[str]:
+    """Keys that are names of files in the case folder."""
+    return frozenset(
+        key
+        for key, field in section.model_fields.items()
+        for mark in [*field.metadata, *(m for part in get_args(field.annotation) for m in get_args(part)[1:])]
+        if isinstance(mark, InFolder)
+    )
 
 
 def database_digest(case: Case, section: DatabaseSection) -> str:

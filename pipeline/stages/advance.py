@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.results.segments import Segment, last_segment, remove_segments, write_segment
+from heavylift.pipeline.results.histories import Segment, last_segment, remove_segments, write_segment
 from heavylift.pipeline.results.storage import StopError
 
 if TYPE_CHECKING:

@@ -9,11 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.assemble.databases import (
-    database_manifest,
-    read_database_source,
-    stored_database,
-)
+from heavylift.pipeline.assemble.hulls import database_manifest, read_database_source, stored_database
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import database_digest, source_digest, versions
 from heavylift.pipeline.results.storage import replacing, write_json
@@ -23,8 +19,8 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.hulls import DatabaseSection
-    from heavylift.pipeline.stages.work import Work
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.pipeline.stages.stages import Work
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 __all__ = ["make_databases"]
 
@@ -106,10 +102,10 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
         database = read_database_source(work.case, section)
         _write(file, database, "")
         return database
-    from heavylift.pipeline.assemble.panels import bem_inputs
-    from heavylift.preprocess.bem import capytaine_version, compute_database
-    from heavylift.preprocess.bem_inputs import database_digest as inputs_digest
-    from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf
+    from heavylift.pipeline.assemble.hulls import bem_inputs
+    from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database
+    from heavylift.preprocess.hydrodynamics.bem import database_digest as inputs_digest
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf
 
     inputs = bem_inputs(work.case, section, work.folder)
     digest = inputs_digest(inputs)
@@ -141,7 +137,7 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
 
 
 def _write(file: Path, database: HydrodynamicDatabase, digest: str) -> None:
-    from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
     with replacing(file) as temporary:
         write_netcdf(temporary, database, digest=digest)
@@ -172,9 +168,9 @@ def _properties(database: HydrodynamicDatabase, section: DatabaseSection) -> dic
 
 def _fit(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:
     """How well exponentials fit the memory, as the simulation will find it."""
-    from heavylift.preprocess.exponentials import fit_exponentials
-    from heavylift.preprocess.retardation import memory_length, retardation_kernel
-    from heavylift.solver.water.hulls.parts import FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY
+    from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
+    from heavylift.preprocess.hydrodynamics.retardation import memory_length, retardation_kernel
+    from heavylift.solver.water.hulls.packing import FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY
 
     kernel = retardation_kernel(database.omega, database.damping, source=database.source)
     length = section.memory_length or max(memory_length(kernel), SHORTEST_MEMORY)

@@ -9,18 +9,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.pictures.plot_righting_arm import righting_arm_plot
+from heavylift.pipeline.pictures.hull_plots import righting_arm_plot
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.preprocess.hull_surface import check_hull
-from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, equilibrium
-from heavylift.solver.water.hulls.righting_arm import RightingArmCurve, righting_arm_curve
+from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
+from heavylift.solver.water.hulls.hydrostatics import (
+    FloatingPosition,
+    RightingArmCurve,
+    equilibrium,
+    righting_arm_curve,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.water.hulls.floating import Tank
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+    from heavylift.solver.water.hulls.hydrostatics import Tank
 
 __all__ = ["HydrostaticsReport", "hydrostatics_lines", "hydrostatics_report"]
 
@@ -77,7 +81,7 @@ def hydrostatics_report(
     tanks
         On top of the mass.
     open_deck
-        See `heavylift.preprocess.hull_surface.check_hull`.
+        See `heavylift.preprocess.hydrodynamics.hull_surface.check_hull`.
     marks
         Where drafts are read, x [m]; default the ends of the hull.
     angles

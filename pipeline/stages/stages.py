@@ -1,12 +1,18 @@
-"""What is stale and what to run: the stages of a case, each skipped if its inputs are unchanged."""
+"""What is stale and what to run: the stages of a case, each skipped if its inputs are unchanged.
+
+One run at a time works in an output folder.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import errno
+import fcntl
 import os
 import shutil
+import socket
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,16 +20,120 @@ from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.provenance import mesh_digest, modes_digest, source_digest, versions
 from heavylift.pipeline.results.storage import OutputFolder, StopError, read_json, replacing, write_json
-from heavylift.pipeline.stages.lock import locked
-from heavylift.pipeline.stages.work import StageReport, Work
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
 
-__all__ = ["STAGES", "RunReport", "load_changed_case", "run_case"]
+__all__ = [
+    "STAGES",
+    "RunReport",
+    "StageReport",
+    "Work",
+    "load_changed_case",
+    "locked",
+    "run_case",
+]
+
+
+@dataclass(frozen=True)
+class StageReport:
+    """How one stage ended.
+
+    Attributes
+    ----------
+    stage
+        One of `STAGES`.
+    outcome, message
+        How it ended, and why if it did not complete.
+    skipped
+        Whether everything was there already.
+    cpu_s
+        CPU time that making the outputs took, now or before [s].
+    details
+        Numbers that the stage reports, as in its manifest.
+    """
+
+    stage: str
+    outcome: Outcome
+    skipped: bool
+    cpu_s: float
+    message: str = ""
+    details: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass
+class Work:
+    """What the stages of one run share.
+
+    Attributes
+    ----------
+    case, folder, log
+        The case, where its outputs go, and who is told.
+    force
+        Stages that are made again even if they are current.
+    reuse
+        Other output folders whose meshes and modes are taken if their inputs are the same.
+    models
+        Finite-element models that are in memory already.
+    """
+
+    case: Case
+    folder: OutputFolder
+    log: Log
+    force: frozenset[str] = frozenset()
+    reuse: tuple[OutputFolder, ...] = ()
+    models: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def flexible(self) -> dict[str, FlexibleBodySection]:
+        """The bodies that have meshes and modes."""
+        return {name: body for name, body in self.case.bodies.items() if body.type == "flexible"}
+
+
+LOCK_FILE = ".lock"
+
+
+@contextlib.contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Hold the lock of an output folder.
+
+    The operating system releases it when the process ends in whatever way, so a lock is never stale;
+    the content of the lock file is for messages only.
+
+    Raises
+    ------
+    StopError
+        With `Outcome.LOCKED`, if another process holds it.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / LOCK_FILE
+    with path.open("a+", encoding="utf-8") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno in {errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP}:
+                yield  # a file system without locks: better to run than to refuse
+                return
+            stream.seek(0)
+            holder = stream.read().strip() or "another process"
+            raise StopError(
+                Outcome.LOCKED,
+                f"{folder}: {holder} works in this folder; wait for it, stop it, or choose another --out",
+            ) from None
+        stream.seek(0)
+        stream.truncate()
+        started = time.strftime("%Y-%m-%d %H:%M:%S")
+        stream.write(f"process {os.getpid()} on {socket.gethostname()}, started {started},")
+        stream.flush()
+        try:
+            yield
+        finally:
+            stream.seek(0)
+            stream.truncate()
+
 
 STAGES = ("mesh", "modes", "simulate", "report")
 

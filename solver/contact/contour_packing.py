@@ -15,7 +15,7 @@ from heavylift.contours.splines.packed_contour import PackedContour
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.kind import principal_frame
+from heavylift.solver.bodies.rigid.packing import principal_frame
 from heavylift.solver.contact.checks import check_about_curve
 from heavylift.solver.contact.kind import (
     OF_GROUND,

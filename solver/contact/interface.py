@@ -17,7 +17,6 @@ from heavylift.solver.kinds import optional
 
 __all__ = [
     "bound_motion",
-    "forget_accelerations",
     "form_controls",
     "pose_contours",
     "put_contour_rows",
@@ -53,11 +52,6 @@ def put_contour_rows(kinds: Bodies, contacts: ContactRows, contact: int, count: 
 @optional("contact")
 def bound_motion(kinds: Bodies, contacts: ContactRows, step: float, work: Workspace) -> None:
     """Bodies: how far any point of a contour moves in the step at the velocity of the stage, at most, into its pose."""
-
-
-@optional("contact")
-def forget_accelerations(kinds: Bodies) -> None:
-    """Bodies: after an impact the differences of the last step say nothing of the next."""
 
 
 @optional("contact")

@@ -164,7 +164,7 @@ def pack_contacts(
         table[i].contour, table[i].shape_kind = numbers[contact.contour], kind
         table[i].law, table[i].force_law = _law(contact, packed.is_curve[numbers[contact.contour]])
         table[i].centre, table[i].axes, table[i].column = marker.centre, marker.axes, column
-        table[i].events = contact.events
+        table[i].events = isinstance(contact.law, RigidLaw) and contact.law.events
         table[i].slot = slots.get(contour.body, 0)
         slots[contour.body] = slots.get(contour.body, 0) + moving_points(contour)
         table[i].primitive_kind = primitive_kind

@@ -5,7 +5,7 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.interface import forget_accelerations, pose_contours, settle_points
+from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
 from heavylift.solver.contact.search.locate import locate
 from heavylift.solver.contact.solve.delassus import contact_rates
@@ -21,6 +21,7 @@ from heavylift.solver.interface import (
     end_velocity,
     fill_markers,
     finish,
+    forget_accelerations,
     set_velocity,
     solve_end,
 )

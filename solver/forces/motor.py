@@ -6,7 +6,8 @@ The load acts on the markers of the angle or travel, so that load times rate is 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import ByCoordinate, Quantity, Shape
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import (
     Workspace,
@@ -26,9 +28,41 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.coordinate import ANGLE, CoordinateEntry, add_load
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.structure import RowSystem
-from heavylift.solver.scene.connections import JointMotor
+from heavylift.solver.scene.connections import FORCES, AlongJoint
+from heavylift.solver.scene.descriptions import check_table, no_rows
 
-__all__ = ["Motors", "pack_motors"]
+__all__ = ["JointMotor", "Motors", "pack_motors"]
+
+
+@FORCES.describe("motor")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointMotor(AlongJoint):
+    """A torque or force of side a of a joint on its side b, constant or from a table over time."""
+
+    load: Annotated[float | None, ByCoordinate(Quantity("moment or energy"), Quantity("force"))] = None
+    """A constant torque [N m] or force [N]."""
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
+    """Times of the table [s], increasing."""
+    loads: Annotated[
+        NDArray[np.float64], ByCoordinate(Quantity("moment or energy"), Quantity("force")), Shape((None,))
+    ] = field(default_factory=no_rows)
+    """Torques or forces of the table, linear in between, constant before and after."""
+
+    def __post_init__(self) -> None:
+        """A constant load is a table of one row."""
+        if self.load is not None:
+            object.__setattr__(self, "times", np.zeros(1))
+            object.__setattr__(self, "loads", np.array([self.load]))
+            object.__setattr__(self, "load", None)
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A load or a table."""
+        if (said.load is None) == (not said.times and not said.loads):
+            raise InputError(
+                "not exactly one of 'load' and a table", expected="'load', or 'times' and 'loads'"
+            )
+        check_table("times", said.times, "loads", said.loads)
 
 
 class MotorEntry(CoordinateEntry):
@@ -78,30 +112,14 @@ class Motors(Arrays):
 
 
 def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:
-    """Make the kind from the entries of a scene and what stands before the load table of each.
-
-    Raises
-    ------
-    InputError
-        If a table is empty, does not fit, or its times do not increase.
-    """
+    """Make the kind from the entries of a scene and what stands before the load table of each."""
     table: list[tuple[int, ...]] = []
     loads: list[tuple[float, float]] = []
     first = 0
     for motor, place in motors:
-        times = np.atleast_1d(np.asarray(motor.times, dtype=np.float64))
-        values = np.atleast_1d(np.asarray(motor.loads, dtype=np.float64))
-        good = times.ndim == 1 and times.shape == values.shape and len(times) > 0
-        if not (good and np.all(np.diff(times) > 0.0) and np.all(np.isfinite(values))):
-            raise InputError(
-                f"{times.size} times and {values.size} loads",
-                source=motor.name,
-                key="times",
-                expected="one finite load a time, times increasing",
-            )
-        table.append((*place, first, len(times)))
-        loads += zip(times, values, strict=True)
-        first += len(times)
+        table.append((*place, first, len(motor.times)))
+        loads += zip(motor.times, motor.loads, strict=True)
+        first += len(motor.times)
     return Motors(records(MotorEntry, table), records(LoadRow, loads), np.zeros(len(table)))
 
 
@@ -163,7 +181,7 @@ def update_motors(kind: Motors, time: float, step: float, work: Workspace, syste
 
 @implement(fill_rows, Motors)
 @kernel(internal=True)
-def fill_no_rows(kind: Motors, with_residual: bool, work: Workspace, system: RowSystem) -> None:
+def fillno_rows(kind: Motors, with_residual: bool, work: Workspace, system: RowSystem) -> None:
     """A force has no rows."""
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +12,58 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Quantity, Shape
 from heavylift.numerics.records import Record, Records, Vector, records
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.scene.connections import FORCES, OnBody
+from heavylift.solver.scene.descriptions import check_table, no_rows
 
-if TYPE_CHECKING:
-    from heavylift.solver.scene.scene import PointForce
+__all__ = ["PointForce", "PointForces", "pack_point_forces"]
 
-__all__ = ["PointForces", "pack_point_forces"]
+
+@FORCES.describe("point")
+@dataclass(frozen=True, eq=False)
+class PointForce(OnBody):
+    """A force on a material point, constant or from a table over time."""
+
+    CHANNELS: ClassVar = ()
+    SENTENCES: ClassVar = {
+        "name": "Its name.",
+        "body": "Body that is loaded.",
+        "point": "Loaded point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame "
+        "or shell any point of its mesh.",
+    }
+
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
+    """Times of the table [s], increasing."""
+    forces: Annotated[NDArray[np.float64], Quantity("force"), Shape((None, 3))] = field(
+        default_factory=no_rows
+    )
+    """Forces of the table [N], linear in between, constant before and after."""
+    frame: Literal["world", "body"] = "world"
+    """Axes of the force: of the world, or of the body frame."""
+    force: Annotated[NDArray[np.float64] | None, Quantity("force"), Shape((3,))] = None
+    """A constant force [N]."""
+
+    def __post_init__(self) -> None:
+        """A constant force is a table of one row."""
+        if self.force is not None:
+            object.__setattr__(self, "times", np.zeros(1))
+            object.__setattr__(self, "forces", np.array([self.force]))
+            object.__setattr__(self, "force", None)
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A force or a table."""
+        if (said.force is None) == (not said.times and not said.forces):
+            raise InputError(
+                "not exactly one of 'force' and a table", expected="'force', or 'times' and 'forces'"
+            )
+        check_table("times", said.times, "forces", said.forces)
 
 
 class PointForceEntry(Record):
@@ -64,26 +106,12 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
         Forces.
     first_markers
         Number of the point marker of each entry; the axes follow it.
-
-    Raises
-    ------
-    InputError
-        If a table is empty, does not fit, or its times do not increase.
     """
     rows: list[tuple[int, int, int, int]] = []
     tables: list[tuple[float, NDArray[np.float64]]] = []
     for entry, marker in zip(entries, first_markers, strict=True):
-        times = np.atleast_1d(np.asarray(entry.times, dtype=np.float64))
-        forces = np.asarray(entry.forces, dtype=np.float64).reshape(-1, 3)
-        if len(times) != len(forces) or len(times) == 0 or not np.all(np.diff(times) > 0.0):
-            raise InputError(
-                f"{len(times)} times and {len(forces)} forces",
-                source=entry.name,
-                key="times",
-                expected="one force a time, times increasing",
-            )
-        rows.append((marker, marker + 1 if entry.frame == "body" else -1, len(tables), len(times)))
-        tables += zip(times, forces, strict=True)
+        rows.append((marker, marker + 1 if entry.frame == "body" else -1, len(tables), len(entry.times)))
+        tables += zip(entry.times, entry.forces, strict=True)
     return PointForces(records(PointForceEntry, rows), records(ForceAtTime, tables))
 
 

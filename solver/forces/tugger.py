@@ -16,21 +16,21 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.connections import PAIR_FORCES, PairForce
+from heavylift.solver.scene import connections
+from heavylift.solver.scene.connections import Between, PackedForce
 from heavylift.solver.scene.descriptions import ChannelKind
 
 __all__ = ["Tugger", "Tuggers", "pack"]
 
 
-@PAIR_FORCES.describe("tugger")
+@connections.FORCES.describe("tugger")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Tugger(PairForce):
+class Tugger(Between, PackedForce):
     """A winch pulls the two points together with a constant tension."""
 
     CHANNELS: ClassVar = (
@@ -58,19 +58,9 @@ class Tuggers(Arrays):
 
 
 def pack(forces: Sequence[Tugger], columns: Sequence[int], book: MarkerBook) -> Tuggers:
-    """Make the kind.
-
-    Raises
-    ------
-    InputError
-        If a tension is negative or not finite.
-    """
+    """Make the kind."""
     rows = []
     for force, column in zip(forces, columns, strict=True):
-        if not 0.0 <= force.tension < math.inf:
-            raise InputError(
-                f"a tension of {force.tension} N", source=force.name, key="tension", expected="a force >= 0 N"
-            )
         a = book.point(force.body_a, force.point_a, FORCES)
         rows.append((a, book.point(force.body_b, force.point_b, FORCES), column, force.tension))
     return Tuggers(records(TuggerEntry, rows))

@@ -122,6 +122,11 @@ def run(
     -------
     int
         Last index that was completed; `work.status` says why if it is not `last`.
+
+    Notes
+    -----
+    Arguments are the tables and shared arrays that every verb takes, and what a call from Python says anew: it is made
+    once for a stretch of records, so nothing would be gained by packing these numbers.
     """
     control = work.control
     row = 0

@@ -6,6 +6,7 @@ from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.solver.interface import (
+    FORCES,
     RECORD,
     Bodies,
     Forces,
@@ -25,7 +26,7 @@ from heavylift.solver.interface import (
 TOTAL_COLUMNS = 13
 """Columns at the end of a record: six energies, their balance, two momenta."""
 
-__all__ = ["TOTAL_COLUMNS", "evaluate_forces", "start_scene", "write_record"]
+__all__ = ["TOTAL_COLUMNS", "evaluate_forces", "evaluate_loads", "start_scene", "write_record"]
 
 
 @entry
@@ -85,3 +86,9 @@ def write_record(
     row[end + 6] = (
         sums.kinetic + sums.elastic + sums.potential - sums.external_work - sums.drive_work + sums.dissipated
     )
+
+
+@entry
+def evaluate_loads(bodies: Bodies, forces: Forces, work: Workspace, time: float) -> None:
+    """Markers and forces at the carried state."""
+    evaluate_forces(bodies, forces, work, time, False, FORCES)

@@ -30,12 +30,7 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import (
-    Joint,
-    JointMotor,
-    JointSpring,
-    Spring,
-)
+from heavylift.solver.scene.connections import AlongJoint, Between, Joint
 
 __all__ = [
     "ANGLE",
@@ -75,7 +70,7 @@ class CoordinateEntry(Record):
     column: int
 
 
-def joint_coordinate(joint: Joint, user: JointSpring | JointMotor | Joint) -> int:
+def joint_coordinate(joint: Joint, user: AlongJoint | Joint) -> int:
     """`ANGLE` or `TRAVEL`: what springs, motors, stops and friction of a joint act on.
 
     Raises
@@ -99,7 +94,7 @@ def joint_markers(book: MarkerBook, joint: Joint, coordinate: int, level: int) -
     return angle_markers(book, joint, level) if coordinate == ANGLE else travel_markers(book, joint, level)
 
 
-def spring_markers(book: MarkerBook, spring: Spring, level: int) -> tuple[int, int, int]:
+def spring_markers(book: MarkerBook, spring: Between, level: int) -> tuple[int, int, int]:
     """Markers of the two ends of a spring."""
     a = book.point(spring.body_a, spring.point_a, level)
     return a, book.point(spring.body_b, spring.point_b, level), a

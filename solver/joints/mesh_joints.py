@@ -20,7 +20,7 @@ from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.connections import EdgeJoint, Joint, JointMotor, JointSpring
+from heavylift.solver.scene.connections import AlongJoint, EdgeJoint, Joint
 from heavylift.solver.scene.meshes import FrameBody, MeshBody
 from heavylift.solver.scene.scene import AnyBody, Scene
 
@@ -55,7 +55,7 @@ def expand_joints(scene: Scene) -> Scene:
                 _check(part, joint, bodies)
         joints += parts
     for force in scene.forces:
-        if isinstance(force, (JointSpring, JointMotor)) and force.joint in changed:
+        if isinstance(force, AlongJoint) and force.joint in changed:
             raise InputError(
                 f"the joint {force.joint!r} has no angle: one of its sides is a frame or the edge of a shell",
                 source=force.name,

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
+from heavylift.solver.forces.motor import JointMotor
+from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.coordinate import (
     ANGLE,
@@ -28,7 +30,7 @@ from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
-from heavylift.solver.scene.connections import GROUND, Joint, JointMotor, JointSpring, Limits, Rope, Spring
+from heavylift.solver.scene.connections import GROUND, Joint, Limits
 
 if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
@@ -69,7 +71,7 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
         turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
-    parts = len(owner.path) - 1 if isinstance(owner, Rope) else 1
+    parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
     segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
     return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
 
@@ -131,25 +133,18 @@ def pack_laws(
     """
     packing = _Packing(scene, columns, book, attachment, scales, first_block)
     made = packing.made
-    linear: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
-    tabulated: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
-    explicit: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
+    springs: list[tuple[Spring | JointSpring, NDArray[np.float64], bool]] = []
+    cornered: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
     for force in scene.forces:
         if isinstance(force, (Spring, JointSpring)):
             table = _table(force)
-            _check_spring(force, table, scene)
-            if integrator == "accurate" or (integrator != "dele2" and len(table)):
-                explicit.append((force, table))
+            _check_spring(force, scene)
+            if integrator == "dele2" and len(table):
+                cornered.append((force, table))
             else:
-                (tabulated if len(table) else linear).append((force, table))
-    if linear:
-        _pack_linear(packing, [force for force, _ in linear])
-    if explicit:
-        from heavylift.solver.forces.spring import pack_springs
-
-        springs = pack_springs([(*_explicit(packing, force), table) for force, table in explicit])
-        made.forces.append(springs)
-        made.joints.append(springs)
+                springs.append((force, table, integrator != "accurate" and not len(table)))
+    if springs:
+        _pack_springs(packing, springs)
     motors = [force for force in scene.forces if isinstance(force, JointMotor)]
     if motors:
         from heavylift.solver.forces.motor import pack_motors
@@ -157,7 +152,7 @@ def pack_laws(
         driving = pack_motors([(motor, _motor(packing, motor)) for motor in motors])
         made.forces.append(driving)
         made.joints.append(driving)
-    _pack_scalar_laws(packing, tabulated)
+    _pack_scalar_laws(packing, cornered)
     if scene.ropes:
         from heavylift.solver.laws.rope_packing import pack_ropes
 
@@ -178,18 +173,7 @@ def pack_laws(
 
 def _table(force: Spring | JointSpring) -> NDArray[np.float64]:
     """Rows (elongation, force), shape (n, 2); none of a linear spring."""
-    x, y = (
-        (force.elongations, force.forces) if isinstance(force, Spring) else (force.deflections, force.loads)
-    )
-    x, y = np.atleast_1d(np.asarray(x, dtype=np.float64)), np.atleast_1d(np.asarray(y, dtype=np.float64))
-    good = x.ndim == 1 and x.shape == y.shape and len(x) != 1
-    if not (good and np.all(np.isfinite(x)) and np.all(np.isfinite(y)) and np.all(np.diff(x) > 0.0)):
-        raise InputError(
-            f"a table of {x.size} and {y.size} numbers",
-            source=force.name,
-            key="elongations" if isinstance(force, Spring) else "deflections",
-            expected="two rows or more, finite, elongations increasing",
-        )
+    x, y = (np.asarray(column, dtype=np.float64) for column in force.curve)
     if np.any(np.diff(y) < 0.0):
         i = int(np.argmax(np.diff(y) < 0.0))
         raise InputError(
@@ -201,24 +185,10 @@ def _table(force: Spring | JointSpring) -> NDArray[np.float64]:
     return np.column_stack([x, y])
 
 
-def _check_spring(force: Spring | JointSpring, table: NDArray[np.float64], scene: Scene) -> None:
-    """Stiffness, damping, and the ends of a spring between points."""
-    for key in ("stiffness", "damping"):
-        value = getattr(force, key)
-        if not 0.0 <= value < np.inf:
-            raise InputError(f"{value}", source=force.name, key=key, expected="0 or more")
-    if len(table) and force.stiffness > 0.0:
-        raise InputError(
-            "a stiffness and a table", source=force.name, key="stiffness", expected="one of them"
-        )
-    if not len(table) and force.stiffness == 0.0 and force.damping == 0.0:
-        raise InputError(
-            "no force", source=force.name, key="stiffness", expected="a stiffness, a table or a damping"
-        )
+def _check_spring(force: Spring | JointSpring, scene: Scene) -> None:
+    """Refuse ends of a spring between points that coincide."""
     if not isinstance(force, Spring):
         return
-    if not 0.0 <= force.length < np.inf:
-        raise InputError(f"{force.length} m", source=force.name, key="length", expected="0 or more")
     ends = start_frames(_as_joint(force), scene.bodies)
     distance = float(np.linalg.norm(ends[1].point - ends[0].point))
     if not distance > 1e-9 * (1.0 + float(np.abs(ends[0].point).max())):
@@ -251,47 +221,58 @@ def _sides(packing: _Packing, force: Any) -> tuple[int, Joint]:
     return joint_coordinate(joint, force), joint
 
 
-def _row(packing: _Packing, force: Any, level: int, compliance: float, relaxation: float) -> tuple[int, ...]:
-    """Coordinate, markers, column and block of a row."""
+def _spring(
+    packing: _Packing, force: Spring | JointSpring, curve: tuple[int, int], *, as_row: bool
+) -> tuple[float, ...]:
+    """Entry of a spring, whose curve has a first row and a number of rows."""
     coordinate, joint = _sides(packing, force)
+    level = FORCES if force.damping > 0.0 or not as_row else ROWS
     if isinstance(force, Spring):
-        markers = spring_markers(packing.book, force, level)
+        markers, rest = spring_markers(packing.book, force, level), force.length
     else:
-        markers = joint_markers(packing.book, joint, coordinate, level)
+        markers, rest = joint_markers(packing.book, joint, coordinate, level), force.rest
+    block = -1
+    if as_row:
+        k, c = (1.0, 0.0) if curve[1] else (force.stiffness, force.damping)  # a table is fitted by iteration
+        k = max(k, SLOWEST_RATE * c)
+        block = _block(packing, force.name, joint, coordinate, 1.0 / k, c / k)
+    place = (coordinate, *markers, packing.columns[force.name], block)
+    return *place, float(rest), force.stiffness, force.damping, *curve
+
+
+def _block(
+    packing: _Packing,
+    name: str,
+    joint: Joint,
+    coordinate: int,
+    compliance: float = 1.0,
+    relaxation: float = 0.0,
+) -> int:
+    """Number of a new block of one row between the bodies of a joint."""
     names = (joint.body_a, joint.body_b)
-    scale = packing.scale(names, turns=coordinate == ANGLE)
     sides = (packing.attachment(names[0]), packing.attachment(names[1]))
-    block = packing.add(LawBlock(force.name, sides, scale, compliance, relaxation))
-    return coordinate, *markers, packing.columns[force.name], block
+    scale = packing.scale(names, turns=coordinate == ANGLE)
+    return packing.add(LawBlock(name, sides, scale, compliance, relaxation))
 
 
-def _rest(force: Spring | JointSpring) -> float:
-    return float(force.length if isinstance(force, Spring) else force.rest)
+def _pack_springs(
+    packing: _Packing, springs: Sequence[tuple[Spring | JointSpring, NDArray[np.float64], bool]]
+) -> None:
+    """Springs that are linear rows, and those that are forces: whether each is a row."""
+    from heavylift.solver.forces.spring import SpringEntry, Springs, SpringState
 
-
-def _pack_linear(packing: _Packing, springs: Sequence[Spring | JointSpring]) -> None:
-    """Rows of linear springs."""
-    from heavylift.solver.laws.spring_row import SpringRow, SpringRows, SpringRowState
-
-    rows = []
-    for force in springs:
-        level = FORCES if force.damping > 0.0 else ROWS
-        k = max(force.stiffness, SLOWEST_RATE * force.damping)
-        row = _row(packing, force, level, 1.0 / k, force.damping / k)
-        rows.append((*row, _rest(force), force.stiffness, force.damping))
-    table, state = records(SpringRow, rows), records(SpringRowState, len(rows))
+    rows: list[tuple[float, ...]] = []
+    curves = [np.zeros((0, 2))]
+    for force, curve, as_row in springs:
+        place = (sum(map(len, curves)), len(curve))
+        rows.append(_spring(packing, force, place, as_row=as_row))
+        curves.append(curve)
+    table, state = records(SpringEntry, rows), records(SpringState, len(rows))
     state["value"] = table["rest"]
-    packing.made.joints.append(SpringRows(table, state))
-
-
-def _explicit(packing: _Packing, force: Spring | JointSpring) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """Coordinate, markers, column; rest, stiffness, damping."""
-    coordinate, joint = _sides(packing, force)
-    if isinstance(force, Spring):
-        markers = spring_markers(packing.book, force, FORCES)
-    else:
-        markers = joint_markers(packing.book, joint, coordinate, FORCES)
-    return (coordinate, *markers, packing.columns[force.name]), (_rest(force), force.stiffness, force.damping)
+    kind = Springs(table, np.vstack(curves), state)
+    packing.made.joints.append(kind)
+    if not all(as_row for _, _, as_row in springs):
+        packing.made.forces.append(kind)
 
 
 def _motor(packing: _Packing, motor: JointMotor) -> tuple[int, ...]:
@@ -302,11 +283,11 @@ def _motor(packing: _Packing, motor: JointMotor) -> tuple[int, ...]:
     return coordinate, *markers, packing.columns[motor.name], a.dof, a.width, b.dof, b.width
 
 
-def _pack_scalar_laws(packing: _Packing, tabulated: Sequence[tuple[Any, NDArray[np.float64]]]) -> None:
+def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np.float64]]]) -> None:
     """Rows of tabulated springs, stops and friction."""
     limited = [joint for joint in packing.scene.joints if getattr(joint, "limits", None) is not None]
     rubbing = [joint for joint in packing.scene.joints if getattr(joint, "friction", 0.0) != 0.0]
-    if not (tabulated or limited or rubbing):
+    if not (springs or limited or rubbing):
         return
     from heavylift.solver.laws.scalar_laws import (
         FRICTION,
@@ -320,25 +301,25 @@ def _pack_scalar_laws(packing: _Packing, tabulated: Sequence[tuple[Any, NDArray[
     rows: list[tuple[float, ...]] = []
     curves: list[NDArray[np.float64]] = []
     expected: list[float] = []
-    for force, curve in tabulated:
-        level = FORCES if force.damping > 0.0 else ROWS
-        first = sum(map(len, curves))
-        row = _row(packing, force, level, 1.0, 0.0)
-        rows.append((*row, SPRING, first, len(curve), _rest(force), 0.0, 0.0, force.damping, 0.0, 0.0))
+    for force, curve in springs:
+        place = (sum(map(len, curves)), len(curve))
+        entry = _spring(packing, force, place, as_row=True)
+        rows.append((*entry, SPRING, 0.0, 0.0, 0.0))
         curves.append(curve)
-        expected.append(_rest(force))
+        expected.append(float(force.length if isinstance(force, Spring) else force.rest))
     for joint in limited:
         row = _joint_row(packing, joint)
         limits = _checked_limits(joint)
         stiffness = limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale
-        rows.append((*row, STOP, 0, 0, 0.0, limits.lower, limits.upper, limits.damping, stiffness, 0.0))
+        load = (0.0, stiffness, limits.damping, 0, 0)
+        rows.append((*row, *load, STOP, limits.lower, limits.upper, 0.0))
         ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
         expected.append(sum(ends) / len(ends) if ends else 0.0)
     for joint in rubbing:
         friction = float(getattr(joint, "friction", 0.0))
         if not 0.0 < friction < np.inf:
             raise InputError(f"{friction}", source=joint.name, key="friction", expected="0 or more")
-        rows.append((*_joint_row(packing, joint), FRICTION, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, friction))
+        rows.append((*_joint_row(packing, joint), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction))
         expected.append(0.0)
     state = records(ScalarLawState, len(rows))
     state["fresh"], state["value"] = True, expected
@@ -352,10 +333,7 @@ def _joint_row(packing: _Packing, joint: Any) -> tuple[int, ...]:
     """Coordinate, markers, no column and block of a row on the angle or travel of a joint."""
     coordinate = joint_coordinate(joint, joint)
     markers = joint_markers(packing.book, joint, coordinate, ROWS)
-    names = (joint.body_a, joint.body_b)
-    sides = (packing.attachment(names[0]), packing.attachment(names[1]))
-    block = LawBlock(joint.name, sides, packing.scale(names, turns=coordinate == ANGLE))
-    return coordinate, *markers, -1, packing.add(block)
+    return coordinate, *markers, -1, _block(packing, joint.name, joint, coordinate)
 
 
 def _checked_limits(joint: Any) -> Limits:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
+from heavylift.solver.forces.spring import SpringEntry, spring_load, stored_energy
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -28,14 +29,12 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.coordinate import (
     ANGLE,
     DISTANCE,
-    CoordinateEntry,
-    coordinate_rate,
     coordinate_row,
     coordinate_value,
 )
 from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.forces import mean_force, pull, spring_force
+from heavylift.solver.laws.forces import mean_force, pull
 from heavylift.solver.laws.rows import (
     RETURN,
     fit_law,
@@ -56,38 +55,24 @@ PLAIN_ROUNDS = 5
 """Rounds of the iteration after which a table is fitted by chords too: tangents alone can go to and fro."""
 
 
-class ScalarLaw(CoordinateEntry):
+class ScalarLaw(SpringEntry):
     """A law; values in [m] or [rad], loads in [N] or [N m].
+
+    A spring has a table and a damper, a stop the stiffness and damping of its ends.
 
     Attributes
     ----------
-    block
-        Number of its block of rows.
     law
         `SPRING`, `STOP` or `FRICTION`.
-    first, count
-        First row and rows of the table of a spring.
-    rest
-        Value of a spring without load.
     lower, upper
         Ends of a stop.
-    damping
-        Of a spring or stop.
-    stiffness
-        Of a stop.
     largest
         Load of friction that slides.
     """
 
-    block: int
     law: int
-    first: int
-    count: int
-    rest: float
     lower: float
     upper: float
-    damping: float
-    stiffness: float
     largest: float
 
 
@@ -281,18 +266,15 @@ def record_scalar_laws(
     """Force of a tabulated spring, length of one between points; energies of all laws."""
     for i in range(kind.table.shape[0]):
         law, state = kind.table[i], kind.state[i]
-        coordinate, a, b, c, column = law.coordinate, law.a, law.b, law.c, law.column
-        geometric = _carry(kind, i, coordinate_value(work, coordinate, a, b, c))
+        geometric = _carry(kind, i, coordinate_value(work, law.coordinate, law.a, law.b, law.c))
         q = state.value
         work.sums.dissipated += state.loss
         if law.law == SPRING:
             e = q - law.rest
-            row[column] = spring_force(kind.curves, law.first, law.count, 0.0, e)
-            if law.damping > 0.0:
-                row[column] += law.damping * coordinate_rate(work, coordinate, a, b, c)
-            if coordinate == DISTANCE:
-                row[column + 1] = geometric
-            work.sums.elastic += e * mean_force(kind.curves, law.first, law.count, 0.0, 0.0, e)[0]
+            row[law.column] = spring_load(kind.curves, law, e, work)
+            if law.coordinate == DISTANCE:
+                row[law.column + 1] = geometric
+            work.sums.elastic += stored_energy(kind.curves, law, e)
         elif law.law == STOP:
             beyond = max(0.0, q - law.upper, law.lower - q)
             work.sums.elastic += 0.5 * law.stiffness * beyond * beyond

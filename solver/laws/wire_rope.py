@@ -14,13 +14,18 @@ shorter one slowly.
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity
 from heavylift.numerics.records import Record, Records
 from heavylift.solver.interface import (
     Workspace,
@@ -36,8 +41,105 @@ from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace, path_length
 from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import ROPE_CHANNELS, ROPES, RopePoint, Winch, check_path
 
-__all__ = ["PlaceMarkers", "RopeEntry", "RopeState", "Ropes", "WinchRow"]
+__all__ = [
+    "LARGEST_STRAIN",
+    "PlaceMarkers",
+    "Rope",
+    "RopeEntry",
+    "RopeState",
+    "Ropes",
+    "SpringRope",
+    "WinchRow",
+]
+
+LARGEST_STRAIN = 0.02
+"""Strain of a wire rope at the start above which it is refused: steel ropes break near it."""
+
+
+@ROPES.describe("wire")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rope:
+    """A wire rope through any number of points, with one tension all along: it pulls and never pushes."""
+
+    CHANNELS: ClassVar = ROPE_CHANNELS
+    """What it records, in the order of its columns; the last one a segment."""
+
+    name: str
+    path: Annotated[tuple[RopePoint, ...], Least(2)]
+    """Two and more places, from end to end."""
+    axial_stiffness: Annotated[float, Positive("force")]
+    """EA [N]: modulus times area."""
+    length: Annotated[float | None, Positive("length")] = None
+    """Unstretched length at the start [m]; as drawn if absent."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """Tension per rate of elongation [N s/m], while it is taut."""
+    winch: Winch | None = None
+    """How its length changes."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Its ends are no pulleys."""
+        for place in (0, len(said.path) - 1):
+            if said.path[place].radius > 0.0:
+                raise InputError(
+                    "a pulley at an end", key=f"path.{place}.radius", expected="ends without 'radius'"
+                )
+        check_path(said.path)
+
+    def check_start(self, places: Sequence[NDArray[np.float64]]) -> None:
+        """Refuse a rope that is much shorter than its path through some places in the world [m], or has none.
+
+        Raises
+        ------
+        InputError
+            If it is.
+        """
+        # every place where the rope touches a pulley is within its radius of the centre, so the path is no shorter
+        path = float(sum(np.linalg.norm(q - p) for p, q in pairwise(places)))
+        path -= 2.0 * sum(stop.radius for stop in self.path)
+        if self.length is None:
+            if path <= 0.0 and not any(stop.radius for stop in self.path):
+                raise InputError(
+                    "all its points coincide", key="path", expected="a path with a length, or 'length'"
+                )
+        elif (strain := path / self.length - 1.0) > LARGEST_STRAIN:
+            raise InputError(
+                f"{self.length:.6g} m is shorter than the path of at least {path:.6g} m by "
+                f"{path - self.length:.6g} m, a strain of {100.0 * strain:.3g} % at the start",
+                key="length",
+                expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, or none for a rope as drawn",
+            )
+
+
+@ROPES.describe("spring")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpringRope:
+    """A rope between two points that pulls like a spring and never pushes."""
+
+    CHANNELS: ClassVar = ROPE_CHANNELS
+    """What it records, in the order of its columns; it has one segment."""
+
+    name: str
+    path: tuple[RopePoint, RopePoint]
+    """Its two ends."""
+    stiffness: Annotated[float, Positive("stiffness")]
+    """[N/m]."""
+    length: Annotated[float, Quantity("length", minimum=0.0, closed=True), AsDrawn()]
+    """Unloaded length [m]; as drawn if absent."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """[N s/m], while it is taut."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """It has no pulleys."""
+        for place, stop in enumerate(said.path):
+            if stop.radius > 0.0:
+                raise InputError(
+                    "a pulley in a rope of type 'spring'", key=f"path.{place}.radius", expected="type 'wire'"
+                )
+        check_path(said.path)
 
 
 class RopeEntry(Record):

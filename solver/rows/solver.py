@@ -1,10 +1,15 @@
-"""The system of all rows, numerically: assemble, factor, solve. Its structure is in `rows.structure`."""
+"""The system of all rows, numerically: assemble, factor, solve. Its structure is in `rows.structure`.
+
+The factor is that of `heavylift.numerics.block_factor`. Substitutions are written here once more, because the vectors
+of a block lie in the record of its rows, not side by side in an array.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.block_factor import factor_blocks
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import (
     add_dot,
@@ -12,14 +17,10 @@ from heavylift.numerics.lanes import (
     add_rigid_dots,
     add_rigid_product,
     backward_pivot,
-    factor_pivot,
     forward_pivot,
     put_rigid_product,
-    scale_block,
-    solve_off_diagonal,
     subtract_backward,
     subtract_forward,
-    subtract_product,
     subtract_rigid_rows,
 )
 from heavylift.solver.rows.structure import (
@@ -115,27 +116,9 @@ def _assemble_hubs(system: RowSystem) -> None:
 
 @kernel(internal=True)
 def factor_rows(system: RowSystem) -> None:
-    """Right-looking block factorisation ``S = L D L^T``."""
-    shape = system.shape
-    blocks = system.blocks
-    scratch = blocks.shape[0] - len(shape[0]) * len(shape[1])
-    for j in range(system.columns.shape[0]):
-        pivot, first, count = (
-            system.columns[j].pivot,
-            system.columns[j].first_lower,
-            system.columns[j].lower_count,
-        )
-        update = system.columns[j].first_update
-        factor_pivot(shape, blocks, pivot)
-        for l in range(first, first + count):
-            solve_off_diagonal(shape, blocks, system.lower[l].place, blocks, pivot)
-        for l in range(first, first + count):
-            scale_block(shape, blocks, scratch, blocks, system.lower[l].place, blocks, pivot)
-            for k in range(l, first + count):
-                subtract_product(
-                    shape, blocks, system.updates[update], blocks, scratch, blocks, system.lower[k].place
-                )
-                update += 1
+    """Block factorisation ``S = L D L^T``."""
+    columns = system.columns.shape[0]
+    factor_blocks(system.shape, system.columns, system.updates, system.blocks, 0, 0, columns, system.scratch)
 
 
 @kernel(inline=True, internal=True)

@@ -16,15 +16,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations_with_replacement
+from itertools import combinations, combinations_with_replacement
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1
-from heavylift.numerics.block_pattern import FactorColumn, LowerBlock
-from heavylift.numerics.elimination import eliminate
+from heavylift.numerics.block_pattern import FactorColumn, LowerBlock, pack_blocks
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import LaneRecords, Lanes, Record, Records, known_lanes, lane_records, records
 
@@ -193,8 +192,8 @@ class RowSystem(RowArrays):
 
     Attributes
     ----------
-    columns, lower, updates
-        The factor, column by column, and the places that each pair of blocks below a pivot changes.
+    columns, lower, updates, scratch
+        The factor: tables of `heavylift.numerics.block_pattern`.
     pairs
         The assembly.
     fill
@@ -202,7 +201,7 @@ class RowSystem(RowArrays):
     hubs
         Each with the attachments on it behind it.
     blocks
-        Blocks of the factor and one of scratch, flat.
+        Blocks of the factor and of its scratch, flat.
     monitor
         Record column of the largest violation; the smallest pivot follows it.
     laws
@@ -218,6 +217,7 @@ class RowSystem(RowArrays):
     columns: Records[FactorColumn]
     lower: Records[LowerBlock]
     updates: Ints1
+    scratch: int
     pairs: Records[Product]
     fill: Ints1
     hubs: Records[Hub]
@@ -305,7 +305,6 @@ def pack_rows(
     rows = min(shape for shape in SHAPES if shape >= needed)
     shape = block_shape(rows)
     lanes = len(shape[1])
-    size = rows * lanes
     window = max([6, *(end.width for end in ends)])
 
     attachments = records(Side, 2 * count)
@@ -313,50 +312,38 @@ def pack_rows(
         holder = HUB if end.body in hub_node else end.holder
         attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i]
 
-    edges: set[tuple[int, int]] = set()
+    edges: list[tuple[int, int]] = []
     for body, held in on_body.items():
         blocks = sorted({block_of[i] for i in held})
         if body in hub_node:
-            edges |= {(block, hub_node[body]) for block in blocks}
+            edges += [(block, hub_node[body]) for block in blocks]
         else:
-            edges |= {(a, b) for a in blocks for b in blocks if a < b}
+            edges += combinations(blocks, 2)
     node_count = count + len(hub_bodies)
-    elimination = eliminate(node_count, edges)
-    place_in_order = {node: i for i, node in enumerate(elimination.order)}
-    place: dict[tuple[int, int], int] = {}
-    for node, below in zip(elimination.order, elimination.below, strict=True):
-        for other in (node, *below):
-            place[other, node] = len(place) * size
+    pattern = pack_blocks(
+        node_count, np.array(edges, dtype=np.int64), rows, groups=np.zeros(node_count, dtype=np.int64)
+    )
 
-    columns: list[tuple[int, ...]] = []
-    lower: list[tuple[int, int]] = []
-    updates: list[int] = []
-    for node, below in zip(elimination.order, elimination.below, strict=True):
-        columns.append((node, len(lower), len(below), len(updates), place[node, node]))
-        lower += [(other, place[other, node]) for other in below]
-        updates += [place[k, l] for i, l in enumerate(below) for k in below[i:]]
-
+    rank = pattern.rank.tolist()
     half = len(ends) * window * lanes
     pairs, hubs = [], []
     for body, held in on_body.items():
         if body in hub_node:
             node = hub_node[body]
-            hubs.append((node, place[node, node], ends[held[0]].dof, -1))
+            hubs.append((node, pattern.place(node, node)[0], ends[held[0]].dof, -1))
             for i in held:
-                block = block_of[i]
-                later = place_in_order[node] > place_in_order[block]
-                where = place[(node, block) if later else (block, node)]
-                hubs.append((block, where, int(attachments[i].panel), int(later)))
+                place, later = pattern.place(block_of[i], node)
+                hubs.append((block_of[i], place, int(attachments[i].panel), int(later)))
             continue
         for p, q in combinations_with_replacement(held, 2):
-            early, late = sorted((p, q), key=lambda i: place_in_order[block_of[i]])
-            pairs.append((place[block_of[late], block_of[early]], early, late))
-            if (
-                p != q and block_of[p] == block_of[q]
-            ):  # two sides on one body: the diagonal block needs both orders
-                pairs.append((place[block_of[late], block_of[early]], late, early))
+            early, late = sorted((p, q), key=lambda i: rank[block_of[i]])
+            pairs.append((early, late))
+            if p != q and block_of[p] == block_of[q]:  # two sides on one body: its block needs both orders
+                pairs.append((late, early))
+    sides_of_pairs = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    places, _ = pattern.places(*np.array(block_of, dtype=np.int64)[sides_of_pairs].T)
 
-    table = _assembly(pairs, attachments, half)
+    table = _assembly(np.column_stack([places, sides_of_pairs]).tolist(), attachments, half)
     row_data = lane_records(Row, node_count, lanes)
     row_data["softness"] = 1.0  # of padding lanes, whose rows are empty
     for block, (used, scale) in enumerate(zip(row_counts, scales, strict=True)):
@@ -364,16 +351,15 @@ def pack_rows(
     return SHAPES[rows](
         lanes=lanes,
         attachments=attachments,
-        columns=records(FactorColumn, columns),
-        lower=records(LowerBlock, lower),
-        updates=np.array(updates, dtype=np.int64),
+        columns=pattern.columns,
+        lower=pattern.lower,
+        updates=pattern.updates,
+        scratch=pattern.scratch,
         pairs=table,
-        fill=np.array(
-            sorted(set(place.values()) - set(table["place"][table["first"]].tolist())), dtype=np.int64
-        ),
+        fill=np.setdiff1d(pattern.key_places, table["place"][table["first"]]),
         hubs=records(Hub, hubs),
         panels=np.zeros(2 * half),
-        blocks=np.zeros((len(place) + 1) * size),
+        blocks=np.zeros(pattern.size),
         rows=row_data,
         inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
         monitor=monitor,

@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from heavylift.solver.scene.contacts import ContactLaw, RigidLaw
+from annotated_types import Interval
+
+from heavylift.numerics.quantity import Absent, Positive, Quantity
+from heavylift.solver.scene.contacts import COLLISION_LAWS, ContactLaw, RigidLaw
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
-__all__ = ["Collision", "CollisionSurface"]
+__all__ = ["Collision", "CollisionPlace", "CollisionSurface"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,8 +50,8 @@ class CollisionSurface:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Collision:
-    """Two surfaces that may touch.
+class CollisionPlace:
+    """Which surfaces may touch, and by what law.
 
     Attributes
     ----------
@@ -58,26 +61,17 @@ class Collision:
         Names of both surfaces.
     law
         Force or impulse across each contact; a stiffness is that of a patch, which its contacts share.
-    friction
-        Coulomb's coefficient; 0 without.
-    events
-        Split the step at impacts of a rigid law. Otherwise contacts that could close within a step are rows of that
-        step: nothing passes through, and impacts happen at ends of steps. So it is with a frame or shell without
-        restitution.
-    method
-        ``"swept"``: certified tests of the paths of vertices and edges. ``"position-difference"``: the method of
-        "Integrated simulation ... (2018)", section 2.6, which misses collisions; for comparison.
-    patch_angle, patch_size
-        Contacts belong to one patch if their normals differ by less than this angle [rad], and lie within this distance
-        [m]; 0: a tenth of the smaller surface, at least 1.5 times its mean edge.
-    most_contacts
-        At once; if there are more, the simulation stops. With a frame or shell 64 at most.
-    recorded
-        Contacts that are recorded with point, normal and force; those with the largest forces.
-    clearance
-        Record the distance of the surfaces where they are far from each other too; otherwise the gap that is recorded
-        there is only the reach of the search, a few ways of a step.
     """
+
+    name: str
+    surfaces: tuple[str, str]
+    law: ContactLaw = field(default_factory=RigidLaw)
+
+
+@COLLISION_LAWS.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Collision(CollisionPlace):
+    """Two surfaces that may touch."""
 
     CHANNELS: ClassVar = (
         ChannelKind(
@@ -118,14 +112,19 @@ class Collision:
     )
     """What it records of each of its `recorded` contacts, behind its own channels: ``NAME.contact_1.point``, ..."""
 
-    name: str
-    surfaces: tuple[str, str]
-    law: ContactLaw = field(default_factory=RigidLaw)
-    friction: float = 0.0
-    events: bool = True
+    friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0
+    """Coulomb's coefficient; 0 without."""
     method: Literal["swept", "position-difference"] = "swept"
-    patch_angle: float = math.radians(18.0)
-    patch_size: float = 0.0
-    most_contacts: int = 512
-    recorded: int = 8
+    """``swept``: certified tests of the paths within a step; ``position-difference``: as in "Integrated simulation of
+    ships and offshore structures (2018)", section 2.6, which misses collisions; for comparison."""
+    patch_angle: Annotated[float, Quantity("angle", minimum=0.0, maximum=math.pi)] = math.radians(18.0)
+    """Contacts belong to one patch if their normals differ by less [rad]."""
+    patch_size: Annotated[float, Positive("length"), Absent()] = 0.0
+    """And lie within this distance [m]; a tenth of the smaller surface, at least 1.5 times its mean edge, if absent."""
+    most_contacts: Annotated[int, Interval(ge=1, le=100_000)] = 512
+    """At once; if there are more, the simulation stops. With a frame or shell 64 at most."""
+    recorded: Annotated[int, Interval(ge=0, le=1000)] = 8
+    """Contacts recorded one by one, those with the largest forces."""
     clearance: bool = False
+    """Record the distance of the surfaces in `gap` while they are far apart too; it costs a search for each record.
+    Otherwise the gap there is only the reach of the search, a few ways of a step."""

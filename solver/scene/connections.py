@@ -8,42 +8,43 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Absent, BodyDirection, BodyPoint, Least, NameOf, Quantity, Shape
 from heavylift.solver.scene.bodies import GROUND
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
+    from collections.abc import Mapping, Sequence
 
 __all__ = [
     "ANGLE_CHANNELS",
+    "FORCES",
     "GROUND",
     "JOINTS",
     "LOAD_CHANNELS",
-    "PAIR_FORCES",
     "REACTION_FORCE",
     "REACTION_MOMENT",
+    "ROPES",
+    "ROPE_CHANNELS",
     "TRAVEL_CHANNELS",
+    "AlongJoint",
+    "Between",
     "EdgeJoint",
     "Joint",
     "JointFrame",
-    "JointMotor",
-    "JointSpring",
     "Limits",
-    "PairForce",
+    "OnBody",
+    "PackedForce",
     "Place",
-    "Rope",
     "RopePoint",
-    "Spring",
-    "SpringRope",
     "Winch",
     "axes_about",
+    "check_path",
     "frame_in_body",
 ]
 
@@ -250,12 +251,28 @@ JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
 """All sorts of joints, by their types in a case file."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PairForce:
-    """What all forces between two points have. Each sort is a subclass in a file of `heavylift.solver.forces`.
+@dataclass(frozen=True, eq=False)
+class OnBody:
+    """What all have that is on one body.
 
-    Its module has a function ``pack(forces, columns, book)`` that makes the kind from its members, the first record
-    column of each and the book of markers; its kind implements `add_forces` and `record_forces`.
+    Attributes
+    ----------
+    name
+        Its own name.
+    body, point
+        Name of the body, and point in its frame [m], shape (3,).
+    """
+
+    name: str
+    body: Annotated[str, NameOf("body")]
+    """Body that it is on."""
+    point: Annotated[NDArray[np.float64], BodyPoint()]
+    """Point in the coordinates of the geometry of the body [m]."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Between:
+    """What all have that is between two points.
 
     Attributes
     ----------
@@ -265,188 +282,128 @@ class PairForce:
         Ends: body (or `GROUND`) and point in its frame [m], shape (3,).
     """
 
-    WORD: ClassVar[str]
-    """Its type in a case file."""
-    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
-    """What it records, in the order of its columns."""
-
     name: str
     body_a: str
     point_a: NDArray[np.float64]
     body_b: str
     point_b: NDArray[np.float64]
 
+    @staticmethod
+    def check_sides(between: tuple[str, str]) -> None:
+        """Two sides are two different bodies, or a body and the world.
 
-PAIR_FORCES: Family[PairForce] = Family(
-    "force", "heavylift.solver.forces", ("point", "spring", "joint_spring", "motor")
-)
-"""All sorts of forces between two points, by their types in a case file."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Spring:
-    """Spring and damper between two points, along their line.
-
-    Attributes
-    ----------
-    name, body_a, point_a, body_b, point_b
-        Ends: body (or `GROUND`) and point in its frame [m], shape (3,).
-    stiffness, damping
-        [N/m], [N s/m].
-    length
-        Unloaded length [m].
-    elongations, forces
-        A table in place of the stiffness: tension [N] over elongation [m], increasing, linear in between and
-        beyond the ends.
-    """
-
-    CHANNELS: ClassVar = (
-        ChannelKind("force", "force", "tension of the spring with its damper; negative if it pushes"),
-        ChannelKind("length", "length", "distance of the ends of the spring"),
-    )
-    """What it records, in the order of its columns."""
-
-    name: str
-    body_a: str
-    point_a: NDArray[np.float64]
-    body_b: str
-    point_b: NDArray[np.float64]
-    length: float
-    stiffness: float = 0.0
-    damping: float = 0.0
-    elongations: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+        Raises
+        ------
+        InputError
+            If they are not.
+        """
+        if between == (GROUND, GROUND):
+            raise InputError("both sides are the ground", expected="at least one body")
+        if between[0] == between[1]:
+            raise InputError(
+                f"both sides are {between[0]!r}", expected="two different bodies, or a body and 'ground'"
+            )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class JointSpring:
-    """Spring and damper on the angle of a hinge [rad] or the travel of a slider [m].
+class AlongJoint:
+    """What all loads have on the angle of a hinge [rad] or the travel of a slider [m].
 
     Attributes
     ----------
     name, joint
         Its own name and that of the joint.
-    rest
-        Value without load.
-    stiffness, damping
-        [N m/rad], [N m s/rad] or [N/m], [N s/m].
-    deflections, loads
-        A table in place of the stiffness: restoring torque [N m] or force [N] over value less rest.
     """
 
     CHANNEL_BY_COORDINATE: ClassVar = LOAD_CHANNELS
     """What it records, by the coordinate of its joint."""
 
     name: str
-    joint: str
-    rest: float = 0.0
-    stiffness: float = 0.0
-    damping: float = 0.0
-    deflections: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    loads: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    joint: Annotated[str, NameOf("joint")]
+    """A hinge, whose angle [rad] counts, or a slider, whose travel [m] counts."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class JointMotor:
-    """Torque [N m] or force [N] of a on b along a hinge or slider, a table over time [s], linear in between."""
+class PackedForce:
+    """Base of forces whose module has a function `pack`, beside one of the places above.
 
-    CHANNEL_BY_COORDINATE: ClassVar = LOAD_CHANNELS
-    """What it records, by the coordinate of its joint."""
+    ``pack(forces, columns, book)`` makes the kind from its members, the first record column of each and the book of
+    markers; the kind implements `add_forces` and `record_forces`.
+    """
+
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
+    """What it records, in the order of its columns."""
 
     name: str
-    joint: str
-    times: NDArray[np.float64]
-    loads: NDArray[np.float64]
 
 
+FORCES: Family[Any] = Family("force", "heavylift.solver.forces", default="point")
+"""All sorts of forces on bodies, between two points and along joints, by their types in a case file."""
+
+
+ROPES: Family[Any] = Family("rope", "heavylift.solver.laws", default="wire")
+"""All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
+
+
+def _upwards() -> NDArray[np.float64]:
+    return np.array([0.0, 0.0, 1.0])
+
+
+@ROPES.part
 @dataclass(frozen=True, eq=False)
 class RopePoint:
-    """A place the rope passes: an end, an eye, or a pulley.
+    """A place the rope passes: an end, an eye, or a pulley."""
 
-    Attributes
-    ----------
-    body, point
-        Body (or `GROUND`) and point in its frame [m], shape (3,): of a pulley its centre.
-    radius
-        Of the pulley [m]; 0 for an end or an eye.
-    axis
-        Of the pulley in the frame of the body, any length, shape (3,). The rope runs about the pulley in the
-        sense of a turn about this axis.
-    """
+    body: Annotated[str, NameOf("side")]
+    """Body that carries it, or ``"ground"``."""
+    point: Annotated[NDArray[np.float64], BodyPoint()]
+    """The place, of a pulley its centre [m], in the coordinates of the geometry of the body; of the ground in the
+    world."""
+    radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
+    """Of the pulley [m]; 0 for an end or an eye."""
+    axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=_upwards)
+    """Of the pulley, in the coordinates of the geometry of the body; of the ground in the world. The rope runs about
+    the pulley in the sense of a turn about this axis."""
 
-    body: str
-    point: NDArray[np.float64]
-    radius: float = 0.0
-    axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    @staticmethod
+    def check(said: Any) -> None:
+        """A pulley has an axis, an eye has none."""
+        if said.radius > 0.0 and said.axis is None:
+            raise InputError(
+                "a pulley without 'axis'", key="axis", expected="the direction about which the rope turns"
+            )
+        if said.radius == 0.0 and said.axis is not None:
+            raise InputError(
+                "'axis' without 'radius'", key="axis", expected="'radius' and 'axis' of a pulley, or neither"
+            )
 
 
+@ROPES.part
 @dataclass(frozen=True, eq=False)
 class Winch:
-    """Speed of a winch over time, linear in between and held at the ends: hauls in if positive.
+    """Speed of a winch, linear between the times, held before the first and after the last."""
 
-    Attributes
-    ----------
-    times, speeds
-        [s], increasing; [m/s].
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,)), Least(1)]
+    """[s], increasing."""
+    speeds: Annotated[NDArray[np.float64], Quantity("velocity"), Shape((None,)), Least(1)]
+    """[m/s]; hauls in if positive."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A speed a time."""
+        if len(said.times) != len(said.speeds):
+            raise InputError(
+                f"{len(said.times)} times and {len(said.speeds)} speeds", expected="one speed a time"
+            )
+        check_table("times", said.times, "speeds", said.speeds)
+
+
+def check_path(path: Sequence[Any]) -> None:
+    """Refuse a path of a rope that no body is on.
+
+    Raises
+    ------
+    InputError
+        If it is.
     """
-
-    times: NDArray[np.float64]
-    speeds: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Rope:
-    """A wire rope through any number of points, with one tension all along: it pulls and never pushes.
-
-    Attributes
-    ----------
-    name
-        Prefix of its channels.
-    path
-        Two and more points, from end to end.
-    axial_stiffness
-        ``EA`` [N].
-    length
-        Unstretched length between the ends at the start [m]; the length of the path if None.
-    damping
-        Tension per rate of elongation [N s/m], while it is taut.
-    winch
-        How its length changes.
-    """
-
-    CHANNELS: ClassVar = ROPE_CHANNELS
-    """What it records, in the order of its columns; the last one a segment."""
-
-    name: str
-    path: tuple[RopePoint, ...]
-    axial_stiffness: float
-    length: float | None = None
-    damping: float = 0.0
-    winch: Winch | None = None
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SpringRope:
-    """The spring rope of the thesis, eq. 230: pulls with ``stiffness (distance - length)``, two ends.
-
-    Attributes
-    ----------
-    name, body_a, point_a, body_b, point_b
-        Ends, as in `Spring`.
-    length
-        Unloaded length [m].
-    stiffness, damping
-        [N/m], [N s/m].
-    """
-
-    CHANNELS: ClassVar = ROPE_CHANNELS
-    """What it records, in the order of its columns; it has one segment."""
-
-    name: str
-    body_a: str
-    point_a: NDArray[np.float64]
-    body_b: str
-    point_b: NDArray[np.float64]
-    length: float
-    stiffness: float
-    damping: float = 0.0
+    if all(stop.body == GROUND for stop in path):
+        raise InputError("all its points are on the ground", key="path", expected="a point on a body")

@@ -8,11 +8,13 @@ primitive of another body touch it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Absent, ByExponent, Positive, Quantity
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,12 +22,15 @@ if TYPE_CHECKING:
     from heavylift.contours.splines.neutral import NeutralContour
 
 __all__ = [
+    "COLLISION_LAWS",
+    "CONTACT_LAWS",
     "BilateralLaw",
     "BoxShape",
     "CapsuleShape",
     "CircleShape",
     "Contact",
     "ContactLaw",
+    "ContactPlace",
     "ContactShape",
     "Contour",
     "CylinderShape",
@@ -36,6 +41,7 @@ __all__ = [
     "PointShape",
     "RigidLaw",
     "SphereShape",
+    "ThesisLaw",
 ]
 
 
@@ -131,67 +137,118 @@ ContactShape = (
 )
 
 
+CONTACT_LAWS: Family[Any] = Family("law", "heavylift.solver.contact.laws", key="law", alphabetical=False)
+"""Laws of contacts with contours."""
+COLLISION_LAWS: Family[Any] = Family("law", "heavylift.solver.contact.laws", key="law", alphabetical=False)
+"""Laws of collisions; a stiffness or damping is that of a patch, which its contacts share."""
+
+
+@COLLISION_LAWS.describe("rigid")
+@CONTACT_LAWS.describe("rigid")
 @dataclass(frozen=True)
 class RigidLaw:
-    """Unilateral and without compliance.
+    """Without compliance: what touches does not enter, impacts are at once, and tell impulses, not forces."""
 
-    Attributes
-    ----------
-    restitution
-        Newton's: velocity after an impact over that before it, 0 to 1.
-    rest_speed
-        Approach [m/s] below which an impact has no restitution.
-    """
-
-    restitution: float = 0.0
-    rest_speed: float = 0.0
+    restitution: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 0.0
+    """Velocity after an impact over that before it (Newton's), 0 to 1."""
+    rest_speed: Annotated[float, Quantity("velocity", minimum=0.0, closed=True)] = 0.0
+    """Approach [m/s] below which an impact has no restitution."""
+    events: bool = True
+    """Split the step where an impact happens; else impacts happen at ends of steps. Contacts of surfaces that could
+    close within a step then are rows of that step: nothing passes through. So it is with a frame or shell without
+    restitution."""
 
 
-@dataclass(frozen=True)
-class LinearLaw:
-    """``F = k d + c d'``, never pulling: stiffness [N/m], damping [N s/m]."""
-
-    stiffness: float
-    damping: float = 0.0
-
-
-@dataclass(frozen=True)
-class HertzLaw:
-    """``F = k d^(3/2)``: stiffness [N/m^(3/2)], of a ball ``4/3 E* sqrt(R)``."""
-
-    stiffness: float
-
-
-@dataclass(frozen=True)
-class HuntCrossleyLaw:
-    """``F = k d^n (1 + a d')`` with the damping a [s/m] that gives a restitution at the speed of first touch.
-
-    Attributes
-    ----------
-    stiffness
-        [N/m^exponent].
-    exponent
-        1.5 of Hertz, 1 linear.
-    restitution
-        Above 0, up to 1.
-    """
-
-    stiffness: float
-    exponent: float = 1.5
-    restitution: float = 1.0
-
-
+@CONTACT_LAWS.describe("bilateral")
 @dataclass(frozen=True)
 class BilateralLaw:
     """Never leaves the contour: a bead on a curve, a slider in a surface."""
+
+
+@COLLISION_LAWS.describe("linear")
+@CONTACT_LAWS.describe("linear")
+@dataclass(frozen=True)
+class LinearLaw:
+    """A spring and a damper that never pull: ``F = k d + c d'``."""
+
+    stiffness: Annotated[float, Positive("stiffness")]
+    """[N/m]; of surfaces that of a patch, which its contacts share."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """[N s/m]; of surfaces that of a patch."""
+
+
+@COLLISION_LAWS.describe("hertz")
+@CONTACT_LAWS.describe("hertz")
+@dataclass(frozen=True)
+class HertzLaw:
+    """Elastic and smooth bodies (Hertz): a force that grows with the depth to the power of 3/2."""
+
+    stiffness: Annotated[float, ByExponent(1.5)]
+    """[N/m^1.5], of a ball ``4/3 E* sqrt(R)``; of surfaces that of a patch, which its contacts share."""
+
+
+@COLLISION_LAWS.describe("hunt-crossley")
+@CONTACT_LAWS.describe("hunt-crossley")
+@dataclass(frozen=True)
+class HuntCrossleyLaw:
+    """A force that grows with a power of the depth, and damping that gives a restitution (Hunt and Crossley).
+
+    ``F = k d^n (1 + a d')`` with the damping a [s/m] that the speed of first touch needs.
+    """
+
+    stiffness: Annotated[float, ByExponent()]
+    """[N/m^exponent]; of surfaces that of a patch, which its contacts share."""
+    exponent: Annotated[float, Quantity("number", minimum=1.0, maximum=3.0, closed=True)] = 1.5
+    """1.5 of Hertz, 1 linear."""
+    restitution: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 1.0
+    """Velocity after an impact over that before it, above 0 up to 1."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """The damping is finite."""
+        if said.restitution == 0.0:
+            raise InputError(
+                "0 needs infinite damping", key="restitution", expected="above 0, or law 'rigid'"
+            )
+
+
+@COLLISION_LAWS.describe("thesis")
+@dataclass(frozen=True)
+class ThesisLaw:
+    """The parameters of "Integrated simulation of ships and offshore structures (2018)": a spring and a damper."""
+
+    epsilon: Annotated[float, Positive("compliance")]
+    """Compliance [m/N]: a spring of 1 / epsilon, whatever the step."""
+    gamma: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 1.0
+    """Above 0 up to 1: damping, with a time constant of h (1 / gamma - 1) / 4 at the step h. No restitution."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """The damping is finite."""
+        if said.gamma == 0.0:
+            raise InputError("0 needs infinite damping", key="gamma", expected="above 0, up to 1")
+
+    def time_constant(self, step: float) -> float:
+        """Damping over stiffness [s] at a step [s]."""
+        return 0.25 * step * (1.0 / self.gamma - 1.0)
+
+    def at_step(self, step: float) -> LinearLaw:
+        """Spring and damper that it means at a step [s].
+
+        Equation (49) of section 2.6 softens a contact row by ``4 Gamma epsilon / h^2``, with
+        ``Gamma = 1 / (1 + 4 tau / h)``: a spring of ``1 / epsilon`` and a damper of ``tau / epsilon``, with
+        ``tau = h (1 / Gamma - 1) / 4``.
+        """
+        stiffness = 1.0 / self.epsilon
+        return LinearLaw(stiffness, stiffness * self.time_constant(step))
 
 
 ContactLaw = RigidLaw | LinearLaw | HertzLaw | HuntCrossleyLaw | BilateralLaw
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Contact:
-    """Something of a body that touches a contour of another.
+class ContactPlace:
+    """Where a contact is, and by what law.
 
     Attributes
     ----------
@@ -205,13 +262,20 @@ class Contact:
         What touches.
     law
         Force or impulse across the contact.
-    friction
-        Coulomb's coefficient; 0 without.
-    footprint
-        Radius [m] of a disc over which gap and force are averaged with the weight ``(1 - r^2/R^2)^2``; 0 for a point.
-    events
-        Split the step at impacts of a rigid law; else impacts happen at ends of steps.
     """
+
+    name: str
+    contour: str
+    body: str
+    point: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    shape: ContactShape = field(default_factory=PointShape)
+    law: ContactLaw = field(default_factory=RigidLaw)
+
+
+@CONTACT_LAWS.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Contact(ContactPlace):
+    """Something of a body that touches a contour of another."""
 
     CHANNELS: ClassVar = (
         ChannelKind("gap", "length", "distance of what touches from the contour; negative inside"),
@@ -243,12 +307,7 @@ class Contact:
     )
     """What it records, in the order of its columns."""
 
-    name: str
-    contour: str
-    body: str
-    point: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-    shape: ContactShape = field(default_factory=PointShape)
-    law: ContactLaw = field(default_factory=RigidLaw)
-    friction: float = 0.0
-    footprint: float = 0.0
-    events: bool = True
+    friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0
+    """Coulomb's coefficient; 0 without."""
+    footprint: Annotated[float, Positive("length"), Absent()] = 0.0
+    """Radius [m] of a disc on the contour over which gap and force are spread with the weight (1 - r^2/R^2)^2."""

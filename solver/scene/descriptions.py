@@ -1,9 +1,11 @@
 """Descriptions: all there is to say of a kind of things, said once.
 
 A *description* is a frozen dataclass, in the file of its kind, of what a user says of one thing: each field is
-annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it and
-what it records. The section of the case file, the JSON schema, the checks, the tables of keys, the sentences of
-channels and the rows of the report are made from it; nothing of it stands anywhere else.
+annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it, what
+it records, and in ``check`` what its keys must say together. The section of the case file, the JSON schema, the tables
+of keys, the sentences of channels, the object itself and its row of the report are made from it; nothing of it stands
+anywhere else. A *part* is the description of a table within that of another one. An object that was not made from a
+case file is checked by the same words, see `check_object`.
 
 A `Family` finds the descriptions of one sort: each module of a package may bring some. A file that nobody names is not
 looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
@@ -19,27 +21,60 @@ import inspect
 import sys
 import types
 from dataclasses import MISSING, Field, dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import (
     TYPE_CHECKING,
     Annotated,
     Any,
     Generic,
+    Literal,
     NamedTuple,
     TypeVar,
+    Union,
     get_args,
     get_origin,
 )
 
-from heavylift.numerics.quantity import Quantity, WorldDirection
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import (
+    Absent,
+    AsDrawn,
+    BodyDirection,
+    BodyPoint,
+    ByCoordinate,
+    ByExponent,
+    NameOf,
+    Quantity,
+    TableFile,
+    WorldDirection,
+)
 from heavylift.numerics.units import KINDS, parse_unit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
-__all__ = ["XYZ", "ChannelKind", "DescribedField", "Family", "described_fields", "known_channels"]
+    from numpy.typing import NDArray
+
+__all__ = [
+    "XYZ",
+    "ChannelKind",
+    "DescribedField",
+    "Family",
+    "Meaning",
+    "check_object",
+    "check_table",
+    "described_fields",
+    "is_described",
+    "known_channels",
+    "no_rows",
+    "recorded_channels",
+]
 
 T = TypeVar("T")
+U = TypeVar("U")
 XYZ = ("x", "y", "z")
 
 
@@ -97,16 +132,36 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 """By name; all of one quantity, but for those that have theirs from their owner."""
 
 
+Meaning = (
+    Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf | TableFile
+)
+"""Annotations that say what a value is."""
+
+
 class DescribedField(NamedTuple):
-    """A key that a description brings: its name, type without annotation, annotation, and default.
+    """A key that a description brings: its name, type without annotations, annotations, and default.
 
     Without default the key is needed; `default` then is `dataclasses.MISSING`.
     """
 
     name: str
     hint: Any
-    quantity: Quantity | WorldDirection
+    marks: tuple[Any, ...]
     default: Any
+
+    def mark(self, kind: Any) -> Any:
+        """Its annotation of a class, or None."""
+        return next((mark for mark in self.marks if isinstance(mark, kind)), None)
+
+    @property
+    def quantity(self) -> Any:
+        """What it is; None of a flag, a word of choice, a number that counts, or a table."""
+        return self.mark(Meaning)
+
+    @property
+    def absent(self) -> bool:
+        """Whether a case file may leave it out, which none of its values means."""
+        return self.mark(Absent) is not None
 
 
 class Family(Generic[T]):
@@ -118,13 +173,30 @@ class Family(Generic[T]):
         What a member is called in messages, e.g. "joint".
     package
         Modules of this package may describe members; the one with the name of a word is looked at first.
-    reserved
-        Words that stand for something else.
+    default
+        Word of a table that says none.
+    typed
+        Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
+    key
+        In which a table says its word, if not as its ``type``.
+    alphabetical
+        Whether its words are told in that order; if not, as they are described.
     """
 
-    def __init__(self, name: str, package: str, reserved: Collection[str] = ()) -> None:
-        self.name, self.package, self.reserved = name, package, reserved
+    def __init__(
+        self,
+        name: str,
+        package: str,
+        *,
+        default: str = "",
+        typed: bool = True,
+        key: str = "type",
+        alphabetical: bool = True,
+    ) -> None:
+        self.name, self.package, self.key, self._alphabetical = name, package, key, alphabetical
+        self.default, self.typed = default, typed
         self._members: dict[str, type[T]] = {}
+        self._parts: dict[str, type[Any]] = {}
         self._complete = False
 
     def describe(self, word: str) -> Callable[[type[T]], type[T]]:
@@ -140,8 +212,6 @@ class Family(Generic[T]):
             other = self._members.get(word)
             if other is not None and _place(other) == _place(described):
                 return other  # its kernels are imported now
-            if word in self.reserved:
-                raise TypeError(f"{_place(described)}: {word!r} stands for another {self.name}")
             if other is not None:
                 raise TypeError(
                     f"{self.name} {word!r} is described twice: {_place(other)} and {_place(described)}"
@@ -156,37 +226,49 @@ class Family(Generic[T]):
                     raise TypeError(
                         f"{_place(described)}: {', '.join(sorted(hidden))} hides that of {base.__name__}"
                     )
-            described.WORD = word  # type: ignore[attr-defined]
-            described.FIELDS = _find_fields(described)  # type: ignore[attr-defined]
+            self._complete_description(word, described)
             self._members[word] = described
             return described
 
         return register
 
+    def part(self, described: type[U]) -> type[U]:
+        """Decorate the dataclass that describes a table within those of this family, beside one of them."""
+        other = self._parts.setdefault(_place(described), described)
+        if other is described:
+            self._complete_description("", described)
+        return other
+
+    def _complete_description(self, word: str, described: Any) -> None:
+        described.WORD, described.FAMILY = word, self
+        described.FIELDS = _find_fields(described)
+
     def get(self, word: str) -> type[T] | None:
         """Description that a word stands for; None if there is none."""
         if word not in self._members and word.isidentifier():
-            file = self._folder / f"{word}.py"
-            if file.is_file():
-                _read(file, f"{self.package}.{word}")
+            for folder in self._folders:
+                if (file := folder / f"{word}.py").is_file():
+                    _read(file, f"{self.package}.{word}")
             if word not in self._members:
                 self._read_all()
         return self._members.get(word)
 
     @property
     def words(self) -> tuple[str, ...]:
-        """All words, in alphabetical order."""
+        """All words in their order."""
         self._read_all()
-        return tuple(sorted(self._members))
+        return tuple(sorted(self._members) if self._alphabetical else self._members)
 
     @property
-    def _folder(self) -> Path:
-        return Path(str(importlib.import_module(self.package).__file__)).parent
+    def _folders(self) -> list[Path]:
+        """Folders of the package: another one may be added to its path."""
+        return [Path(folder) for folder in importlib.import_module(self.package).__path__]
 
     def _read_all(self) -> None:
         if not self._complete:
-            for file in sorted(self._folder.glob("[!_]*.py")):
-                _read(file, f"{self.package}.{file.stem}")
+            for folder in self._folders:
+                for file in sorted(folder.glob("[!_]*.py")):
+                    _read(file, f"{self.package}.{file.stem}")
             self._complete = True
 
 
@@ -194,7 +276,10 @@ def _read(file: Path, name: str) -> None:
     """Execute the descriptions of a module, and the imports and definitions that they refer to; nothing else of it."""
     if name in sys.modules:
         return
-    tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+    text = file.read_text(encoding="utf-8")
+    if ".describe(" not in text:
+        return
+    tree = ast.parse(text, str(file))
     given: dict[str, list[ast.stmt]] = {}
     for node in tree.body:
         for bound in _bound(node):
@@ -227,11 +312,8 @@ def _read(file: Path, name: str) -> None:
 
 
 def _describes(decorator: ast.expr) -> bool:
-    return (
-        isinstance(decorator, ast.Call)
-        and isinstance(decorator.func, ast.Attribute)
-        and decorator.func.attr == "describe"
-    )
+    named = decorator.func if isinstance(decorator, ast.Call) else decorator
+    return isinstance(named, ast.Attribute) and named.attr in {"describe", "part"}
 
 
 def _bound(node: ast.stmt) -> list[str]:
@@ -253,23 +335,65 @@ def described_fields(described: Any) -> tuple[DescribedField, ...]:
     return found
 
 
+def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind, ...]:
+    """What things of a description record.
+
+    Parameters
+    ----------
+    described
+        The description.
+    coordinate
+        Coordinate of the joint along which one acts, ``"angle"`` or ``"travel"``; all that may be if empty.
+    """
+    by_coordinate = getattr(described, "CHANNEL_BY_COORDINATE", None)
+    if by_coordinate is None:
+        found: tuple[ChannelKind, ...] = getattr(described, "CHANNELS", ())
+        return found
+    return (by_coordinate[coordinate],) if coordinate else tuple(by_coordinate.values())
+
+
+def is_described(hint: Any) -> bool:
+    """Whether a type is a description."""
+    return isinstance(hint, type) and "FIELDS" in vars(hint)
+
+
 def _find_fields(described: type) -> tuple[DescribedField, ...]:
-    """Keys of a description; a field without quantity is a `TypeError`."""
+    """Keys of a description; a field without quantity is a `TypeError`.
+
+    Fields of its bases without annotation are no keys: they say where a thing is, which a case file tells otherwise.
+    """
     hints: dict[str, Any] = {}
     for base in reversed(described.__mro__):
-        if "WORD" in base.__dict__:
-            own = _named_in(base, described)
-            hints |= {k: v for k, v in inspect.get_annotations(base, eval_str=True).items() if k in own}
+        own, says = _named_in(base, described), "WORD" in vars(base)
+        if own and (says or any("Annotated" in str(text) for text in inspect.get_annotations(base).values())):
+            given = inspect.get_annotations(base, eval_str=True)
+            hints |= {k: v for k, v in given.items() if k in own and (says or get_origin(v) is Annotated)}
     by_name: dict[str, Field[Any]] = {field.name: field for field in fields(described)}
     found = []
+    hints.pop("name", None)  # everything has one
     for name, hint in hints.items():
-        marks = [mark for mark in get_args(hint)[1:] if isinstance(mark, (Quantity, WorldDirection))]
-        if get_origin(hint) is not Annotated or len(marks) != 1:
+        annotated = get_origin(hint) is Annotated
+        inner, marks = (get_args(hint)[0], get_args(hint)[1:]) if annotated else (hint, ())
+        kinds = [mark for mark in marks if isinstance(mark, Meaning)]
+        if len(kinds) != 1 and (kinds or not all(map(_speaks_for_itself, _leaves(inner)))):
             raise TypeError(f"{_place(described)}.{name}: {hint}, expected an annotation with its quantity")
         field = by_name[name]
         default = field.default_factory() if field.default_factory is not MISSING else field.default
-        found.append(DescribedField(name, get_args(hint)[0], marks[0], default))
+        found.append(DescribedField(name, inner, marks, default))
     return tuple(found)
+
+
+def _leaves(hint: Any) -> list[Any]:
+    """Types that a list or a choice of types is made of."""
+    if get_origin(hint) in {tuple, Union, types.UnionType}:
+        inner = [part for part in get_args(hint) if part not in {..., type(None)}]
+        return [leaf for part in inner for leaf in _leaves(part)]
+    return [hint]
+
+
+def _speaks_for_itself(hint: Any) -> bool:
+    """Whether a value is a flag, a word of choice, a number that counts, or a table described elsewhere."""
+    return hint in {bool, int} or get_origin(hint) is Literal or is_described(hint)
 
 
 def _named_in(base: type, described: type) -> set[str]:
@@ -280,6 +404,111 @@ def _named_in(base: type, described: type) -> set[str]:
 def known_channels() -> Mapping[str, Sequence[ChannelKind]]:
     """Channels by name that descriptions which have been imported declare, of all their owners."""
     return _CHANNELS
+
+
+def no_rows() -> NDArray[np.float64]:
+    """An empty table."""
+    return np.zeros(0)
+
+
+def check_table(
+    key: str, places: Sequence[float], values_key: str, values: Sequence[Any], *, shortest: int = 1
+) -> None:
+    """Refuse a table that has not one value a place, or places that do not increase.
+
+    Raises
+    ------
+    InputError
+        With the keys of both lists in words; that of the table they stand in is not known here.
+    """
+    if len(places) != len(values):
+        raise InputError(
+            f"{len(places)} {key} and {len(values)} {values_key}",
+            expected=f"one of {values_key} for each of {key}",
+        )
+    if any(b <= a for a, b in pairwise(places)):
+        raise InputError(f"{key} {list(places)}", expected=f"increasing {key}")
+    if 0 < len(places) < shortest:
+        raise InputError(f"a table of {len(places)} rows", expected=f"{shortest} or more")
+
+
+def check_object(thing: Any, coordinate: str = "") -> None:
+    """What a case file is checked for, of an object made otherwise: ranges of numbers, and what its keys say together.
+
+    The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
+
+    Parameters
+    ----------
+    thing
+        The object; one without description is passed over.
+    coordinate
+        Coordinate of the joint along which it acts, ``"angle"`` or ``"travel"``.
+
+    Raises
+    ------
+    InputError
+        With the name of the thing and the key.
+    """
+    if not is_described(type(thing)):
+        return
+    try:
+        _said(thing, "", coordinate)
+    except InputError as error:
+        raise InputError(error.problem, source=thing.name, key=error.key, expected=error.expected) from None
+
+
+def _said(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
+    """Keys of a thing as a case file says them; checked."""
+    said = types.SimpleNamespace()
+    for field in described_fields(type(thing)):
+        place = f"{key}{field.name}"
+        value = _as_said(field, getattr(thing, field.name), place, coordinate)
+        _check_range(field, value, place, coordinate)
+        setattr(said, field.name, value)
+    check = getattr(thing, "check", None)
+    if check is not None:
+        try:
+            check(said)
+        except InputError as error:
+            place = f"{key}{error.key}".removesuffix(".")
+            raise InputError(error.problem, key=place, expected=error.expected) from None
+    return said
+
+
+def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
+    """Value of a key as a case file says it."""
+    if is_described(type(value)):
+        return _said(value, f"{key}.", coordinate)
+    if isinstance(value, (tuple, list)):
+        return [
+            _said(entry, f"{key}.{number}.", coordinate) if is_described(type(entry)) else entry
+            for number, entry in enumerate(value)
+        ]
+    value = _listed(value)
+    if field.absent and not field.mark(AsDrawn):
+        left = field.mark(Absent).value
+        left = _listed(field.default if left is None and field.default is not MISSING else left)
+        return None if value == left or (value != value and left != left) else value  # noqa: PLR0124
+    return value
+
+
+def _listed(value: Any) -> Any:
+    """An array as lists."""
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _check_range(field: DescribedField, value: Any, key: str, coordinate: str) -> None:
+    """Numbers are finite and within their bounds."""
+    quantity = field.quantity
+    if isinstance(quantity, ByCoordinate):
+        quantity = quantity.travel if coordinate == "travel" else quantity.angle
+    if value is None or not isinstance(quantity, Quantity):
+        return
+    for number in np.ravel(np.array(value, dtype=np.float64)):
+        try:
+            quantity.parse(float(number))
+        except InputError as error:
+            raise InputError(error.problem, key=key, expected=error.expected) from None
 
 
 def _place(described: type) -> str:

@@ -1,126 +1,34 @@
-"""What a user says of mooring: lines of one or more sections, and fenders, in SI units."""
+"""Where lines and fenders are described, and the sections that lines are made of, in SI units."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.numerics.quantity import Absent, Positive, Quantity
+from heavylift.solver.scene.descriptions import Family
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+__all__ = ["MOORINGS", "LineSection", "check_sections"]
 
-__all__ = ["Fender", "LineSection", "MooringLine", "check_sections"]
+MOORINGS: Family[Any] = Family("table", "heavylift.solver.water.lines", typed=False)
+"""Lines and fenders, by the lists of a case file in which they stand."""
 
 
+@MOORINGS.part
 @dataclass(frozen=True)
 class LineSection:
-    """A piece of line with the same properties all along.
+    """A piece of a line with the same properties all along."""
 
-    Attributes
-    ----------
-    length
-        Unstretched [m].
-    weight
-        In the fluid that it hangs in, a length [N/m]: in water less its buoyancy; negative if it floats.
-    axial_stiffness
-        ``EA`` [N]; infinite for a line that does not stretch.
-    """
-
-    length: float
-    weight: float
-    axial_stiffness: float
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MooringLine:
-    """A line that hangs by its own weight between an anchor and a fairlead, in equilibrium at every instant.
-
-    Attributes
-    ----------
-    name
-        Prefix of its channels.
-    body_a, point_a
-        Anchor: body (or `heavylift.solver.scene.connections.GROUND`) and point in its frame [m], shape (3,).
-    body_b, point_b
-        Fairlead.
-    sections
-        From the anchor to the fairlead.
-    clumps
-        Weight [N] of what hangs at each joint of two sections, from the anchor; negative for a buoy. None if empty.
-    seabed
-        Height of a flat seabed [m] in the world, on which the anchor lies; None for a line without one. It holds the
-        line from the anchor up to the first buoy or floating section; a bight beyond that would hang through it.
-    friction
-        Coefficient of the seabed along the line.
-    strain_limit
-        Mean strain at which a simulation stops, and beyond which a line is refused at the start.
-    """
-
-    CHANNELS: ClassVar = (
-        ChannelKind("tension", "force", "tension of the line at its fairlead"),
-        ChannelKind("anchor_tension", "force", "tension of the line at its anchor"),
-        ChannelKind("horizontal_tension", "force", "horizontal part of the tension at the fairlead"),
-        ChannelKind("seabed_length", "length", "unstretched length of the line that lies on the bottom"),
-    )
-    """What it records, in the order of its columns."""
-
-    name: str
-    body_a: str
-    point_a: NDArray[np.float64]
-    body_b: str
-    point_b: NDArray[np.float64]
-    sections: tuple[LineSection, ...]
-    clumps: tuple[float, ...] = ()
-    seabed: float | None = None
-    friction: float = 0.0
-    strain_limit: float = 0.1
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Fender:
-    """A one-sided spring on a plane face: it pushes two bodies apart along its normal while it is compressed.
-
-    Attributes
-    ----------
-    name
-        Prefix of its channels.
-    body_a, point_a
-        Body that the fender stands on (or `heavylift.solver.scene.connections.GROUND`), and its tip when it is not
-        compressed, in the frame of the body [m], shape (3,).
-    body_b, point_b
-        Body that it is pressed by, and the point of it.
-    direction
-        Outward normal of the face, in the frame of `body_a`, any length, shape (3,): compression is how far the
-        point of b is behind the tip.
-    stiffness
-        [N/m].
-    damping
-        [N s/m]; never so much that the fender pulls.
-    compressions, forces
-        A table in place of the stiffness: force [N] over compression [m], both from zero and not falling; held at
-        the slope of its last piece beyond its end.
-    """
-
-    CHANNELS: ClassVar = (
-        ChannelKind("force", "force", "force of the fender along its normal"),
-        ChannelKind("compression", "length", "compression of the fender, 0 while nothing presses it"),
-    )
-    """What it records, in the order of its columns."""
-
-    name: str
-    body_a: str
-    point_a: NDArray[np.float64]
-    body_b: str
-    point_b: NDArray[np.float64]
-    direction: NDArray[np.float64]
-    stiffness: float = 0.0
-    damping: float = 0.0
-    compressions: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    length: Annotated[float, Positive("length"), Absent(math.nan)]
+    """Unstretched [m]; absent of one section if `fairlead_tension` is given."""
+    weight: Annotated[float, Quantity("force per length")]
+    """A length, in the fluid that it hangs in [N/m]: in water less its buoyancy; negative if it floats."""
+    axial_stiffness: Annotated[float, Positive("force"), Absent(math.inf)]
+    """EA [N]; without it the line does not stretch."""
 
 
 def check_sections(

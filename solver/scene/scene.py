@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -18,25 +18,25 @@ from heavylift.solver.scene.bodies import (
     Profile,
     RigidBody,
 )
+from heavylift.solver.scene.connections import OnBody
+from heavylift.solver.scene.descriptions import Family
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.connections import (
+        AlongJoint,
+        Between,
         Joint,
-        JointMotor,
-        JointSpring,
-        PairForce,
-        Rope,
-        Spring,
-        SpringRope,
+        PackedForce,
     )
     from heavylift.solver.scene.contacts import Contact, Contour
     from heavylift.solver.scene.meshes import MeshBody
     from heavylift.solver.scene.sea import Sea
 
 __all__ = [
+    "SENSORS",
     "AnyBody",
     "Driven",
     "Fixed",
@@ -45,7 +45,6 @@ __all__ = [
     "Gravity",
     "Harmonic",
     "Motion",
-    "PointForce",
     "Profile",
     "RigidBody",
     "Scene",
@@ -60,40 +59,23 @@ class Gravity:
     acceleration: NDArray[np.float64]
 
 
+SENSORS: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
+"""What only watches, by the list of a case file in which it stands."""
+
+
+@SENSORS.describe("sensors")
 @dataclass(frozen=True, eq=False)
-class PointForce:
-    """A force on a material point, from a table over time with linear interpolation.
-
-    Attributes
-    ----------
-    name, body
-        Its own name and the name of the body.
-    point
-        In the body frame [m], shape (3,); of a flexible body the nearest node is loaded.
-    times, forces
-        [s], shape (nt,), increasing; [N], shape (nt, 3). Constant before the first and after the last time.
-    frame
-        Axes of the force: ``"world"`` or ``"body"`` (follows the frame of the body).
-    """
-
-    name: str
-    body: str
-    point: NDArray[np.float64]
-    times: NDArray[np.float64]
-    forces: NDArray[np.float64]
-    frame: Literal["world", "body"] = "world"
-
-
-@dataclass(frozen=True, eq=False)
-class Sensor:
-    """A material point whose position and velocity are recorded: body name and point [m] in its frame."""
+class Sensor(OnBody):
+    """A material point whose position and velocity are recorded."""
 
     CHANNELS: ClassVar = POINT_CHANNELS
     """What it records, in the order of its columns."""
-
-    name: str
-    body: str
-    point: NDArray[np.float64]
+    SENTENCES: ClassVar = {
+        "name": "Name; its channels are ``NAME.position`` and ``NAME.velocity``.",
+        "body": "Body that carries it.",
+        "point": "Point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame or "
+        "shell any point of its mesh.",
+    }
 
 
 AnyBody: TypeAlias = "FlexibleBody | RigidBody | MeshBody"
@@ -104,10 +86,10 @@ class Scene:
     """Everything that is simulated together."""
 
     bodies: tuple[AnyBody, ...]
-    forces: tuple[Gravity | PointForce | PairForce | Spring | JointSpring | JointMotor, ...] = ()
+    forces: tuple[Gravity | OnBody | Between | AlongJoint | PackedForce, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()
-    ropes: tuple[Rope | SpringRope, ...] = ()
+    ropes: tuple[Any, ...] = ()
     contours: tuple[Contour, ...] = ()
     contacts: tuple[Contact, ...] = ()
     surfaces: tuple[CollisionSurface, ...] = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -14,10 +14,13 @@ from heavylift.solver.scene.descriptions import XYZ, ChannelKind
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-    from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.scene.moorings import Fender, MooringLine
-    from heavylift.solver.scene.wind_loads import CoefficientLoad, CurrentField, DragElement, WindField
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+    from heavylift.solver.scene.wind_loads import (
+        CurrentField,
+        FluidLoad,
+        WindField,
+    )
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
 __all__ = ["FloatingBody", "Hull", "LinearRestoring", "Radiation", "Sea", "Tank", "Water"]
@@ -226,9 +229,9 @@ class Sea:
     excitation: Literal["summed", "series"] = "summed"
     duration: float = 0.0
     fields: tuple[WindField | CurrentField, ...] = ()
-    loads: tuple[CoefficientLoad | DragElement, ...] = ()
-    lines: tuple[MooringLine, ...] = ()
-    fenders: tuple[Fender, ...] = ()
+    loads: tuple[FluidLoad, ...] = ()
+    lines: tuple[Any, ...] = ()
+    fenders: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

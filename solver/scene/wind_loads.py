@@ -13,14 +13,16 @@ the relative velocity and act at the centre of pressure, so that roll and pitch 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+from heavylift.numerics.quantity import BodyDirection, NameOf
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family
 from heavylift.solver.water.wind.spectrum import (
     HIGHEST_FREQUENCY,
     HOUR,
@@ -33,7 +35,8 @@ from heavylift.solver.water.wind.spectrum import (
 
 __all__ = [
     "AIR_DENSITY",
-    "CoefficientLoad",
+    "FLUID_LOADS",
+    "LOAD_FORCE",
     "CurrentField",
     "DragElement",
     "FluctuationRecord",
@@ -226,71 +229,37 @@ class CurrentField:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class CoefficientLoad:
-    """Horizontal force and yaw moment on a whole body by tables of coefficients over the angle of attack.
-
-    ``F_x = q C_x A_x``, ``F_y = q C_y A_y``, ``M_z = q C_n A_y L`` with ``q = rho |V|^2 / 2``, V the horizontal
-    velocity of the fluid at the point, relative to the point; eqs. (225) and (228).
+class FluidLoad:
+    """What all loads of wind and current have. Each sort is a subclass in a file of `heavylift.solver.water.wind`.
 
     Attributes
     ----------
     name
-        Prefix of its channels.
-    body
-        Name.
-    point
-        Centre of pressure in the body frame [m], shape (3,): where the force acts, and to which M_z refers.
-    angles
-        Directions in which the fluid goes past the body [rad], from its x axis, anticlockwise seen from above:
-        0 comes from astern, pi/2 from starboard, pi is a head wind. Increasing, shape (n,).
-    coefficients
-        C_x, C_y, C_n along x and y of the heading, about z; shape (n, 3). Periodic cubic splines between.
-    area_x, area_y
-        Frontal and side area [m2].
-    length
-        L [m].
-    fluid
-        Name of the wind or current.
-    symmetric
-        The table covers 0 to pi; the other side is its mirror image: C_x even, C_y and C_n odd.
-    axis
-        Direction of the body that is its heading, in the body frame, shape (3,).
+        Prefix of its channels; loads with the same name share them.
     """
 
-    CHANNELS: ClassVar = (
-        LOAD_FORCE,
-        ChannelKind(
-            "yaw_moment",
-            "moment or energy",
-            "sum of the yaw moments of the pieces of this name about their centres of pressure",
-            ("z",),
-        ),
-    )
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = (LOAD_FORCE,)
     """What is recorded of all loads of its name, in the order of columns."""
 
     name: str
-    body: str
-    point: Array
-    angles: Array
-    coefficients: Array
-    area_x: float
-    area_y: float
-    length: float
-    fluid: str = "wind"
-    symmetric: bool = False
-    axis: Array = field(default_factory=_ahead)
+    body: Annotated[str, NameOf("body")]
+    """Body that is pushed on."""
+    fluid: Annotated[str, NameOf("fluid")] = "wind"
+    """Name of the wind or current."""
+    axis: Annotated[Array, BodyDirection()] = field(default_factory=_ahead)
+    """Direction of the body that is its heading, in its coordinates."""
+
+    def pieces(self) -> Sequence[FluidLoad]:
+        """What it is for the solver: itself, if it is packed as it stands, or elements."""
+        return (self,)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class DragElement:
+class DragElement(FluidLoad):
     """Drag on a piece of a body along the relative flow at its own height: ``rho C A |V| V / 2``.
 
     Attributes
     ----------
-    name
-        Prefix of its channels.
-    body
-        Name.
     point
         Centre of the piece in the body frame [m], shape (3,): its height is that of the fluid velocity.
     area
@@ -298,31 +267,21 @@ class DragElement:
         from above, whose projection along the relative flow counts.
     coefficient
         Shape coefficient C.
-    fluid
-        Name of the wind or current.
     vertical
         Whether the vertical part of the relative velocity counts as well.
     extent
         Height of the piece [m]: of one that the water level cuts, only the part on its own side counts, with the
         speed at the middle of that part. With 0 it counts whole or not at all.
-    axis
-        Direction of the body that is its heading, in the body frame, shape (3,).
     """
 
-    CHANNELS: ClassVar = (LOAD_FORCE,)
-    """What is recorded of all loads of its name."""
-
-    name: str
-    body: str
     point: Array
     area: float | tuple[float, float, float]
     coefficient: float = 1.0
-    fluid: str = "wind"
     vertical: bool = False
     extent: float = 0.0
-    axis: Array = field(default_factory=_ahead)
 
+
+FLUID_LOADS: Family[FluidLoad] = Family("load", "heavylift.solver.water.wind")
+"""All sorts of loads of wind and current, by their types in a case file."""
 
 FluidField = WindField | CurrentField
-
-FluidLoad = CoefficientLoad | DragElement

@@ -1,7 +1,15 @@
-"""What the joints of a scene leave free, and where they hold more than once, in sentences with names."""
+"""What the joints of a scene leave free, and where they hold more than once, in sentences with names.
+
+A bridge is a pair of bodies whose joints, taken away, would leave one of them and all beyond it apart: its
+joints act on the relative motion of two rigid groups and on nothing else, whatever happens inside these. What
+is left when all bridges are cut are the *cores*, in which joints close loops.
+
+Ranks are dense where that is cheap, and found body by body where it is not.
+"""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,13 +17,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.start.body_graph import BodyGraph, Core, Pair, body_graph
 from heavylift.solver.start.consistent_start import close_positions
 from heavylift.solver.start.motion_words import motion_words, move_words
-from heavylift.solver.start.row_rank import DENSE, null_spaces, rank_of
 from heavylift.solver.start.rows import StartRows, plural, quoted
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = [
+    "BodyGraph",
+    "Core",
+    "Diagnosis",
+    "Pair",
+    "block_rank",
+    "body_graph",
+    "diagnose",
+    "null_spaces",
+    "rank_of",
+]
 
 EXACT = 1e-8
 """Singular values of unit rows below which they count as dependent, in joints that are closed to rounding."""
@@ -363,3 +379,277 @@ def _joints(rows: StartRows, blocks: Sequence[int] | NDArray[np.int64]) -> str:
     """Names of joints, each once."""
     names = list(dict.fromkeys(rows.names[block] for block in blocks))
     return f"{'joint' if len(names) == 1 else 'joints'} {quoted(names)}"
+
+
+DENSE = 480
+"""Columns up to which a singular value decomposition is taken."""
+
+
+def null_spaces(
+    matrix: NDArray[np.float64], tolerance: float
+) -> tuple[int, NDArray[np.float64], NDArray[np.float64]]:
+    """Rank, null space (columns, n) and left null space (columns, m) of a dense matrix (m, n) of unit rows."""
+    m, n = matrix.shape
+    if m == 0 or n == 0:
+        return 0, np.eye(n), np.eye(m)
+    u, sigma, vt = np.linalg.svd(matrix)
+    rank = int(np.count_nonzero(sigma > tolerance))
+    return rank, vt[rank:].T, u[:, rank:]
+
+
+def rank_of(matrix: Any, owner: NDArray[np.int64], tolerance: float) -> int:
+    """Rank of a sparse matrix of unit rows, shape (rows, columns), with the body of each column."""
+    if matrix.shape[0] == 0:
+        return 0
+    if matrix.shape[1] <= DENSE:
+        return null_spaces(matrix.toarray(), tolerance)[0]
+    return block_rank(matrix, owner, tolerance)
+
+
+def block_rank(matrix: Any, owner: NDArray[np.int64], tolerance: float) -> int:
+    """Rank by orthogonal elimination of one body after the other.
+
+    Parameters
+    ----------
+    matrix
+        Sparse by rows, unit rows, shape (rows, columns).
+    owner
+        Body of each column.
+    tolerance
+        Size of what counts as zero.
+
+    Notes
+    -----
+    All rows on a body are rotated so that as few of them as its own rank, found by QR with exchange of
+    columns, have anything in its columns; these are put aside and counted, the others go on to its neighbours.
+    Rotations keep the rank, so this is a multifrontal QR (T. A. Davis, ACM Trans. Math. Software 38, 2011, on
+    SuiteSparseQR) whose fronts are bodies; bodies with few neighbours go first.
+    """
+    from scipy.linalg import qr
+
+    numbers = {body: np.flatnonzero(owner == body) for body in np.unique(owner)}
+    fronts: dict[int, tuple[tuple[int, ...], NDArray[np.float64]]] = {}
+    on_body: dict[int, set[int]] = {body: set() for body in numbers}
+
+    def add(bodies: tuple[int, ...], dense: NDArray[np.float64]) -> None:
+        key = add.count  # type: ignore[attr-defined]
+        add.count += 1  # type: ignore[attr-defined]
+        fronts[key] = bodies, dense
+        for body in bodies:
+            on_body[body].add(key)
+
+    add.count = 0  # type: ignore[attr-defined]
+    for row in range(matrix.shape[0]):
+        columns = matrix.indices[matrix.indptr[row] : matrix.indptr[row + 1]]
+        bodies = tuple(int(body) for body in np.unique(owner[columns]))
+        if bodies:
+            wide = np.concatenate([numbers[body] for body in bodies])
+            dense = np.zeros((1, len(wide)))
+            dense[
+                0, np.searchsorted(wide, columns) if np.all(np.diff(wide) > 0) else _places(wide, columns)
+            ] = matrix.data[matrix.indptr[row] : matrix.indptr[row + 1]]
+            add(bodies, dense)
+    rank = 0
+    left = set(numbers)
+    while left:
+        body = min(left, key=lambda one: (len({b for key in on_body[one] for b in fronts[key][0]}), one))
+        left.remove(body)
+        keys = sorted(on_body.pop(body))
+        others = sorted({b for key in keys for b in fronts[key][0]} - {body})
+        bodies = (body, *others)
+        width = [len(numbers[b]) for b in bodies]
+        starts = dict(zip(bodies, np.cumsum([0, *width[:-1]]), strict=True))
+        stacked = []
+        for key in keys:
+            own, dense = fronts.pop(key)
+            wide = np.zeros((len(dense), sum(width)))
+            at = 0
+            for b in own:
+                count = len(numbers[b])
+                wide[:, starts[b] : starts[b] + count] = dense[:, at : at + count]
+                at += count
+                if b != body:
+                    on_body[b].discard(key)
+            stacked.append(wide)
+        if not stacked:
+            continue
+        front = np.vstack(stacked)
+        Q, R, _ = qr(front[:, : width[0]], pivoting=True)
+        own_rank = int(np.count_nonzero(np.abs(np.diag(R)) > tolerance))
+        rank += own_rank
+        rest = (Q[:, own_rank:].T @ front)[:, width[0] :]
+        if len(rest) > rest.shape[1] > 0:
+            rest = np.linalg.qr(rest, mode="r")
+        rest = rest[np.abs(rest).max(axis=1, initial=0.0) > tolerance]
+        if len(rest):
+            add(tuple(others), rest)
+    return rank
+
+
+def _places(wide: NDArray[np.int64], columns: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
+    """Where columns stand in a list of columns that is not sorted."""
+    order = np.argsort(wide)
+    return order[np.searchsorted(wide[order], columns)]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies and the blocks between them; the ground has the number of bodies as its number.
+
+    Attributes
+    ----------
+    bodies
+        Of a bridge the one nearer to the root first.
+    blocks
+        All joints between them.
+    beyond
+        Of a bridge: the second body and all that hangs on it.
+    """
+
+    bodies: tuple[int, int]
+    blocks: tuple[int, ...]
+    beyond: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Core:
+    """Bodies in loops, without the ground; whether the ground is one of the group; pairs; loops of pairs."""
+
+    bodies: tuple[int, ...]
+    grounded: bool
+    pairs: tuple[Pair, ...]
+    loops: tuple[tuple[Pair, ...], ...]
+
+
+@dataclass(frozen=True)
+class BodyGraph:
+    """Bridges, cores, and groups of connected bodies that nothing ties to the ground."""
+
+    bridges: tuple[Pair, ...]
+    cores: tuple[Core, ...]
+    floating: tuple[tuple[int, ...], ...]
+
+
+def body_graph(count: int, sides: NDArray[np.int64], whole: NDArray[np.bool_]) -> BodyGraph:
+    """Take a scene apart.
+
+    Parameters
+    ----------
+    count
+        Bodies.
+    sides
+        Bodies of each block that counts, -1 for the ground; shape (blocks, 2).
+    whole
+        Bodies that must not be cut off at a bridge, because they are not rigid and free; shape (count,).
+    """
+    between: dict[tuple[int, int], list[int]] = {}
+    for block, (a, b) in enumerate(sides):
+        u, v = sorted((count if a < 0 else int(a), count if b < 0 else int(b)))
+        if u != v:
+            between.setdefault((u, v), []).append(block)
+    neighbours: list[list[int]] = [[] for _ in range(count + 1)]
+    for u, v in between:
+        neighbours[u].append(v)
+        neighbours[v].append(u)
+
+    def pair(u: int, v: int, beyond: tuple[int, ...] = ()) -> Pair:
+        return Pair((u, v), tuple(between[min(u, v), max(u, v)]), beyond)
+
+    bridges: list[Pair] = []
+    cores: list[Core] = []
+    floating: list[tuple[int, ...]] = []
+    group = np.full(count + 1, -1)
+    for root in (count, *range(count)):
+        if group[root] >= 0:
+            continue
+        order, parent, size, low = _search(root, neighbours, group)
+        place = {node: i for i, node in enumerate(order)}
+        if root != count:
+            floating.append(tuple(sorted(order)))
+        cut = [False] * len(order)
+        for i in range(1, len(order)):
+            beyond = order[i : i + size[i]]
+            inside = [node for node in order if node != count]
+            if low[i] == i and not whole[inside].any():
+                cut[i] = True
+                bridges.append(pair(order[parent[i]], order[i], tuple(beyond)))
+        head = list(range(len(order)))
+        for i in range(1, len(order)):
+            head[i] = i if cut[i] else head[parent[i]]
+        members: dict[int, list[int]] = {}
+        for i, node in enumerate(order):
+            members.setdefault(head[i], []).append(node)
+        for nodes in members.values():
+            if len(nodes) > 1:
+                group[nodes] = len(cores) + 1
+                cores.append(_core(nodes, count, neighbours, place, head, pair))
+    return BodyGraph(tuple(bridges), tuple(cores), tuple(floating))
+
+
+def _search(
+    root: int, neighbours: list[list[int]], group: NDArray[np.int64]
+) -> tuple[list[int], list[int], list[int], list[int]]:
+    """Depth first: nodes in order, and by place the parent, the size of what follows, the lowest place reached."""
+    order, parent, low = [root], [-1], [0]
+    place = {root: 0}
+    group[root] = 0
+    stack = [(0, iter(neighbours[root]))]
+    while stack:
+        i, rest = stack[-1]
+        for node in rest:
+            if node not in place:
+                place[node] = len(order)
+                group[node] = 0
+                order.append(node)
+                parent.append(i)
+                low.append(place[node])
+                stack.append((place[node], iter(neighbours[node])))
+                break
+            if place[node] != parent[i]:
+                low[i] = min(low[i], place[node])
+        else:
+            stack.pop()
+            if stack:
+                low[parent[i]] = min(low[parent[i]], low[i])
+    size = [1] * len(order)
+    for i in range(len(order) - 1, 0, -1):
+        size[parent[i]] += size[i]
+    return order, parent, size, low
+
+
+def _core(nodes, count, neighbours, place, head, pair) -> Core:  # type: ignore[no-untyped-def]
+    """A core with its loops: those that a breadth-first tree closes, which are short ones."""
+    first = count if count in nodes else nodes[0]
+    top = head[place[nodes[0]]]
+
+    def inside(node: int) -> bool:
+        return head[place[node]] == top
+
+    parent, depth, queue = {first: first}, {first: 0}, deque([first])
+    closing: list[tuple[int, int]] = []
+    pairs = []
+    while queue:
+        u = queue.popleft()
+        for v in neighbours[u]:
+            if not inside(v):
+                continue
+            if v not in parent:
+                parent[v], depth[v] = u, depth[u] + 1
+                queue.append(v)
+                pairs.append(pair(u, v))
+            elif v != parent[u] and (depth[v], v) > (depth[u], u):
+                closing.append((u, v))
+                pairs.append(pair(u, v))
+    loops = []
+    for u, v in closing:
+        a, b, left, right = u, v, [], []
+        while a != b:
+            if depth[a] >= depth[b]:
+                left.append(pair(parent[a], a))
+                a = parent[a]
+            else:
+                right.append(pair(parent[b], b))
+                b = parent[b]
+        loops.append((*reversed(left), pair(u, v), *right))
+    bodies = tuple(node for node in nodes if node != count)
+    return Core(bodies, first == count, tuple(pairs), tuple(sorted(loops, key=len)))

@@ -24,10 +24,10 @@ from heavylift.solver.bodies.ancf.at_rest import (
 from heavylift.solver.bodies.ancf.frame_data import frame_follower
 from heavylift.solver.bodies.ancf.kind import FOLLOWER_ELEMENT, FOLLOWER_NODE, FrameMeshes, ShellMeshes
 from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matrices
+from heavylift.solver.integrate.loop import evaluate_loads
 from heavylift.solver.interface import FORCES
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.forces import STEP
-from heavylift.solver.statics.mesh_kernels import evaluate_loads
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
 __all__ = ["MeshSystem"]

@@ -17,7 +17,7 @@ from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import record_at, records
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.preprocess.surfaces import TriangleSurface, clean
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, clean
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -18,14 +18,14 @@ from heavylift.contours.triangles.clearance import (
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.numerics.records import record_at, records
-from heavylift.preprocess.primitive_surfaces import (
+from heavylift.preprocess.surfaces.primitives import (
     box_surface,
     capsule_surface,
     cylinder_surface,
     plane_surface,
     sphere_surface,
 )
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 STILL = np.eye(3)
 SIDES = ((0, 1), (1, 2), (2, 0))

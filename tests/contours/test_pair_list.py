@@ -18,7 +18,7 @@ from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import record_at
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 motion_at = record_at(RelativeMotion)
 

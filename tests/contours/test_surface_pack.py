@@ -9,7 +9,7 @@ import pytest
 
 from heavylift.contours.triangles.surface_layout import IS_FACE, OWNS_A, OWNS_AB
 from heavylift.contours.triangles.surface_pack import pack_surfaces
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 
 def grid(count: int, name: str = "grid") -> TriangleSurface:

@@ -8,7 +8,7 @@ import pytest
 from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 
 @kernel

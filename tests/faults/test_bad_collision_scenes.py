@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface, sphere_surface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface, sphere_surface
 from heavylift.solver.contact.triangles.start import check_overlaps
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
@@ -20,7 +20,7 @@ from heavylift.solver.scene.meshes import FrameBody, FrameSection
 from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 INF, NAN = float("inf"), float("nan")
 
@@ -77,7 +77,6 @@ def collision_scene(
         ({"law": HertzLaw(-1e6)}, "stiffness", "-1000000.0", "a positive number"),
         ({"law": HuntCrossleyLaw(1e6, 0.5)}, "exponent", "0.5", "1 to 3"),
         ({"law": HuntCrossleyLaw(1e6, 1.5, 0.0)}, "restitution", "0.0", "above 0, up to 1"),
-        ({"law": LinearLaw(1e6), "events": False}, "events", "a law that is compliant", "law 'rigid'"),
         ({"method": "quick"}, "method", "'quick'", "'swept' or 'position-difference'"),
         ({"patch_angle": 0.0}, "patch_angle", "0.0 rad", "above 0, up to pi"),
         ({"patch_angle": NAN}, "patch_angle", "nan rad", "above 0, up to pi"),

@@ -98,7 +98,7 @@ SPRING = (
         ("forces.1.stiffness=-2", "forces.1.stiffness", "-2 is too small", ">= 0 N/m"),
         (f"{SPRING}}}", "forces.1", "neither a stiffness nor a damping", "'stiffness', 'damping'"),
         (f"{SPRING}, elongations=[0], forces=[0]}}", "forces.1", "a table of 1 rows", "2 or more"),
-        ("forces.1.type=spirng", "forces.1", "type = 'spirng'", "'point', 'spring', 'joint_spring', 'motor'"),
+        ("forces.1.type=spirng", "forces.1", "type = 'spirng'", "'joint_spring', 'motor', 'point', 'spring'"),
         ("forces.0.force=[1, 2]", "forces.0.force", "2 entries", "at least 3"),
         ("forces.0.pint=[1, 2, 3]", "forces.0.pint", "does not exist; did you mean 'point'", "a key"),
         ("ropes.0.path=[{body='load', point=[0, 0, 0]}]", "ropes.0.path", "1 entries", "at least 2"),
@@ -116,7 +116,7 @@ SPRING = (
         ("ropes.0.axial_stiffness=0", "ropes.0.axial_stiffness", "0 is too small", "> 0 N"),
         ("ropes.1.stiffness=-1 kN/m", "ropes.1.stiffness", "is too small", "> 0 N/m"),
         ("ropes.0.winch.speeds=[0]", "ropes.0.winch", "2 times and 1 speeds", "one speed a time"),
-        ("ropes.0.type=chain", "ropes.0", "type = 'chain'", "one of 'wire', 'spring'"),
+        ("ropes.0.type=chain", "ropes.0", "type = 'chain'", "one of 'spring', 'wire'"),
         ("ropes.0.length=0", "ropes.0.length", "0 is too small", "> 0 m"),
         # from (0, 0, 0) over (0, 0.5, 1) to (0, 0, -8) is 1.118 + 9.014 m, less 2 x 0.2 m for the pulley
         (

@@ -13,8 +13,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.assemble.databases import assemble_radiation
-from heavylift.pipeline.assemble.hulls import hull_surface, resting_position
+from heavylift.pipeline.assemble.hulls import assemble_radiation, hull_surface, resting_position
 from heavylift.pipeline.assemble.lines import assemble_lines
 from heavylift.pipeline.assemble.sea import make_waves
 from heavylift.pipeline.results.storage import OutputFolder
@@ -40,7 +39,7 @@ def database():
 
 @pytest.fixture
 def folder(tmp_path, database):
-    from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
     made = tmp_path / "barge"
     made.mkdir()
@@ -176,7 +175,7 @@ def test_negative_damping_in_a_database(folder):
 
 
 def test_a_database_of_two_hulls_for_one(folder, database):
-    from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
     n = np.s_[:, :6, :6]
     wide = np.zeros((len(database.omega), 12, 12))
@@ -215,7 +214,7 @@ def test_a_wave_period_beyond_the_database(folder):
 
 
 def test_a_heading_outside_the_database(folder, database):
-    from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
     part = np.s_[:, :10]
     write_netcdf(

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, check_database
-from heavylift.preprocess.primitive_surfaces import box_surface
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, check_database
+from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, Sea, Tank, Water
+from heavylift.solver.water.lines.fenders import Fender
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 from heavylift.solver.water.waves.wave_trains import regular_wave
 
 if TYPE_CHECKING:
@@ -49,7 +51,7 @@ def database() -> HydrodynamicDatabase:
     omega = np.linspace(0.05, 8.0, 160)
     size = np.array([1e5, 1e5, 3e5, 3e6, 1e7, 2e6])
     damping = (4.0 * omega * np.exp(-2.0 * omega))[:, None, None] * np.diag(size)
-    from heavylift.preprocess.retardation import infinite_added_mass
+    from heavylift.preprocess.hydrodynamics.retardation import infinite_added_mass
 
     limit = np.diag(size)
     added = np.broadcast_to(limit, damping.shape)

@@ -20,10 +20,10 @@ from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.reduction import ritz_vectors
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.elasticity import assemble
-from heavylift.preprocess.groups import OnPlane
-from heavylift.preprocess.model import Material
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import assemble
+from heavylift.preprocess.finite_elements.groups import OnPlane
+from heavylift.preprocess.finite_elements.model import Material
 
 LENGTH, HEIGHT, WIDTH = 1.0, 0.1, 0.06  # of the beam of the fixtures
 PATCH = ((0.7, HEIGHT, 0.0), (LENGTH, HEIGHT, WIDTH))

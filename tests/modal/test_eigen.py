@@ -12,10 +12,10 @@ from heavylift.modal.eigen import Modes, ModesNotConvergedError, eigenmodes, sig
 from heavylift.modal.factor import available_backends
 from heavylift.modal.flexibility import Flexibility, apply_mass, rigid_motions
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.elasticity import assemble
-from heavylift.preprocess.groups import OnPlane
-from heavylift.preprocess.model import FEModel, Material
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import assemble
+from heavylift.preprocess.finite_elements.groups import OnPlane
+from heavylift.preprocess.finite_elements.model import FEModel, Material
 
 
 @pytest.fixture(scope="module")

@@ -86,7 +86,7 @@ def test_flexibility_names_a_mechanism(brick_beam):
     # the stiffness of two bodies that are not joined has twelve rigid motions
     from scipy.sparse import block_diag
 
-    from heavylift.preprocess.model import FEModel
+    from heavylift.preprocess.finite_elements.model import FEModel
 
     twice = FEModel(
         nodes=np.vstack([brick_beam.nodes, brick_beam.nodes + np.array([0.0, 1.0, 0.0])]),

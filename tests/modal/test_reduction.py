@@ -154,7 +154,7 @@ def test_bad_input_is_named(brick_beam):
 
 
 def test_complex_beam_of_the_thesis(mbsim_data):
-    from heavylift.preprocess.exchange import read_four_files
+    from heavylift.preprocess.finite_elements.exchange import read_four_files
 
     data = read_four_files(
         mbsim_data / "complex_beam", length_unit=1e-3, mass_factor=1e-9, stiffness_factor=1e-3
@@ -170,7 +170,7 @@ def test_complex_beam_of_the_thesis(mbsim_data):
 
 
 def test_sliding_beam_of_the_thesis(mbsim_data):
-    from heavylift.preprocess.exchange import read_four_files
+    from heavylift.preprocess.finite_elements.exchange import read_four_files
 
     data = read_four_files(
         mbsim_data / "sliding_beam", length_unit=1e-3, mass_factor=1e3, stiffness_factor=1e3

@@ -9,11 +9,11 @@ from heavylift.modal.bases import patch_loads, static_vectors
 from heavylift.modal.flexibility import Flexibility, rigid_motions
 from heavylift.modal.stress import nodal_gradients, stress_modes, von_mises
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.elasticity import assemble
-from heavylift.preprocess.groups import OnPlane
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.model import Material
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import assemble
+from heavylift.preprocess.finite_elements.groups import OnPlane
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.model import Material
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
 

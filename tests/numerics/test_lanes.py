@@ -9,6 +9,7 @@ from heavylift.numerics import lanes
 from heavylift.numerics.jit import kernel
 
 RNG = np.random.default_rng(5)
+OFFSET = 3
 
 
 def padded(matrix: np.ndarray, lane_count: int) -> np.ndarray:
@@ -29,7 +30,7 @@ def factor_two(shape, A, B, C, scratch):
     lanes.factor_pivot(shape, A, 0)
     lanes.solve_off_diagonal(shape, B, 0, A, 0)
     lanes.scale_block(shape, scratch, 0, B, 0, A, 0)
-    lanes.subtract_product(shape, C, 0, scratch, 0, B, 0)
+    lanes.subtract_products(shape, C, 0, scratch, 0, B, 0, 1)
     lanes.factor_pivot(shape, C, 0)
 
 
@@ -95,3 +96,55 @@ def test_products_over_the_coordinates_of_a_body(size):
 
 def test_shape_has_a_power_of_two_lanes():
     assert [len(lanes.block_shape(rows)[1]) for rows in range(1, 7)] == [1, 2, 4, 4, 8, 8]
+
+
+@kernel
+def many_products(shape, T, W, Y, at, count):
+    lanes.subtract_products(shape, T, at, W, at, Y, at, count)
+
+
+@kernel
+def backward_sum(shape, x, at, node, blocks, pivot, lower, first, count):
+    lanes.subtract_backward_sum(shape, x, at, node, blocks, at, pivot, lower, first, count)
+
+
+def flat(columns: np.ndarray, lane_count: int) -> np.ndarray:
+    """Vectors (n, rows) in lanes with NaN behind them, at an offset."""
+    full = np.full((len(columns), lane_count), np.nan)
+    full[:, : columns.shape[1]] = columns
+    return np.concatenate([np.full(OFFSET, np.nan), full.ravel()])
+
+
+def used(array: np.ndarray, lane_count: int, rows: int) -> np.ndarray:
+    return array[OFFSET:].reshape(-1, lane_count)[:, :rows]
+
+
+@pytest.mark.parametrize("rows", [1, 3, 6, 7, 12, 16])
+@pytest.mark.parametrize("count", [0, 1, 5])
+def test_products_over_many_blocks(rows, count):
+    shape = lanes.block_shape(rows)
+    lane_count = len(shape[1])
+    T = RNG.normal(size=(rows, rows))
+    W, Y = RNG.normal(size=(2, count * rows, rows))
+    target = flat(T, lane_count)
+    many_products(shape, target, flat(W, lane_count), flat(Y, lane_count), OFFSET, count)
+    # a column of T^T, W^T, Y^T is a vector: T -= Y W^T
+    np.testing.assert_allclose(used(target, lane_count, rows), T - W.T @ Y, atol=1e-13)
+
+
+@pytest.mark.parametrize("rows", [1, 3, 6, 7, 12, 16])
+@pytest.mark.parametrize("count", [0, 1, 4])
+def test_backward_sums_over_later_nodes(rows, count):
+    shape = lanes.block_shape(rows)
+    lane_count = len(shape[1])
+    vectors = RNG.normal(size=(8, rows))
+    matrices = RNG.normal(size=(6, rows, rows))  # the last one is the pivot
+    lower = np.stack([[0, 5, 2, 7, 1], np.array([3, 0, 4, 1, 2]) * rows * lane_count], axis=1)
+    x = flat(vectors, lane_count)
+    blocks = flat(matrices.reshape(-1, rows), lane_count)
+    backward_sum(shape, x, OFFSET, 4, blocks, 5 * rows * lane_count, lower, 1, count)
+    expected = vectors.copy()
+    for node, place in lower[1 : 1 + count]:
+        Y = matrices[place // (rows * lane_count)].T
+        expected[4] -= np.diag(matrices[5]) * (Y.T @ vectors[node])
+    np.testing.assert_allclose(used(x, lane_count, rows), expected, atol=1e-13)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-from heavylift.preprocess.hydrodynamics_netcdf import write_netcdf
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.results.segments import read_segments, segment_path
+from heavylift.pipeline.results.histories import read_segments, segment_path
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages import advance
 from heavylift.pipeline.stages.advance import Advancer, StopRequest

@@ -148,9 +148,9 @@ def test_laws_are_those_of_contacts(folder):
     collisions = {part.name: part for part in assemble_collisions(load_case(folder))}
     landing, bump, fender, soft = (collisions[name] for name in ("landing", "bump_5", "fender", "soft"))
     assert landing.surfaces == ("floor", "plating")
-    assert (landing.law, landing.friction, landing.events) == (RigidLaw(0.5, 0.05), 0.3, True)
+    assert (landing.law, landing.friction) == (RigidLaw(0.5, 0.05, events=True), 0.3)
     assert bump.law == HuntCrossleyLaw(pytest.approx(1e3 * 1e-3**-1.5), 1.5, 0.8)
-    assert (bump.surfaces, bump.recorded, bump.events) == (("skin", "strand"), 2, True)
+    assert (bump.surfaces, bump.recorded) == (("skin", "strand"), 2)
     assert (fender.law, fender.patch_size) == (LinearLaw(1e6, 1e4), 0.3)
     # tau = 1 ms (1 / 0.8 - 1) / 4
     assert soft.law.stiffness == pytest.approx(1e6, rel=1e-14)

@@ -139,7 +139,12 @@ def test_laws_and_shapes_arrive_with_their_numbers(folder):
     landing, bead, squeeze, pad, foot = scene_of(folder).contacts
     assert landing.law == c.RigidLaw(restitution=0.5, rest_speed=1e-3)
     assert landing.shape == c.SphereShape(0.1)
-    assert (landing.body, landing.contour, landing.friction, landing.events) == ("ball", "floor", 0.3, True)
+    assert (landing.body, landing.contour, landing.friction, landing.law.events) == (
+        "ball",
+        "floor",
+        0.3,
+        True,
+    )
     assert bead.law == c.BilateralLaw()
     # Hertz, a ball on a flat: 4/3 E* sqrt(R)
     assert squeeze.law.stiffness == pytest.approx(4.0 / 3.0 * 1e7 * np.sqrt(0.1), rel=1e-14)

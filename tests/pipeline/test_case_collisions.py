@@ -10,14 +10,10 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.case.channel_kinds import (
-    COLLISION_CONTACT,
-    all_channels,
-    channel_components,
-    declared,
-)
-from heavylift.pipeline.case.collisions import thesis_numbers
+from heavylift.pipeline.case.channel_kinds import COLLISION_CONTACT, all_channels, channel_components
 from heavylift.pipeline.case.places import places
+from heavylift.pipeline.case.tables import declared
+from heavylift.solver.scene.contacts import ThesisLaw
 
 COLLISION = {
     "gap": "m",
@@ -70,7 +66,8 @@ def test_the_parameters_of_the_thesis_are_a_spring_and_a_damper(folder, gamma):
     """The softening 4 Gamma epsilon / h^2 of a row at the step h is that of a spring and damper in one step."""
     step = 2e-3
     section = load_case(folder, [f"collisions.3.gamma={gamma}"]).collisions[3]
-    k, tau, c = thesis_numbers(section, step)
+    law = ThesisLaw(section.epsilon, section.gamma)
+    k, tau, c = law.at_step(step).stiffness, law.time_constant(step), law.at_step(step).damping
     assert k == pytest.approx(1e6, rel=1e-14)
     assert c == pytest.approx(k * tau, rel=1e-14)
     assert gamma == pytest.approx(1.0 / (1.0 + 4.0 * tau / step), rel=1e-14)

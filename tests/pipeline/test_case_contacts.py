@@ -10,7 +10,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case
-from heavylift.pipeline.case.channel_kinds import all_channels, channel_components, declared
+from heavylift.pipeline.case.channel_kinds import all_channels, channel_components
+from heavylift.pipeline.case.tables import declared
 from heavylift.pipeline.results.provenance import simulate_digest
 
 CONTACT = {

@@ -15,7 +15,7 @@ from heavylift.pipeline.case.schema import case_schema
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.report.connections import connection_tables
 from heavylift.pipeline.report.document import Document, to_markdown
-from heavylift.pipeline.report.edges import edge_sections
+from heavylift.pipeline.report.meshes import edge_sections
 from heavylift.pipeline.results.histories import ChannelInfo, Results
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge

@@ -14,8 +14,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS
 from heavylift.pipeline import load_case
 from heavylift.pipeline.assemble.water import sea_gravity
-from heavylift.pipeline.case.channel_kinds import declared
 from heavylift.pipeline.case.places import places
+from heavylift.pipeline.case.tables import declared
 
 HERE = Path(__file__).parent
 

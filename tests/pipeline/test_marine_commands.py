@@ -17,13 +17,14 @@ from heavylift.pipeline.commands.cli import app
 from heavylift.pipeline.commands.hydrostatics import linear_figures
 from heavylift.pipeline.commands.lines import line_ends, section_masses
 from heavylift.pipeline.commands.response_operators import response_in_trains, separate_modes
-from heavylift.pipeline.commands.statistics_seeds import seed_keys
-from heavylift.pipeline.results.column_statistics import chosen_columns, column_statistics
+from heavylift.pipeline.commands.statistics import seed_keys
 from heavylift.pipeline.results.histories import ChannelInfo, Results
+from heavylift.pipeline.results.statistics import chosen_columns, column_statistics
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.sea import LinearRestoring
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 DATABASE = Path(__file__).parents[2] / "cases" / "transport_barge" / "barge.nc"
 LENGTH, BREADTH, DRAFT = 97.5, 36.0, 4.5
@@ -351,7 +352,7 @@ def test_ends_of_lines_follow_their_bodies() -> None:
 
 
 def test_response_to_one_train_is_half_the_square_of_its_operator() -> None:
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
     from heavylift.solver.water.hulls.frequency_domain import linear_hulls, motion_operators
     from heavylift.solver.water.waves.wave_trains import regular_wave
 
@@ -367,10 +368,10 @@ def test_response_to_one_train_is_half_the_square_of_its_operator() -> None:
 
 
 def test_equal_hulls_that_do_not_feel_each_other_have_modes_of_their_own() -> None:
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
     from heavylift.solver.scene.sea import Radiation
     from heavylift.solver.water.hulls.frequency_domain import linear_hulls, natural_modes
-    from heavylift.solver.water.hulls.joined_database import joined_database
+    from heavylift.solver.water.hulls.linearise import joined_database
 
     database = read_netcdf(DATABASE)
     mass = np.diag([1.6e7] * 3 + [2.5e9, 9e9, 9e9])

@@ -18,10 +18,10 @@ from heavylift.pipeline.results.model_io import (
     write_model,
     write_reduced,
 )
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.elasticity import assemble
-from heavylift.preprocess.groups import OnPlane
-from heavylift.preprocess.model import Material
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import assemble
+from heavylift.preprocess.finite_elements.groups import OnPlane
+from heavylift.preprocess.finite_elements.model import Material
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,9 @@ from PIL import Image
 
 from heavylift.pipeline.pictures.mooring_lines import draw_line, profile_picture
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.water.lines.catenary_line import solve_catenary
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 
 ANCHOR = np.array([-120.0, 60.0, -50.0])
 CHAIN_AND_WIRE = (LineSection(150.0, 900.0, 4e8), LineSection(80.0, 250.0, 3e8))

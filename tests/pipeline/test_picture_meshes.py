@@ -7,12 +7,12 @@ import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.pipeline.pictures.attached import Others, rope_line
-from heavylift.pipeline.pictures.meshes import MeshSkin, join, rest_coordinates
+from heavylift.pipeline.pictures.meshes import MeshRun, MeshSkin, join, rest_coordinates
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.pictures.run import MeshRun
 from heavylift.pipeline.pictures.scene import ScenePainter
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.scene.connections import JointFrame, SpringRope
+from heavylift.solver.laws.wire_rope import SpringRope
+from heavylift.solver.scene.connections import JointFrame, RopePoint
 from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
 from heavylift.solver.scene.scene import RigidBody, Scene
 
@@ -257,10 +257,10 @@ def test_ropes_joints_and_rigid_bodies_follow_the_meshes():
         ropes=(
             SpringRope(
                 name="rope",
-                body_a="beam",
-                point_a=np.array([0.5 * LENGTH, 0.0, 0.0]),
-                body_b="ground",
-                point_b=np.array([1.0, 2.0, 3.0]),
+                path=(
+                    RopePoint("beam", np.array([0.5 * LENGTH, 0.0, 0.0])),
+                    RopePoint("ground", np.array([1.0, 2.0, 3.0])),
+                ),
                 length=1.0,
                 stiffness=1.0,
             ),

@@ -19,7 +19,7 @@ from heavylift.pipeline.pictures.drawings import (
 )
 from heavylift.pipeline.pictures.outer_surface import surface_from_mesh, surface_from_nodes
 from heavylift.pipeline.pictures.render import Drawing, Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.preprocess.mesh import Mesh
+from heavylift.preprocess.finite_elements.mesh import Mesh
 
 LENGTH, WIDTH, HEIGHT = 0.4, 0.1, 0.05
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.pictures.plot_database import (
+from heavylift.pipeline.pictures.hull_plots import (
     added_mass_plot,
     damping_plot,
     database_plots,
     excitation_plot,
 )
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
 CASES = Path(__file__).parents[2] / "cases"
 

@@ -30,8 +30,8 @@ from heavylift.pipeline.report.report import write_report
 from heavylift.pipeline.results.histories import FORMAT
 from heavylift.pipeline.results.model_io import write_model, write_reduced
 from heavylift.pipeline.results.storage import OutputFolder, write_json
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.model import FEModel, Material
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.model import FEModel, Material
 
 FREQUENCIES = np.array([40.0, 95.0])
 CASE = """
@@ -426,9 +426,9 @@ def test_all_inputs_are_in_the_report(tmp_path, monkeypatch):
         "| gravity | (0, 0, -9.81) m/s^2 |",
         "| time integration | dele2: step 500 µs, output interval 1 ms, duration 1 s |",
         "| override (--set) | simulate.step=0.5 ms |",
-        "| push | force, body axes | bar | (400, 0, 0) mm | table of 2 points, 0 to 20 ms; smallest (0, 0, -3) N, ",
-        "largest (0, 12, 0) N |",
-        "| weight | force, world axes | rotor | (0, 0, 0) m | constant (0, 0, -5) kN |",
+        "| push | point | bar | (400, 0, 0) mm | 2 times: 0 to 20 ms; 2 forces: smallest (0, 0, -3) N, ",
+        "largest (0, 12, 0) N; frame body |",
+        "| weight | point | rotor | (0, 0, 0) m | frame world; force (0, 0, -5) kN |",
         "| tip | bar | (400, 50, 50) mm |",
         "| initial modal velocity | (200, 100) mm/s, shapes of largest component 1 |",
         "| geometry | blocks: 1 added |",
@@ -553,8 +553,8 @@ def test_a_scene_of_rigid_bodies_only(tmp_path, monkeypatch):
         "| degrees of freedom | 1 |",
         "| redundant joints | joint 'pin_3' |",
         "| pin_2 | hinge | ground – link_2 | (2, 0, 0) m | (0, 1, 0) | limits from -523.599 mrad, 1 kN m/rad |",
-        "| fall | wire | ground – link_0 | EA 1 MN | as drawn |",
-        "| drum | motor | pin_1 |  | constant 20 N m |",
+        "| fall | wire | ground – link_0 | axial stiffness 1 MN |",
+        "| drum | motor | pin_1 | load 20 N m |",
         "## 6 rigid bodies",
         "| link_4 | 2 | (0, 0, 0) m | diagonal (1, 1, 1) kg m^2 | free | position (4, 0, 0) m |",
         "Distance of tip.position from the reference tip.csv; the largest is 0 m.",

@@ -18,7 +18,7 @@ from heavylift.pipeline.checks.collision_regime import effective_mass, linear_re
 from heavylift.pipeline.pictures.collisions import Touching, TouchingSurface, collision_picture
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.pictures.triangles import clip_triangles
-from heavylift.pipeline.report.collision_pictures import touching_surfaces
+from heavylift.pipeline.report.collisions import touching_surfaces
 from heavylift.pipeline.report.report import write_report
 from heavylift.pipeline.report.scene import scene_others
 from heavylift.pipeline.results.histories import FORMAT, load_results

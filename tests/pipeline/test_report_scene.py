@@ -16,7 +16,7 @@ from heavylift.pipeline.report.scene import mesh_body, mesh_run
 from heavylift.pipeline.results.histories import FORMAT, load_results
 from heavylift.pipeline.results.mesh_results import mesh_shape, write_meshes
 from heavylift.pipeline.results.storage import OutputFolder
-from heavylift.solver.bodies.ancf.frame_stress import frame_stresses
+from heavylift.solver.bodies.ancf.stress import frame_stresses
 
 LENGTH, ELEMENTS, RECORDS = 2.0, 6, 9
 CASE = """

@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 
-from heavylift.pipeline.case.key_tables import key_tables
-from heavylift.pipeline.case.schema import case_schema
+from heavylift.pipeline.case.schema import case_schema, key_tables
 
 jsonschema = pytest.importorskip("jsonschema")
 

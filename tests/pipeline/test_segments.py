@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.pipeline.results.segments import (
+from heavylift.pipeline.results.histories import (
     Segment,
     last_segment,
     read_segments,

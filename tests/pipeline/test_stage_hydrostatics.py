@@ -10,9 +10,9 @@ from PIL import Image
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
-from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.water.hulls.floating import Tank
+from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+from heavylift.solver.water.hulls.hydrostatics import Tank
 
 L, B, D, T = 97.5, 36.0, 6.0, 4.5
 MASS = 1025.0 * L * B * T

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.groups import OnPlane
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.model import Material
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.groups import OnPlane
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.model import Material
 
 
 def _box(name, lower, upper):

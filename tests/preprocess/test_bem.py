@@ -15,12 +15,21 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.bem import compute_database
-from heavylift.preprocess.bem_inputs import BemInputs, database_digest, input_warnings
-from heavylift.preprocess.hull_panels import box_panels, hemisphere_panels, hydrostatics, surface_panels
-from heavylift.preprocess.hydrodynamics import check_database, length_scales
-from heavylift.preprocess.hydrodynamics_netcdf import read_digest, read_netcdf
-from heavylift.preprocess.surfaces import TriangleSurface, clean, placed
+from heavylift.preprocess.hydrodynamics.bem import (
+    BemInputs,
+    compute_database,
+    database_digest,
+    input_warnings,
+)
+from heavylift.preprocess.hydrodynamics.database import check_database, length_scales
+from heavylift.preprocess.hydrodynamics.hull_panels import (
+    box_panels,
+    hemisphere_panels,
+    hydrostatics,
+    surface_panels,
+)
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, clean, placed
 
 ROOT = Path(__file__).parents[2]
 TABLES = ROOT / "tests" / "reference_data" / "marine"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.bemio_files import read_bemio
+from heavylift.preprocess.hydrodynamics.bemio_files import read_bemio
 
 DENSITY, GRAVITY = 1000.0, 9.81
 OMEGA, DEGREES = np.array([0.2, 0.9, 1.6, 2.2]), np.array([0.0, 60.0, 180.0])

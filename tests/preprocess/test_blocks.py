@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.groups import InBox, OnFace, OnPlane
-from heavylift.preprocess.reference_elements import TET_EDGES
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.groups import InBox, OnFace, OnPlane
+from heavylift.preprocess.finite_elements.reference_elements import TET_EDGES
 
 CUBE = Box("cube", (0, 0, 0), (1, 1, 1))
 

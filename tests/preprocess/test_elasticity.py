@@ -7,11 +7,15 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess import elasticity
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.model import FEModel, Material
-from heavylift.preprocess.reference_elements import REFERENCE_NODES, shape_functions, shape_gradients
+from heavylift.preprocess.finite_elements import elasticity
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.model import FEModel, Material
+from heavylift.preprocess.finite_elements.reference_elements import (
+    REFERENCE_NODES,
+    shape_functions,
+    shape_gradients,
+)
 
 SOLIDS = [
     ("distorted_bricks", "full"),

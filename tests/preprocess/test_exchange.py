@@ -10,11 +10,15 @@ import pytest
 from scipy.linalg import eigh
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.elasticity import assemble
-from heavylift.preprocess.exchange import longitudinal_wave_speed, read_four_files, write_four_files
-from heavylift.preprocess.groups import OnPlane
-from heavylift.preprocess.model import Material
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import assemble
+from heavylift.preprocess.finite_elements.exchange import (
+    longitudinal_wave_speed,
+    read_four_files,
+    write_four_files,
+)
+from heavylift.preprocess.finite_elements.groups import OnPlane
+from heavylift.preprocess.finite_elements.model import Material
 
 # E in Pa and rho in kg/m3 on lengths in mm; and N, mm, t
 COMPLEX_BEAM_UNITS = {"length_unit": 1e-3, "mass_factor": 1e-9, "stiffness_factor": 1e-3}

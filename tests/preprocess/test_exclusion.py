@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.exclusion import ExclusionBox, exclude
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.exclusion import ExclusionBox, exclude
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 
 def rotation(rng):

@@ -10,10 +10,15 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess import passivity
-from heavylift.preprocess.exponentials import ExponentialKernel, common_poles, fit_exponentials
-from heavylift.preprocess.passivity import damping_functions, make_passive
-from heavylift.preprocess.retardation import channel_scales, retardation_kernel
+from heavylift.preprocess.hydrodynamics import exponentials as passivity
+from heavylift.preprocess.hydrodynamics.exponentials import (
+    ExponentialKernel,
+    common_poles,
+    damping_functions,
+    fit_exponentials,
+    make_passive,
+)
+from heavylift.preprocess.hydrodynamics.retardation import channel_scales, retardation_kernel
 
 MARINE = Path(__file__).resolve().parents[1] / "reference_data" / "marine"
 TIMES = 0.1 * np.arange(401)

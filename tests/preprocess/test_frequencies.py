@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import eigsh
 
-from heavylift.preprocess.blocks import mesh_blocks
-from heavylift.preprocess.elasticity import assemble
-from heavylift.preprocess.refinement import RE_ENTRANT, Refinement
+from heavylift.preprocess.finite_elements.blocks import mesh_blocks
+from heavylift.preprocess.finite_elements.elasticity import assemble
+from heavylift.preprocess.finite_elements.refinement import RE_ENTRANT, Refinement
 
 # Deformable bodies ... sliding contacts (2014), section 5.1, ABAQUS column
 PUBLISHED = [534.37, 1071.7, 2271.4, 3099.5, 6346.2]

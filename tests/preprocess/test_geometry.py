@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.geometry import load_geometry, read_mesh, read_step
-from heavylift.preprocess.gmsh_session import gmsh_session
-from heavylift.preprocess.groups import OnFace, OnPlane
+from heavylift.preprocess.finite_elements.geometry import load_geometry, read_mesh, read_step
+from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
+from heavylift.preprocess.finite_elements.groups import OnFace, OnPlane
 
 RADIUS, HEIGHT = 5.0, 20.0  # mm
 MILLIMETRE, METRE = "SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"

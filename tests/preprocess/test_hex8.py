@@ -7,10 +7,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess import elasticity
-from heavylift.preprocess.hex8 import HOURGLASS_COEFFICIENT, HOURGLASS_VECTORS, brick_stiffness
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.reference_elements import REFERENCE_NODES
+from heavylift.preprocess.finite_elements import elasticity
+from heavylift.preprocess.finite_elements.elasticity import (
+    HOURGLASS_COEFFICIENT,
+    HOURGLASS_VECTORS,
+    brick_stiffness,
+)
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
 EDGES = np.array([0.7, 1.3, 0.4])
 

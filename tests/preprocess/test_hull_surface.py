@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hull_surface import check_hull
-from heavylift.preprocess.primitive_surfaces import (
+from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
+from heavylift.preprocess.surfaces.primitives import (
     box_surface,
     cylinder_surface,
     plane_surface,
     sphere_surface,
 )
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 SIZE = (20.0, 6.0, 4.0)
 VOLUME = 480.0

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.mesh import Mesh
-from heavylift.preprocess.reference_elements import REFERENCE_NODES
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
 
 @pytest.mark.parametrize("name", ["distorted_bricks", "straight_tetrahedra", "curved_tetrahedra"])

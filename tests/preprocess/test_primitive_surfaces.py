@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.primitive_surfaces import (
+from heavylift.preprocess.surfaces.primitives import (
     box_surface,
     capsule_surface,
     cylinder_surface,
     plane_surface,
     sphere_surface,
 )
-from heavylift.preprocess.surface_report import report_surface
+from heavylift.preprocess.surfaces.report import report_surface
 
 AXES = [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (1.0, 2.0, -3.0)]
 

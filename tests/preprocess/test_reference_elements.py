@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.preprocess import reference_elements as reference
+from heavylift.preprocess.finite_elements import reference_elements as reference
 
 KINDS = ("hex8", "tet10")
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.blocks import Box, mesh_blocks
-from heavylift.preprocess.geometry import load_geometry
-from heavylift.preprocess.gmsh_session import gmsh_session
-from heavylift.preprocess.groups import InBox, OnFace, OnPlane
-from heavylift.preprocess.reference_elements import TET_EDGES
-from heavylift.preprocess.refinement import RE_ENTRANT, Refinement
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+from heavylift.preprocess.finite_elements.geometry import load_geometry
+from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
+from heavylift.preprocess.finite_elements.groups import InBox, OnFace, OnPlane
+from heavylift.preprocess.finite_elements.reference_elements import TET_EDGES
+from heavylift.preprocess.finite_elements.refinement import RE_ENTRANT, Refinement
 
 # an L: the only re-entrant edge is x = 1, z = 1
 L_SHAPE = [Box("foot", (0, 0, 0), (2, 0.5, 1)), Box("leg", (0, 0, 1), (1, 0.5, 2))]

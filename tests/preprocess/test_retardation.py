@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.retardation import (
+from heavylift.preprocess.hydrodynamics.retardation import (
     channel_scales,
     check_infinite_added_mass,
     exponential_integral,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surface_files import SURFACE_SUFFIXES, read_surface, read_triangles
-from heavylift.preprocess.surface_report import report_surface
+from heavylift.preprocess.surfaces.files import SURFACE_SUFFIXES, read_surface, read_triangles
+from heavylift.preprocess.surfaces.report import report_surface
 
 SIZE = np.array([1.0, 2.0, 3.0])
 
@@ -140,7 +140,7 @@ def test_a_warped_quadrilateral_is_cut_along_its_shorter_diagonal(tmp_path):
 @pytest.fixture(scope="module")
 def solids(tmp_path_factory):
     """Box in STEP, IGES and BREP, in millimetres."""
-    from heavylift.preprocess.gmsh_session import gmsh_session
+    from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
 
     folder = tmp_path_factory.mktemp("solids")
     with gmsh_session("test") as gmsh:

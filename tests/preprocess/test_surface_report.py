@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface, sphere_surface
-from heavylift.preprocess.surface_report import check_magnitudes, report_surface, unique_edges
-from heavylift.preprocess.surfaces import TriangleSurface, clean
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface, sphere_surface
+from heavylift.preprocess.surfaces.report import check_magnitudes, report_surface, unique_edges
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, clean
 
 
 def with_rows(surface, triangles):

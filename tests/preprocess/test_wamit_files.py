@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.wamit_files import read_wamit
-from heavylift.preprocess.wamit_listing import read_wamit_out
+from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit, read_wamit_out
 
 DENSITY, GRAVITY, LENGTH, DEPTH = 1025.0, 9.80665, 2.5, 60.0
 OMEGA = np.array([0.15, 0.6, 1.4])
@@ -374,7 +373,7 @@ def test_what_capytaine_exports_for_wamit(tmp_path):
     """An independent writer: the same numbers by way of netCDF and by way of .1 and .3."""
     capytaine = pytest.importorskip("capytaine")
     xarray = pytest.importorskip("xarray")
-    from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
     capytaine.set_logging("ERROR")
     mesh = capytaine.mesh_parallelepiped(size=(20.0, 8.0, 6.0), resolution=(5, 2, 2)).immersed_part()

@@ -25,12 +25,12 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.scene import (
     Driven,
     Fixed,
     FlexibleBody,
     Gravity,
-    PointForce,
     Profile,
     RigidBody,
     Scene,

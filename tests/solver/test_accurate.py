@@ -11,21 +11,14 @@ from scipy.special import ellipj
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.forces.spring import Spring
 from heavylift.solver.integrate.accurate import Integration, make_integration, stiffness_seen
 from heavylift.solver.integrate.dop853 import STAGES, write_end, write_stage
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import GROUND, JointFrame, Spring
-from heavylift.solver.scene.scene import (
-    Driven,
-    Gravity,
-    Harmonic,
-    PointForce,
-    Profile,
-    RigidBody,
-    Scene,
-    Sensor,
-)
+from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.scene import Driven, Gravity, Harmonic, Profile, RigidBody, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
 MOMENTS = np.array([1.0, 2.0, 2.5])

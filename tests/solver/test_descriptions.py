@@ -5,22 +5,27 @@ from __future__ import annotations
 import subprocess
 import sys
 import textwrap
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 import pytest
 
+from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive, Quantity
-from heavylift.solver.scene.connections import JOINTS, PAIR_FORCES, Joint, Place
+from heavylift.solver.scene.connections import FORCES, JOINTS, ROPES, Joint, Place, RopePoint, Winch
 from heavylift.solver.scene.descriptions import (
     XYZ,
     ChannelKind,
     Family,
     _read,
+    check_object,
     described_fields,
     known_channels,
 )
+from heavylift.solver.scene.moorings import MOORINGS
+from heavylift.solver.scene.wind_loads import FLUID_LOADS
 
 WORDS = (
     "ball",
@@ -44,6 +49,11 @@ class Thing:
     mass: float = 0.0
 
 
+@dataclass(frozen=True, kw_only=True)
+class Hook:
+    size: Annotated[float, Positive("length")]
+
+
 def family() -> Family[Thing]:
     return Family("thing", "heavylift.solver.joints")
 
@@ -62,32 +72,31 @@ def test_every_joint_says_its_rows_and_channels(word):
     assert all(channel.sentence and channel.unit for channel in described.CHANNELS)
 
 
-@pytest.mark.parametrize(("name", "family"), [("JOINTS", JOINTS), ("PAIR_FORCES", PAIR_FORCES)])
-def test_a_description_that_was_read_is_the_one_of_its_module(name, family):
+FAMILIES = {
+    "connections.JOINTS": JOINTS,
+    "connections.FORCES": FORCES,
+    "connections.ROPES": ROPES,
+    "moorings.MOORINGS": MOORINGS,
+    "wind_loads.FLUID_LOADS": FLUID_LOADS,
+}
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_a_description_that_was_read_is_the_one_of_its_module(name):
+    module, _, family = name.partition(".")
     code = (
         "import importlib\n"
-        "from heavylift.solver.scene.connections import EdgeJoint, Joint, PairForce\n"
-        f"from heavylift.solver.scene.connections import {name} as family\n"
+        f"from heavylift.solver.scene.{module} import {family} as family\n"
+        "from heavylift.solver.scene.connections import EdgeJoint\n"
         "for word in family.words:\n"
         "    read = family.get(word)\n"
         "    module = importlib.import_module(read.__module__)\n"
         "    assert getattr(module, read.__name__) is read, word\n"
-        "    assert issubclass(read, (Joint, PairForce))\n"
         "    assert word.startswith('edge') == issubclass(read, EdgeJoint)\n"
         "print(len(family.words))\n"
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert int(result.stdout) == len(family.words)
-
-
-def test_a_word_that_stands_for_something_else_is_refused():
-    @dataclass(frozen=True, kw_only=True)
-    class Other(Thing):
-        pass
-
-    things = Family[Thing]("thing", "heavylift.solver.joints", ("rod",))
-    with pytest.raises(TypeError, match="'rod' stands for another thing"):
-        things.describe("rod")(Other)
+    assert int(result.stdout) == len(FAMILIES[name].words)
 
 
 def read(folder: Path, text: str) -> Family[Any]:
@@ -102,7 +111,7 @@ HEAD = """
     from dataclasses import dataclass
     from typing import Annotated
     from heavylift.numerics.quantity import Quantity
-    from heavylift.solver.scene.connections import PAIR_FORCES, PairForce
+    from heavylift.solver.scene.connections import FORCES, Between
 """
 
 
@@ -119,9 +128,9 @@ def test_what_a_description_refers_to_is_executed_and_nothing_else(tmp_path):
         DEFAULT = HIGH
     DEFAULT += 0.5
 
-    @PAIR_FORCES.describe("made_of_parts")
+    @FORCES.describe("made_of_parts")
     @dataclass(frozen=True, eq=False, kw_only=True)
-    class Made(PairForce):
+    class Made(Between):
         \"\"\"Made.\"\"\"
 
         CHANNELS = ()
@@ -131,10 +140,10 @@ def test_what_a_description_refers_to_is_executed_and_nothing_else(tmp_path):
     )
     try:
         read(tmp_path, text)
-        (field,) = described_fields(PAIR_FORCES.get("made_of_parts"))
+        (field,) = described_fields(FORCES.get("made_of_parts"))
         assert field.default == 1.5
     finally:
-        PAIR_FORCES._members.pop("made_of_parts", None)
+        FORCES._members.pop("made_of_parts", None)
 
 
 def test_a_base_beside_its_description_is_refused(tmp_path):
@@ -143,10 +152,10 @@ def test_a_base_beside_its_description_is_refused(tmp_path):
         HEAD
         + """
     @dataclass(frozen=True, eq=False, kw_only=True)
-    class Base(PairForce):
+    class Base(Between):
         pass
 
-    @PAIR_FORCES.describe("made_on_a_base")
+    @FORCES.describe("made_on_a_base")
     @dataclass(frozen=True, eq=False, kw_only=True)
     class Made(Base):
         CHANNELS = ()
@@ -159,13 +168,66 @@ def test_a_base_beside_its_description_is_refused(tmp_path):
 def test_descriptions_are_read_without_a_compiler():
     code = (
         "import sys\n"
-        "from heavylift.solver.scene.connections import JOINTS\n"
+        "from heavylift.solver.scene.connections import FORCES, JOINTS, ROPES\n"
+        "from heavylift.solver.scene.moorings import MOORINGS\n"
+        "from heavylift.solver.scene.wind_loads import FLUID_LOADS\n"
         "assert JOINTS.get('screw').__name__ == 'Screw'\n"
         "assert len(JOINTS.words) >= 12\n"
-        "print(sorted({'numba', 'scipy', 'heavylift.solver.joints.screw'} & set(sys.modules)))\n"
+        "assert FORCES.words == ('joint_spring', 'motor', 'point', 'spring', 'tugger')\n"
+        "assert ROPES.words == ('spring', 'wire')\n"
+        "assert MOORINGS.words == ('fenders', 'lines')\n"
+        "assert FLUID_LOADS.words == ('coefficients', 'drag')\n"
+        "kernels = [n for n in sys.modules if n.rpartition('.')[2] in ('screw', 'wire_rope', 'mooring_lines')]\n"
+        "print(sorted({'numba', 'scipy'} & set(sys.modules)), kernels)\n"
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert result.stdout.strip() == "[]"
+    assert result.stdout.strip() == "[] []"
+
+
+def test_an_object_is_checked_as_a_case_file_is():
+    path = (RopePoint("ground", np.zeros(3)), RopePoint("load", np.zeros(3)))
+    rope = ROPES.get("wire")(name="fall", path=path, axial_stiffness=1e6)
+    check_object(rope)
+    pulley = RopePoint("ground", np.zeros(3), 0.2, np.array([1.0, 0.0, 0.0]))
+    for wrong, message in (
+        (replace(rope, axial_stiffness=-1.0), r"fall: axial_stiffness: -1\.0 is too small.*a force > 0 N"),
+        (replace(rope, length=np.nan), r"fall: length: nan is not finite"),
+        (replace(rope, path=(pulley, path[1])), r"fall: path\.0\.radius: a pulley at an end"),
+        (replace(rope, path=(path[0], replace(pulley, radius=0.0))), r"fall: path\.1\.axis: 'axis' without"),
+        (replace(rope, winch=Winch(np.zeros(2), np.zeros(2))), r"fall: winch: times \[0\.0, 0\.0\]"),
+    ):
+        with pytest.raises(InputError, match=message):
+            check_object(wrong)
+
+
+def test_along_a_slider_a_stiffness_is_that_of_a_travel():
+    spring = FORCES.get("joint_spring")(name="coil", joint="rail", stiffness=-1.0)
+    with pytest.raises(InputError, match=r"coil: stiffness: .*a stiffness >= 0 N/m"):
+        check_object(spring, "travel")
+    with pytest.raises(InputError, match=r"coil: stiffness: .*an angular stiffness >= 0 N m/rad"):
+        check_object(spring, "angle")
+
+
+def test_flags_words_and_tables_need_no_quantity_but_numbers_do():
+    things = family()
+
+    things.part(Hook)
+
+    @dataclass(frozen=True, kw_only=True)
+    class Chain(Thing):
+        hooks: tuple[Hook, ...] = ()
+        open: bool = False
+        side: Literal["left", "right"] = "left"
+
+    made = things.describe("chain")(Chain)
+    assert [field.name for field in described_fields(made)] == ["hooks", "open", "side"]
+
+    @dataclass(frozen=True, kw_only=True)
+    class Cord(Thing):
+        lengths: tuple[float, ...] = ()
+
+    with pytest.raises(TypeError, match=r"Cord\.lengths.*expected an annotation with its quantity"):
+        things.describe("cord")(Cord)
 
 
 def test_fields_are_keys_with_their_quantities():

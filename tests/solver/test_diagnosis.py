@@ -11,9 +11,7 @@ from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene.scene import Scene
-from heavylift.solver.start.body_graph import body_graph
-from heavylift.solver.start.diagnosis import Diagnosis, diagnose
-from heavylift.solver.start.row_rank import block_rank
+from heavylift.solver.start.diagnosis import Diagnosis, block_rank, body_graph, diagnose
 
 
 def found(scene: Scene) -> Diagnosis:

@@ -10,7 +10,8 @@ from point_masses import Array, Load, System, channels_of, make_cloud
 from scenarios import FLEXIBLE, GRAVITY, HARMONICS, errors, loads_of, reference, simulate, start_of
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.scene import Driven, Fixed, Gravity, PointForce, Profile, Scene, Sensor
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.scene.scene import Driven, Fixed, Gravity, Profile, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
 QUIET = (Gravity(np.zeros(3)), PointForce("none", "body", np.zeros(3), np.zeros(1), np.zeros((1, 3))))

@@ -16,8 +16,7 @@ from heavylift.solver.bodies.floating_frame.inertia import (
     quadratic_modal_force,
     stacked_products,
 )
-from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
-from heavylift.solver.bodies.floating_frame.shape import product_columns, shape_of
+from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies, product_columns, shape_of
 from heavylift.solver.layout import pack_scene
 
 
@@ -32,8 +31,8 @@ def inertia(kind, q, products, rate_products, qd, frame, I_tf):
 def velocity_forces(kind, q, products, rate_products, qd, frame, w, modal):
     """Velocity forces of the modal rows and of the frame rows."""
     shape = shape_of(kind, 0)
-    quadratic_modal_force(shape, q, products, rate_products, w[0], w[1], w[2], modal)
-    return frame_velocity_forces(shape, q, products, frame, w[0], w[1], w[2], qd)
+    quadratic_modal_force(shape, q, products, rate_products, (w[0], w[1], w[2]), modal)
+    return frame_velocity_forces(shape, q, products, frame, (w[0], w[1], w[2]), qd)
 
 
 @kernel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.solver.bodies.ancf.frame_stress import cubic_shapes, frame_lengths, frame_stresses
+from heavylift.solver.bodies.ancf.stress import cubic_shapes, frame_lengths, frame_stresses
 from heavylift.solver.scene.meshes import FrameBody, FrameSection
 
 E, A, I, C = 2.1e11, 3e-4, 5e-9, 0.02

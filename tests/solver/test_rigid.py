@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipj
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver.scene.scene import Fixed, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 MOMENTS = np.array([1.0, 2.0, 2.5])

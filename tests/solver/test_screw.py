@@ -7,8 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from heavylift.solver.forces.motor import JointMotor
+from heavylift.solver.forces.spring import JointSpring
 from heavylift.solver.joints.screw import Screw
-from heavylift.solver.scene.connections import GROUND, JointFrame, JointMotor, JointSpring, axes_about
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 

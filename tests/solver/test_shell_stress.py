@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.solver.bodies.ancf.shell_stress import shell_coordinates, shell_stresses, von_mises
+from heavylift.solver.bodies.ancf.stress import shell_coordinates, shell_stresses, von_mises
 from heavylift.solver.scene.meshes import ShellBody, ShellSection
 
 E, NU, T = 7e10, 0.3, 0.004

@@ -12,9 +12,12 @@ from scipy.spatial.transform import Rotation
 from start_scenes import DOWN, G, linkage, parallelograms, place, quaternion, rod, rows_of
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.scene.connections import GROUND, JointFrame, Rope, RopePoint, Spring
-from heavylift.solver.scene.scene import Fixed, FlexibleBody, PointForce, RigidBody, Scene
+from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
+from heavylift.solver.scene.scene import Fixed, FlexibleBody, RigidBody, Scene
 from heavylift.solver.statics.equilibrium import find_equilibrium
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.simulation import Simulation
 

@@ -16,17 +16,20 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.preprocess.retardation import infinite_added_mass
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+from heavylift.preprocess.hydrodynamics.retardation import infinite_added_mass
+from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.solver.laws.wire_rope import SpringRope
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
-from heavylift.solver.scene.connections import GROUND, SpringRope
+from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.contacts import RigidLaw
-from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, Sea, Water
 from heavylift.solver.scene.wind_loads import CurrentField, DragElement, WindField
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.water.lines.fenders import Fender
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 from heavylift.solver.water.waves.wave_trains import regular_wave
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "solver"))
@@ -35,7 +38,7 @@ from hull_shapes import box_grid
 from mesh_contact_scenes import Run
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 
@@ -538,7 +541,7 @@ def test_a_load_on_a_rope_swings_with_a_rolling_hull() -> None:
     hull = replace(hull, position=np.array([0.0, 0.0, -trim]))
     scene = floating(hull)
     hoist = SpringRope(
-        name="hoist", body_a="box", point_a=tip, body_b="load", point_b=np.zeros(3), length=rope,
+        name="hoist", path=(RopePoint("box", tip), RopePoint("load", np.zeros(3))), length=rope,
         stiffness=stiffness,
     )  # fmt: skip
     scene = replace(scene, bodies=(hull, ball), ropes=(hoist,))

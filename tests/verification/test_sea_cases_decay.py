@@ -13,9 +13,9 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.commands.verify import verify_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.stages.stages import load_changed_case
-from heavylift.preprocess.hydrodynamics import check_database
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-from heavylift.preprocess.retardation import retardation_kernel
+from heavylift.preprocess.hydrodynamics.database import check_database
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+from heavylift.preprocess.hydrodynamics.retardation import retardation_kernel
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -14,12 +14,12 @@ from heavylift.pipeline.commands.verify import verify_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.histories import load_results
 from heavylift.pipeline.stages.stages import load_changed_case
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "two_barges"
 MIRRORED = np.tile([1.0, -1.0, 1.0, -1.0, 1.0, -1.0], 2)

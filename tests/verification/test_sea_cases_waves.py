@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.commands.statistics_seeds import simulate_seeds
+from heavylift.pipeline.commands.statistics import simulate_seeds
 from heavylift.pipeline.commands.verify import verify_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.histories import load_results

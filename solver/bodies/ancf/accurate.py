@@ -4,14 +4,31 @@ Coordinates and velocities of a kind stand in the state vector as in nodal vecto
 `state_place` on. Among the velocities of all bodies a mesh has those of its bases, whose accelerations the joints
 see and change; the impulses of the rows then go to all nodes by the same factor that gave the bases their
 compliance. Losses and the work of loads are integrated with the motion.
+
+For joints, which are differentiated twice, directions have second rates without accelerations of the bases. Points and
+slopes are linear in the coordinates, so theirs are zero. With ``t`` a tangent and ``u = t/|t|``::
+
+    u'' = -2 (u.t')/|t| u' - |u'|^2 u      at t'' = 0
+
+A direction d fixed in the triad of two slopes a, b (see `heavylift.solver.bodies.ancf.step`) turns with w, of
+components p, q, r in the triad. With A_i, B_i the components of ``a'/|a|`` and ``b'``, and b_i those of b, at
+``a'' = b'' = 0``::
+
+    r = A_2,    r' = -p q - 2 r A_1          q = -A_3,    q' = p r - 2 q A_1
+    p b_2 = B_3 + b_1 q,    p' b_2 = 2 q B_1 - 2 p B_2 + q r b_2 + p r b_1 + b_1 q'
+    d'' = w' x d + w x (w x d),    w' = p' e_1 + q' e_2 + r' e_3
 """
 
 from __future__ import annotations
+
+import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import Vector, add, add_scaled, cross, dot, scaled, vector_at
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import (
     add_elastic_forces,
@@ -20,11 +37,15 @@ from heavylift.solver.bodies.ancf.elements import (
     find_strains,
 )
 from heavylift.solver.bodies.ancf.joints import take_impulses
-from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
-from heavylift.solver.bodies.ancf.loads import gather_loads
-from heavylift.solver.bodies.ancf.second_rates import write_second_rates
-from heavylift.solver.bodies.ancf.stage import fill_mesh_markers, write_bases
-from heavylift.solver.bodies.ancf.step import add_gravity, write_free_bases
+from heavylift.solver.bodies.ancf.kind import MASS_SET, TANGENT_MARKER, TRIAD_MARKER, Meshes
+from heavylift.solver.bodies.ancf.step import (
+    add_gravity,
+    base_value,
+    fill_mesh_markers,
+    gather_loads,
+    write_bases,
+    write_free_bases,
+)
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.combination import copy_parts
 from heavylift.solver.interface import (
@@ -38,7 +59,76 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 
-__all__: list[str] = []
+__all__ = [
+    "write_second_rates",
+]
+
+
+# ---- second rates of directions ----
+
+
+@kernel(internal=True)
+def _put(kind: Meshes, body: int, out: Any, x: Vector) -> None:
+    """Into world axes."""
+    R = kind.body[body].rotation
+    for k in range(3):
+        out.bias[k] = R[k, 0] * x[0] + R[k, 1] * x[1] + R[k, 2] * x[2]
+
+
+@kernel(internal=True)
+def _tangent(kind: Meshes, marker: int) -> Vector:
+    base = kind.markers[marker].base
+    sense = kind.constants[kind.markers[marker].data]
+    t, w = base_value(kind, base, kind.mid_position), base_value(kind, base, kind.mid_velocity)
+    size = 1.0 / math.sqrt(dot(t, t))
+    u = scaled(size, t)
+    along = dot(u, w)
+    turn = scaled(size, add_scaled(w, -along, u))
+    first, second = -2.0 * sense * along * size, -sense * dot(turn, turn)
+    return add_scaled(scaled(first, turn), second, u)
+
+
+@kernel(internal=True)
+def _triad(kind: Meshes, marker: int) -> Vector:
+    base, data = kind.markers[marker].base, kind.markers[marker].data
+    d = vector_at(kind.constants, data)
+    a, b = base_value(kind, base, kind.mid_position), base_value(kind, base + 1, kind.mid_position)
+    ra, rb = base_value(kind, base, kind.mid_velocity), base_value(kind, base + 1, kind.mid_velocity)
+    size = 1.0 / math.sqrt(dot(a, a))
+    e1 = scaled(size, a)
+    n = cross(a, b)
+    area = 1.0 / math.sqrt(dot(n, n))
+    e3 = scaled(area, n)
+    e2 = cross(e3, e1)
+    b1, b2 = dot(b, e1), dot(b, e2)
+    along = size * dot(e1, ra)
+    q, r = -size * dot(e3, ra), size * dot(e2, ra)
+    p = (dot(e3, rb) + b1 * q) / b2
+    dr = -p * q - 2.0 * r * along
+    dq = p * r - 2.0 * q * along
+    dp = 2.0 * q * dot(e1, rb) - 2.0 * p * dot(e2, rb) + q * r * b2 + p * r * b1 + b1 * dq
+    dp /= b2
+    c = add(cross((dp, dq, dr), d), cross((p, q, r), cross((p, q, r), d)))
+    return add_scaled(add_scaled(scaled(c[0], e1), c[1], e2), c[2], e3)
+
+
+@kernel(internal=True)
+def write_second_rates(kind: Meshes, level: int, work: Workspace) -> None:
+    """Of all markers that a level needs, at `mid_position` and `mid_velocity`."""
+    for marker in range(kind.markers.shape[0]):
+        if kind.markers[marker].level > level:
+            continue
+        which, body = kind.markers[marker].type, kind.markers[marker].body
+        out = work.markers[kind.markers[marker].number]
+        if which == TANGENT_MARKER:
+            _put(kind, body, out, _tangent(kind, marker))
+        elif which == TRIAD_MARKER:
+            _put(kind, body, out, _triad(kind, marker))
+        else:
+            _put(kind, body, out, (0.0, 0.0, 0.0))
+
+
+# ---- the integrator ----
 
 
 @implement(begin_stage, Meshes)

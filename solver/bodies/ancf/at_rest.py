@@ -15,9 +15,7 @@ from heavylift.solver.bodies.ancf.elements import (
     find_strains,
 )
 from heavylift.solver.bodies.ancf.kind import MASS_SET, STEP_SET, Meshes
-from heavylift.solver.bodies.ancf.loads import gather_loads
-from heavylift.solver.bodies.ancf.stage import base_value
-from heavylift.solver.bodies.ancf.step import add_gravity
+from heavylift.solver.bodies.ancf.step import add_gravity, base_value, gather_loads
 from heavylift.solver.bodies.ancf.substitution import scatter_back
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import method

@@ -51,22 +51,13 @@ def add_stress_forces(
 
 
 @generic()
-def add_mean_stress_forces(
-    kinds: Meshes,
-    body: int,
-    q_start: Floats1,
-    q_end: Floats1,
-    q_mid: Floats1,
-    start_strain: Floats1,
-    end_strain: Floats1,
-    mean_strain: Floats1,
-    force: Floats1,
-    factor: float,
-) -> None:
-    """``force += factor Bm^T C mean_strain``, where ``Bm (q_end - q_start) = e_end - e_start``.
+def add_mean_stress_forces(kinds: Meshes, body: int, force: Floats1, factor: float) -> None:
+    """``force += factor Bm^T C s`` with the mean strains s of a step and ``Bm (q_1 - q_0) = e_1 - e_0``.
 
     So the work of a step is that of the mean strain in the change of the strains of the shape, however long the step.
-    `q_mid` is the mean of both ends; at strains that are quadratic in the coordinates ``Bm`` is ``B`` there.
+    At its start are `position` and `start_strain`, at its end `trial_position` and `shape_strain`; `stage_strain` is
+    the mean. `mid_position` is the mean of both ends; at strains that are quadratic in the coordinates ``Bm`` is ``B``
+    there.
     """
 
 
@@ -122,20 +113,9 @@ def record_elements(kinds: Meshes, body: int, row: NDArray[np.float64], column: 
 
 @implement(add_mean_stress_forces, Meshes)
 @kernel(internal=True)
-def add_mean_forces_of_squares(
-    kind: Meshes,
-    body: int,
-    q_start: Floats1,
-    q_end: Floats1,
-    q_mid: Floats1,
-    start_strain: Floats1,
-    end_strain: Floats1,
-    mean_strain: Floats1,
-    force: Floats1,
-    factor: float,
-) -> None:
+def add_mean_forces_of_squares(kind: Meshes, body: int, force: Floats1, factor: float) -> None:
     """For strains that are quadratic in the coordinates."""
-    add_stress_forces(kind, body, q_mid, mean_strain, force, factor)
+    add_stress_forces(kind, body, kind.mid_position, kind.stage_strain, force, factor)
 
 
 @implement(add_elastic_forces, Meshes)

@@ -7,7 +7,7 @@ directions those of the midpoint::
     s_{n+1} = s_n + e(q_{n+1}) - e(q_n)
 
 which conserves energy and momenta exactly, whatever the quadrature, for strains that are quadratic in q; for others
-B(qm) gives way to a discrete gradient (`heavylift.solver.bodies.ancf.frame_exact_mean`), and so they do. Damping
+B(qm) gives way to a discrete gradient (`heavylift.solver.bodies.ancf.frame_exact`), and so they do. Damping
 by stiffness takes the rate ``(e_{n+1} - e_n)/h``. The matrix of the carried strains is the first
 approximation of the tangent; it is made again, with the stress in it, while the iteration is slow.
 
@@ -22,7 +22,6 @@ import math
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.bodies.ancf.advance import find_drift
 from heavylift.solver.bodies.ancf.assembly import (
     add_matrix_products,
     clear_fixed,
@@ -30,11 +29,17 @@ from heavylift.solver.bodies.ancf.assembly import (
     start_step_matrix,
 )
 from heavylift.solver.bodies.ancf.elements import add_mean_stress_forces, add_stiffness, find_strains
-from heavylift.solver.bodies.ancf.faults import blame_element, blame_largest
 from heavylift.solver.bodies.ancf.joints import take_impulses
 from heavylift.solver.bodies.ancf.kind import AUTO, EXPLICIT, STEP_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_impulses, forget_vectors
-from heavylift.solver.bodies.ancf.step import add_gravity, is_iterated, write_free_bases
+from heavylift.solver.bodies.ancf.step import (
+    add_gravity,
+    blame_element,
+    blame_largest,
+    find_drift,
+    is_iterated,
+    write_free_bases,
+)
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back, solve_forward
 from heavylift.solver.interface import (
     Bodies,
@@ -110,18 +115,7 @@ def _write_residual(kind: Meshes, body: int, step: float, work: Workspace) -> No
     if stiff > 0.0:
         add_matrix_products(kind, body, kind.mid_velocity, 0.0, kind.mid_velocity, -half * stiff, right)
     _average_strains(kind, body, step)
-    add_mean_stress_forces(
-        kind,
-        body,
-        kind.position,
-        kind.trial_position,
-        kind.mid_position,
-        kind.start_strain,
-        kind.shape_strain,
-        kind.stage_strain,
-        right,
-        -half,
-    )
+    add_mean_stress_forces(kind, body, right, -half)
     _add_base_impulses(kind, body, kind.trial_position)
 
 

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, record_at
-from heavylift.numerics.records import Vector as Vector3
+from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.small import nonnegative
+from heavylift.numerics.vectors import Vector, add_scaled, scaled, subtract, vector_at
 from heavylift.solver.bodies.ancf.kind import Meshes
 
 __all__ = [
@@ -29,20 +30,18 @@ __all__ = [
     "FrameElement",
     "FrameFollower",
     "Symmetric",
-    "Vector",
     "add_full",
     "add_symmetric",
-    "add_vector",
     "axial_point",
     "bending_point",
     "combine",
-    "dot",
     "frame_data",
     "frame_follower",
     "full",
     "load_element",
     "put_forces",
     "put_stiffness",
+    "spread",
     "transpose",
 ]
 
@@ -90,7 +89,7 @@ class FrameData(Record):
     height: float
     curved: bool
     initial_strain: float
-    centre: Vector3
+    centre: VectorField
     end_second: Annotated[NDArray[np.float64], (2, 3)]
     end_curvature: Annotated[NDArray[np.float64], (2,)]
 
@@ -111,7 +110,7 @@ class AxialPoint(Record):
     """
 
     stiffness: float
-    first: Vector3
+    first: VectorField
     products: Annotated[NDArray[np.float64], (6,)]
     loads: Annotated[NDArray[np.float64], (4,)]
 
@@ -132,8 +131,8 @@ class BendingPoint(Record):
     """
 
     stiffness: float
-    first: Vector3
-    second: Vector3
+    first: VectorField
+    second: VectorField
     curvature: float
     products: Annotated[NDArray[np.float64], (21,)]
 
@@ -143,7 +142,7 @@ class FrameFollower(Record):
 
     normal: float
     tangential: float
-    axis: Vector3
+    axis: VectorField
 
 
 WORD = 8
@@ -160,7 +159,6 @@ _axial_point, _bending_point = record_at(AxialPoint), record_at(BendingPoint)
 LANES = 8
 """Places of a node in a nodal vector, and of a column of a block."""
 
-Vector = tuple[float, float, float]
 Symmetric = tuple[float, float, float, float, float, float]
 """Of a 3x3 matrix: xx, yy, zz, xy, xz, yz."""
 Full = tuple[float, float, float, float, float, float, float, float, float]
@@ -185,36 +183,27 @@ def bending_point(constants: NDArray[np.float64], data: int, number: int) -> Ben
 def load_element(kind: Meshes, e: int, nodal: Floats1) -> FrameElement:
     """What the derivatives along an element need of a nodal vector."""
     i, j = nonnegative(kind.elements[e].nodes[0]), nonnegative(kind.elements[e].nodes[1])
-    chord = (nodal[j] - nodal[i], nodal[j + 1] - nodal[i + 1], nodal[j + 2] - nodal[i + 2])
     return (
-        chord,
-        (nodal[i + 3], nodal[i + 4], nodal[i + 5]),
-        (nodal[j + 3], nodal[j + 4], nodal[j + 5]),
+        subtract(vector_at(nodal, j), vector_at(nodal, i)),
+        vector_at(nodal, i + 3),
+        vector_at(nodal, j + 3),
     )
 
 
 @kernel(inline=True, internal=True)
 def combine(numbers: Any, x: FrameElement) -> Vector:
     """``A (r_2 - r_1) + B r'_1 + C r'_2`` with three numbers."""
-    a, b, c = numbers[0], numbers[1], numbers[2]
-    u, p, s = x
+    return add_scaled(add_scaled(scaled(numbers[0], x[0]), numbers[1], x[1]), numbers[2], x[2])
+
+
+@kernel(inline=True, internal=True)
+def spread(total: FrameElement, f: float, numbers: Any, v: Vector) -> FrameElement:
+    """``total + f (A v, B v, C v)``: what a vector that `combine` would be multiplied with does on the element."""
     return (
-        a * u[0] + b * p[0] + c * s[0],
-        a * u[1] + b * p[1] + c * s[1],
-        a * u[2] + b * p[2] + c * s[2],
+        add_scaled(total[0], f * numbers[0], v),
+        add_scaled(total[1], f * numbers[1], v),
+        add_scaled(total[2], f * numbers[2], v),
     )
-
-
-@kernel(inline=True, internal=True)
-def dot(u: Vector, v: Vector) -> float:
-    """Scalar product."""
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-@kernel(inline=True, internal=True)
-def add_vector(total: Vector, f: float, v: Vector) -> Vector:
-    """``total + f v``."""
-    return total[0] + f * v[0], total[1] + f * v[1], total[2] + f * v[2]
 
 
 @kernel(inline=True, internal=True)
@@ -259,8 +248,9 @@ def transpose(m: Full) -> Full:
 
 
 @kernel(inline=True, internal=True)
-def put_forces(kind: Meshes, e: int, nodal: Floats1, fa: Vector, fb: Vector, fc: Vector) -> None:
+def put_forces(kind: Meshes, e: int, nodal: Floats1, forces: FrameElement) -> None:
     """Add the forces on ``r_2 - r_1``, ``r'_1`` and ``r'_2`` to a nodal vector."""
+    fa, fb, fc = forces
     i, j = nonnegative(kind.elements[e].nodes[0]), nonnegative(kind.elements[e].nodes[1])
     for k in range(3):
         nodal[i + k] -= fa[k]

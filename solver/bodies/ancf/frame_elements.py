@@ -5,6 +5,14 @@ length); at both ends the magnitude of the moment ``E I |K|``, K the material cu
 elements ``E I (|K| - |K_0|)``); of the outer fibres the largest stress, with the sign of the axial force: ``N / A`` and
 the larger moment times ``outer_fibre / I``. Moments are linear along a cubic, so under a load q per length those at
 the ends are ``q l^2 / 12`` off, as in any cubic beam.
+
+Explicit schemes need elastic forces of all elements from coordinates alone, in one pass. With ``d = r'``,
+``c = r''``, ``i = 1/d.d`` and ``g = i c.d``, the curvature ``K = i d x c`` has the square
+``i c.c - g^2``, and a bending point of weight w adds the derivatives of ``w K.K/2``::
+
+    by c:  w i (c - g d)                by d:  w i ((2 g^2 - i c.c) d - g c)
+
+Where the reference is curved, w becomes ``w (1 - |K_0|/|K|)``: see `heavylift.solver.bodies.ancf.frame_exact`.
 """
 
 from __future__ import annotations
@@ -16,8 +24,9 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, add_scaled, cross, dot, scaled
 from heavylift.solver.bodies.ancf.elements import (
+    add_elastic_forces,
     add_follower_load,
     add_mean_stress_forces,
     add_stiffness,
@@ -32,24 +41,23 @@ from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     BENDING_POINTS,
     GREEN_LAGRANGE,
-    Vector,
-    add_vector,
     axial_point,
     bending_point,
     combine,
-    dot,
     frame_data,
     frame_follower,
     load_element,
+    put_forces,
+    spread,
 )
 from heavylift.solver.bodies.ancf.frame_exact import (
     add_exact_forces,
+    add_exact_mean_forces,
     add_exact_rates,
     add_exact_stiffness,
     curvature,
     find_exact_strains,
 )
-from heavylift.solver.bodies.ancf.frame_exact_mean import add_exact_mean_forces
 from heavylift.solver.bodies.ancf.frame_green_lagrange import (
     add_green_lagrange_forces,
     add_green_lagrange_rates,
@@ -100,24 +108,11 @@ def add_frame_forces(
 
 @implement(add_mean_stress_forces, FrameMeshes)
 @kernel(internal=True)
-def add_frame_mean_forces(
-    kind: FrameMeshes,
-    body: int,
-    q_start: Floats1,
-    q_end: Floats1,
-    q_mid: Floats1,
-    start_strain: Floats1,
-    end_strain: Floats1,
-    mean_strain: Floats1,
-    force: Floats1,
-    factor: float,
-) -> None:
+def add_frame_mean_forces(kind: FrameMeshes, body: int, force: Floats1, factor: float) -> None:
     if _is_exact(kind, body):
-        add_exact_mean_forces(
-            kind, body, q_start, q_end, start_strain, end_strain, mean_strain, force, factor
-        )
+        add_exact_mean_forces(kind, body, force, factor)
     else:
-        add_green_lagrange_forces(kind, body, q_mid, mean_strain, force, factor)
+        add_green_lagrange_forces(kind, body, kind.mid_position, kind.stage_strain, force, factor)
 
 
 @implement(add_stiffness, FrameMeshes)
@@ -202,12 +197,11 @@ def add_frame_follower(
         d = combine(point.first, shape)
         inverse = 1.0 / math.sqrt(dot(d, d))
         side = cross(axis, d)
-        f = add_vector((0.0, 0.0, 0.0), inverse * normal, side)
-        f = add_vector(f, inverse * tangential, d)
-        f1 = add_vector(f1, point.loads[0], f)
-        f2 = add_vector(f2, point.loads[1], f)
-        f3 = add_vector(f3, point.loads[2], f)
-        f4 = add_vector(f4, point.loads[3], f)
+        f = add_scaled(scaled(inverse * normal, side), inverse * tangential, d)
+        f1 = add_scaled(f1, point.loads[0], f)
+        f2 = add_scaled(f2, point.loads[1], f)
+        f3 = add_scaled(f3, point.loads[2], f)
+        f4 = add_scaled(f4, point.loads[3], f)
     for k in range(3):
         load[i + k] += f1[k]
         load[i + 3 + k] += f2[k]
@@ -247,3 +241,70 @@ def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64]
         row[column + count + 2 * number + 1] = end
         bending = max(start, end) * own.stress
         row[column + 3 * count + number] = force / own.area + math.copysign(bending, force)
+
+
+# ---- in one pass, for explicit schemes ----
+
+
+@implement(add_elastic_forces, FrameMeshes)
+@kernel(internal=True)
+def add_frame_elastic_forces(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
+    """By model."""
+    if kind.constants[kind.table[body].constants] == GREEN_LAGRANGE:
+        _add_green_lagrange(kind, body, q, force, factor)
+    else:
+        _add_exact(kind, body, q, force, factor)
+
+
+@kernel(internal=True, reassociate=True)
+def _add_green_lagrange(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
+    """The matrix of bending knows the difference of both positions only."""
+    constants = kind.constants
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data = kind.elements[e].data
+        x = load_element(kind, e, q)
+        K = frame_data(constants, data).bending
+        aa, ab, ac = factor * K[2, 2], factor * K[2, 1], factor * K[2, 3]
+        bb, bc, cc = factor * K[1, 1], factor * K[1, 3], factor * K[3, 3]
+        forces = combine((aa, ab, ac), x), combine((ab, bb, bc), x), combine((ac, bc, cc), x)
+        rest = frame_data(constants, data).initial_strain - 0.5
+        for g in range(AXIAL_POINTS):
+            point = axial_point(constants, data, g)
+            d = combine(point.first, x)
+            stress = factor * point.stiffness * (0.5 * dot(d, d) + rest)
+            forces = spread(forces, stress, point.first, d)
+        put_forces(kind, e, force, forces)
+
+
+@kernel(internal=True, reassociate=True)
+def _add_exact(kind: FrameMeshes, body: int, q: Floats1, force: Floats1, factor: float) -> None:
+    """Tension ``E A (|d| - 1 + e_0)`` along ``d/|d|``, and moments."""
+    constants = kind.constants
+    first = kind.table[body].first_element
+    for e in range(first, first + kind.table[body].element_count):
+        data = kind.elements[e].data
+        x = load_element(kind, e, q)
+        forces = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        rest = frame_data(constants, data).initial_strain - 1.0
+        for g in range(AXIAL_POINTS):
+            point = axial_point(constants, data, g)
+            d = combine(point.first, x)
+            tension = factor * point.stiffness * (1.0 + rest / math.sqrt(dot(d, d)))
+            forces = spread(forces, tension, point.first, d)
+        curved = frame_data(constants, data).curved
+        for g in range(BENDING_POINTS):
+            section = bending_point(constants, data, g)
+            d, c = combine(section.first, x), combine(section.second, x)
+            i = 1.0 / dot(d, d)
+            h = i * dot(c, d)
+            cc = i * dot(c, c)
+            weight = factor * section.stiffness * i
+            if curved:
+                square = cc - h * h
+                weight *= 1.0 - section.curvature / math.sqrt(square) if square > 0.0 else 0.0
+            a, b = weight * (2.0 * h * h - cc), -weight * h
+            by_d = add_scaled(scaled(a, d), b, c)
+            by_c = add_scaled(scaled(weight, c), b, d)
+            forces = spread(spread(forces, 1.0, section.first, by_d), 1.0, section.second, by_c)
+        put_forces(kind, e, force, forces)

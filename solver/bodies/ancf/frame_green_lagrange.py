@@ -8,18 +8,18 @@ from __future__ import annotations
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import dot
 from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     add_symmetric,
-    add_vector,
     axial_point,
     combine,
-    dot,
     frame_data,
     full,
     load_element,
     put_forces,
     put_stiffness,
+    spread,
 )
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
 
@@ -68,15 +68,13 @@ def add_green_lagrange_forces(
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
-        fa = fb = fc = (0.0, 0.0, 0.0)
+        forces = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         for g in range(AXIAL_POINTS):
             point = axial_point(kind.constants, data, g)
             d = combine(point.first, x)
             stress = factor * point.stiffness * strain[place + g]
-            fa = add_vector(fa, stress * point.first[0], d)
-            fb = add_vector(fb, stress * point.first[1], d)
-            fc = add_vector(fc, stress * point.first[2], d)
-        put_forces(kind, e, force, fa, fb, fc)
+            forces = spread(forces, stress, point.first, d)
+        put_forces(kind, e, force, forces)
 
 
 @kernel(internal=True)
@@ -95,16 +93,14 @@ def add_green_lagrange_stiffness(
     for e in range(first, first + kind.table[body].element_count):
         data, place = kind.elements[e].data, kind.elements[e].strain
         x = load_element(kind, e, q)
-        fa = fb = fc = (0.0, 0.0, 0.0)
+        forces = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         aa = ab = ac = bb = bc = cc = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for g in range(AXIAL_POINTS):
             point = axial_point(kind.constants, data, g)
             d = combine(point.first, x)
             stretch = strain[place + g]
             stress = factor * point.stiffness * stretch
-            fa = add_vector(fa, stress * point.first[0], d)
-            fb = add_vector(fb, stress * point.first[1], d)
-            fc = add_vector(fc, stress * point.first[2], d)
+            forces = spread(forces, stress, point.first, d)
             isotropic = scale * geometric * stretch
             d0, d1, d2 = scale * d[0], scale * d[1], scale * d[2]
             m = (
@@ -121,5 +117,5 @@ def add_green_lagrange_stiffness(
             bb = add_symmetric(bb, point.products[3], m)
             bc = add_symmetric(bc, point.products[4], m)
             cc = add_symmetric(cc, point.products[5], m)
-        put_forces(kind, e, force, fa, fb, fc)
+        put_forces(kind, e, force, forces)
         put_stiffness(kind, e, aa, full(ab), full(ac), bb, full(bc), cc)

@@ -7,8 +7,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_compliance
-from heavylift.solver.bodies.ancf.stage import write_bases
-from heavylift.solver.bodies.ancf.step import is_iterated
+from heavylift.solver.bodies.ancf.step import is_iterated, write_bases
 from heavylift.solver.bodies.ancf.substitution import node_span, scatter_back
 from heavylift.solver.interface import (
     Systems,

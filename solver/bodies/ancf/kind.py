@@ -464,6 +464,16 @@ class Meshes(BodyKind):
     """
 
     shape: ClassVar[Any]
+    kernel_modules: ClassVar[tuple[str, ...]] = (
+        "heavylift.solver.bodies.ancf.accurate",
+        "heavylift.solver.bodies.ancf.at_rest",
+        "heavylift.solver.bodies.ancf.contours",
+        "heavylift.solver.bodies.ancf.energy_momentum",
+        "heavylift.solver.bodies.ancf.joints",
+        "heavylift.solver.bodies.ancf.record",
+        "heavylift.solver.bodies.ancf.step",
+        "heavylift.solver.bodies.ancf.thesis",
+    )
 
     carried_fields: ClassVar[tuple[str, ...]] = (
         "body",
@@ -611,19 +621,8 @@ class FrameMeshes(Meshes):
 
     shape: ClassVar[Any] = block_shape(6)
     kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.bodies.ancf.accurate",
-        "heavylift.solver.bodies.ancf.advance",
-        "heavylift.solver.bodies.ancf.at_rest",
-        "heavylift.solver.bodies.ancf.contours",
-        "heavylift.solver.bodies.ancf.elastic_forces",
-        "heavylift.solver.bodies.ancf.energy_momentum",
-        "heavylift.solver.bodies.ancf.facets",
+        *Meshes.kernel_modules,
         "heavylift.solver.bodies.ancf.frame_elements",
-        "heavylift.solver.bodies.ancf.joints",
-        "heavylift.solver.bodies.ancf.record",
-        "heavylift.solver.bodies.ancf.stage",
-        "heavylift.solver.bodies.ancf.step",
-        "heavylift.solver.bodies.ancf.thesis",
     )
 
 
@@ -634,16 +633,6 @@ class ShellMeshes(Meshes):
 
     shape: ClassVar[Any] = block_shape(12)
     kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.bodies.ancf.accurate",
-        "heavylift.solver.bodies.ancf.advance",
-        "heavylift.solver.bodies.ancf.at_rest",
-        "heavylift.solver.bodies.ancf.contours",
-        "heavylift.solver.bodies.ancf.energy_momentum",
-        "heavylift.solver.bodies.ancf.facets",
-        "heavylift.solver.bodies.ancf.joints",
-        "heavylift.solver.bodies.ancf.record",
+        *Meshes.kernel_modules,
         "heavylift.solver.bodies.ancf.shell_elements",
-        "heavylift.solver.bodies.ancf.stage",
-        "heavylift.solver.bodies.ancf.step",
-        "heavylift.solver.bodies.ancf.thesis",
     )

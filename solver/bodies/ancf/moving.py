@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import forward_pivot, subtract_forward
+from heavylift.numerics.vectors import Vector
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import Meshes, MovingPoints
 from heavylift.solver.rows.structure import RowArrays
@@ -40,8 +41,6 @@ __all__ = [
     "write_free_points",
     "write_points",
 ]
-
-Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -16,30 +17,296 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf.at_rest import prepare_mass
 from heavylift.solver.bodies.ancf.bases import Bases, plan_bases
+from heavylift.solver.bodies.ancf.frame_data import FrameFollower
 from heavylift.solver.bodies.ancf.kind import (
     AUTO,
     CARRIED,
+    CLEAR_DIAGONAL,
+    CLEAR_LANE,
+    CLEAR_ROW,
+    DEAD_LOAD,
     ENERGY_MOMENTUM,
     EXPLICIT,
+    FOLLOWER_ELEMENT,
+    FOLLOWER_NODE,
     NODAL_VECTORS,
     STRAIN_VECTORS,
+    BaseBlock,
+    FixedCoordinate,
     MeshBase,
     MeshElement,
     Meshes,
+    MeshLoad,
     MeshMarker,
     MeshNumbers,
     MeshPlaces,
     MeshSensor,
+    MovingPoint,
+    MovingPoints,
+    PointsOfBody,
 )
-from heavylift.solver.bodies.ancf.load_packing import LoadBook
-from heavylift.solver.bodies.ancf.moving_packing import pack_moving
-from heavylift.solver.bodies.ancf.pattern_tables import base_blocks, block_ranges, clears
+from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import channel_width
-from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
 
-__all__ = ["check_mesh", "mass_and_inertia", "mesh_columns", "pack_meshes"]
+__all__ = [
+    "LoadBook",
+    "base_blocks",
+    "block_ranges",
+    "check_mesh",
+    "clears",
+    "mass_and_inertia",
+    "mesh_columns",
+    "pack_meshes",
+    "pack_moving",
+]
+
+
+# ---- loads: dead ones as nodal vectors, followers element by element ----
+
+
+@dataclass
+class LoadBook:
+    """Rows of the loads of all bodies of a kind; `store` appends to its constants."""
+
+    store: Callable[[NDArray[np.float64]], int]
+    rows: list[tuple[int, int, int, int, int]] = field(default_factory=list)
+
+    def table(self) -> Records[MeshLoad]:
+        """All rows."""
+        return records(MeshLoad, self.rows)
+
+    def add(
+        self,
+        body: MeshBody,
+        load: DistributedLoad | FollowerLoad,
+        rotation: NDArray[np.float64],
+        first_node: int,
+        first_element: int,
+        lanes: int,
+    ) -> None:
+        """Append a load.
+
+        Parameters
+        ----------
+        body, load
+            What is loaded.
+        rotation
+            Axes of the body as columns, shape (3, 3).
+        first_node, first_element
+            Of the body in the kind.
+        lanes
+            Places of a node.
+
+        Raises
+        ------
+        InputError
+            If a table, an element, a node or an axis does not fit.
+        """
+        times = np.atleast_1d(np.asarray(load.times, dtype=np.float64))
+        factors = np.atleast_1d(np.asarray(load.factors, dtype=np.float64))
+        if times.shape != factors.shape or len(times) == 0 or not np.all(np.diff(times) > 0.0):
+            raise InputError(
+                f"{len(times)} times and {len(factors)} factors",
+                source=body.name,
+                key="loads",
+                expected="one factor a time, times increasing",
+            )
+        count = len(body.elements)  # type: ignore[attr-defined]
+        chosen = np.arange(count) if load.elements is None else np.atleast_1d(np.asarray(load.elements))
+        if not (np.all(chosen >= 0) and np.all(chosen < count)):
+            raise InputError(
+                f"elements {chosen.tolist()}",
+                source=body.name,
+                key="loads",
+                expected=f"numbers from 0 to {count - 1}",
+            )
+        table = self.store(np.concatenate([times, factors]))
+        if isinstance(load, DistributedLoad):
+            data = self.store(_dead_load(body, load, rotation, chosen, lanes))
+            self.rows.append((DEAD_LOAD, data, table, len(times), first_node * lanes))
+            return
+        if not isinstance(body, FrameBody):
+            if load.tangential != 0.0 or load.node is not None:
+                raise InputError(
+                    "a tangential load or a node",
+                    source=body.name,
+                    key="loads",
+                    expected="a pressure: on a shell a follower acts along the normal",
+                )
+            data = self.store(np.array([load.normal]))
+            rows = [(FOLLOWER_ELEMENT, data, table, len(times), first_element + int(e)) for e in chosen]
+            self.rows += rows
+            return
+        axis = rotation.T @ np.asarray(load.axis, dtype=np.float64)
+        length = float(np.linalg.norm(axis))
+        if load.normal != 0.0 and not 0.0 < length < np.inf:
+            raise InputError(
+                f"axis {np.asarray(load.axis).tolist()}",
+                source=body.name,
+                key="loads",
+                expected="a direction that is not zero",
+            )
+        given = FrameFollower.one()
+        given.normal, given.tangential, given.axis = load.normal, load.tangential, axis / (length or 1.0)
+        data = self.store(given.words.copy())
+        if load.node is None:
+            self.rows += [(FOLLOWER_ELEMENT, data, table, len(times), first_element + int(e)) for e in chosen]
+            return
+        if not 0 <= load.node < len(body.nodes):
+            raise InputError(
+                f"node {load.node}",
+                source=body.name,
+                key="loads",
+                expected=f"a number from 0 to {len(body.nodes) - 1}",
+            )
+        self.rows.append((FOLLOWER_NODE, data, table, len(times), (first_node + load.node) * lanes))
+
+
+def _dead_load(
+    body: MeshBody,
+    load: DistributedLoad,
+    rotation: NDArray[np.float64],
+    elements: NDArray[np.int64],
+    lanes: int,
+) -> NDArray[np.float64]:
+    """Consistent nodal forces in body axes, flat over the places of the nodes of the body."""
+    of_type = type_of(body)
+    vectors = len(of_type.vectors)
+    force = rotation.T @ np.asarray(load.load, dtype=np.float64)
+    nodal = np.zeros((len(body.nodes), lanes))
+    for element in elements:
+        shape = np.asarray(of_type.load_shape(body, int(element))).reshape(-1, vectors)
+        for node, values in zip(body.elements[element], shape, strict=True):  # type: ignore[attr-defined]
+            nodal[node, : 3 * vectors] += np.outer(values, force).ravel()
+    return nodal.ravel()
+
+
+# ---- moving points, and what the control points of their shape are made of ----
+
+
+def pack_moving(
+    bodies: Sequence[MeshBody], table: Records[MeshPlaces], pattern: BlockPattern, lanes: int, per_node: int
+) -> MovingPoints:
+    """All moving points of a kind of meshes, none of them aimed at anything.
+
+    Parameters
+    ----------
+    bodies, table
+        Bodies, and their rows in the table of the kind.
+    pattern
+        Of the factor.
+    lanes, per_node
+        Places and vectors of a node.
+
+    Raises
+    ------
+    InputError
+        If a body with moving points is no line and no rectangle of elements.
+    """
+    rows = records(PointsOfBody, len(bodies))
+    points: list[tuple[int, int, int, int, int, bool, int, bool]] = []
+    places: list[NDArray[np.int64]] = []
+    factors: list[NDArray[np.float64]] = []
+    entries = vectors = paths = compliance = controls = count = 0
+    for row, body, line in zip(rows, bodies, table, strict=True):
+        moving = int(line.moving_count)
+        row.first_point, row.compliance, row.first_control = count, compliance, controls
+        if moving == 0:
+            continue
+        entries_each = int(line.node_count) * per_node
+        vectors_each = 3 * int(line.node_count + line.base_node_count) * lanes
+        path_each = int(line.last_column - line.first_column)
+        for _ in range(moving):
+            points.append((entries, 0, vectors, paths, 0, False, -1, False))
+            entries, vectors, paths = entries + entries_each, vectors + vectors_each, paths + path_each
+        compliance += (3 * moving) ** 2
+        count += moving
+        made = control_vectors(body)
+        node, vector = made.vectors // per_node, made.vectors % per_node
+        places.append((line.first_node + node) * lanes + 3 * vector)
+        factors.append(made.factors)
+        controls += len(made.factors)
+    nodes = int((table["node_count"] + table["base_node_count"]).sum())
+    column_of = np.full(nodes, -1, dtype=np.int64)
+    column_of[pattern.columns["node"]] = np.arange(len(pattern.columns))
+    return MovingPoints(
+        bodies=rows,
+        points=records(MovingPoint, points),
+        entries=np.zeros(entries, dtype=np.int64),
+        factors=np.zeros(entries),
+        vectors=aligned(vectors),
+        paths=np.zeros(paths, dtype=np.int64),
+        compliance=np.zeros(compliance),
+        column_of=column_of,
+        marks=np.zeros(nodes, dtype=np.int64),
+        control_places=np.vstack([np.zeros((0, 4), dtype=np.int64), *places]),
+        control_factors=np.vstack([np.zeros((0, 4)), *factors]),
+    )
+
+
+# ---- where things are in the blocks of the factor ----
+
+
+ALL_PARTS = (CLEAR_ROW, CLEAR_LANE, CLEAR_DIAGONAL)
+
+
+def clears(
+    pattern: BlockPattern, free: NDArray[np.float64], edges: NDArray[np.int64], groups: NDArray[np.int64]
+) -> tuple[Records[FixedCoordinate], NDArray[np.int64]]:
+    """Which row or lane of which block is a fixed coordinate, in the order of bodies; their number by body."""
+    fixed = free == 0.0
+    rows: list[tuple[int, int, int, int]] = []
+    on_node: dict[int, list[int]] = {}
+    for a, b in edges:
+        on_node.setdefault(int(a), []).append(int(b))
+        on_node.setdefault(int(b), []).append(int(a))
+    base = ~np.isin(np.arange(len(free)), pattern.columns["node"])
+    for node in np.flatnonzero(fixed.any(axis=1) & ~base):
+        coordinates = np.flatnonzero(fixed[node])
+        own, _ = pattern.place(int(node), int(node))
+        for other in on_node.get(int(node), []):
+            place, earlier = pattern.place(int(node), other)
+            part = CLEAR_ROW if earlier else CLEAR_LANE
+            rows += [(int(groups[node]), place, part, int(c)) for c in coordinates]
+        for c in coordinates:
+            rows += [(int(groups[node]), own, part, int(c)) for part in ALL_PARTS]
+    rows.sort(key=lambda row: (row[0], row[2] == CLEAR_DIAGONAL))
+    counts = np.bincount([row[0] for row in rows], minlength=int(groups.max()) + 1)
+    return records(FixedCoordinate, [row[1:] for row in rows]), counts
+
+
+def base_blocks(pattern: BlockPattern, table: Records[MeshPlaces]) -> Records[BaseBlock]:
+    """Body, later base node, earlier one (counted within the body) and place of the blocks of bases, by body."""
+    rows = []
+    for body, line in enumerate(table):
+        first, count = int(line.first_node + line.node_count), int(line.base_node_count)
+        rows += [
+            (body, i, j, pattern.place(first + i, first + j)[0]) for i in range(count) for j in range(i + 1)
+        ]
+    return records(BaseBlock, rows)
+
+
+def block_ranges(
+    pattern: BlockPattern, groups: NDArray[np.int64], base_blocks: Records[BaseBlock], size: int
+) -> NDArray[np.int64]:
+    """First place and the one behind the last of the blocks of each body, shape (bodies, 2)."""
+    of_column = groups[pattern.columns["node"]]
+    counts = pattern.columns["lower_count"]
+    places = np.concatenate([pattern.columns["pivot"], pattern.lower["place"], base_blocks["place"]])
+    owners = np.concatenate([of_column, np.repeat(of_column, counts), base_blocks["body"]])
+    ranges = np.array(
+        [[places[owners == g].min(), places[owners == g].max() + size] for g in np.unique(groups)]
+    )
+    if np.any(ranges[1:, 0] < ranges[:-1, 1]):
+        raise AssertionError("blocks of bodies overlap")
+    return ranges.astype(np.int64)
+
+
+# ---- the kind ----
+
 
 SCHEMES = {"carried": CARRIED, "energy-momentum": ENERGY_MOMENTUM, "auto": AUTO, "explicit": EXPLICIT}
 SETS = 3

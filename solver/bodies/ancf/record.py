@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import cross
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import (
     find_strains,
@@ -111,14 +112,11 @@ def _add_angular_momentum(kind: Meshes, body: int, out: Sums) -> None:
                 x += m * (q[a + 1] * v[b + 2] - q[a + 2] * v[b + 1])
                 y += m * (q[a + 2] * v[b] - q[a] * v[b + 2])
                 z += m * (q[a] * v[b + 1] - q[a + 1] * v[b])
-    p = out.angular_momentum
     for k in range(3):
         out.angular_momentum[k] += R.rotation[k, 0] * x + R.rotation[k, 1] * y + R.rotation[k, 2] * z
-    o1, o2, o3 = R.origin[0], R.origin[1], R.origin[2]
-    p1, p2, p3 = R.scratch[0, 0], R.scratch[0, 1], R.scratch[0, 2]
-    p[0] += o2 * p3 - o3 * p2
-    p[1] += o3 * p1 - o1 * p3
-    p[2] += o1 * p2 - o2 * p1
+    of_origin = cross(R.origin, (R.scratch[0, 0], R.scratch[0, 1], R.scratch[0, 2]))
+    for k in range(3):
+        out.angular_momentum[k] += of_origin[k]
 
 
 @implement(add_totals, Meshes)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross, dot
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
     add_stiffness,
@@ -182,9 +182,6 @@ def add_shell_pressure(
     )  # fmt: skip
 
 
-Vector = tuple[float, float, float]
-
-
 @kernel(inline=True, internal=True)
 def centre_vector(kind: ShellMeshes, element: int, row: NDArray[np.float64]) -> Vector:
     """A row of the centre of an element times its carried coordinates."""
@@ -197,12 +194,6 @@ def centre_vector(kind: ShellMeshes, element: int, row: NDArray[np.float64]) -> 
             y += value * kind.position[first + 1]
             z += value * kind.position[first + 2]
     return x, y, z
-
-
-@kernel(inline=True, internal=True)
-def dot(a: Vector, b: Vector) -> float:
-    """Inner product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel(inline=True, internal=True)

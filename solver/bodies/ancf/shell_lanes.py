@@ -16,6 +16,7 @@ from llvmlite import ir
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from heavylift.numerics.vector_code import VectorCode, vector_code
 from heavylift.solver.bodies.ancf.shell_data import (
     LANES,
     LINE,
@@ -26,7 +27,6 @@ from heavylift.solver.bodies.ancf.shell_data import (
     ShellTables,
     place_of,
 )
-from heavylift.solver.bodies.ancf.shell_lane_code import Lanes, element_code
 
 __all__ = [
     "add_element_forces",
@@ -55,7 +55,7 @@ def node_place(i: int, j: int, k: int) -> tuple[int, int]:
     return ((0, 3), (1, 2))[i // 2][j // 2], 3 * (i % 2 + 2 * (j % 2)) + k
 
 
-def eta_functions(code: Lanes, tables: Any, data: Any) -> list[list[Any]]:
+def eta_functions(code: VectorCode, tables: Any, data: Any) -> list[list[Any]]:
     """Functions and derivatives along eta, in lanes, for slopes by the length of the mesh."""
     length = code.spread(code.number(data, LENGTHS + 1))
     rows = [[code.load(tables, ETA + 32 * d + 8 * j) for j in range(4)] for d in range(2)]
@@ -63,7 +63,7 @@ def eta_functions(code: Lanes, tables: Any, data: Any) -> list[list[Any]]:
 
 
 def contracted(
-    code: Lanes, tables: Any, data: Any, nodes: Sequence[Any], components: Sequence[int] = (0, 1, 2)
+    code: VectorCode, tables: Any, data: Any, nodes: Sequence[Any], components: Sequence[int] = (0, 1, 2)
 ) -> tuple[Vectors, Vectors]:
     """Sums over eta of functions and of derivatives times coordinates, by function along xi and component."""
     along_eta = eta_functions(code, tables, data)
@@ -81,7 +81,9 @@ def contracted(
     return out
 
 
-def slopes_of_line(code: Lanes, functions: Any, sums: tuple[Vectors, Vectors]) -> tuple[list[Any], list[Any]]:
+def slopes_of_line(
+    code: VectorCode, functions: Any, sums: tuple[Vectors, Vectors]
+) -> tuple[list[Any], list[Any]]:
     """``r_xi`` and ``r_eta`` on a line, by component."""
     H = [code.spread(code.number(functions, i)) for i in range(4)]
     dH = [code.spread(code.number(functions, 4 + i)) for i in range(4)]
@@ -93,7 +95,7 @@ def slopes_of_line(code: Lanes, functions: Any, sums: tuple[Vectors, Vectors]) -
     )
 
 
-def stress_of_line(code: Lanes, moduli: Any, strains: Any) -> tuple[Any, Any, Any]:
+def stress_of_line(code: VectorCode, moduli: Any, strains: Any) -> tuple[Any, Any, Any]:
     """N_11, N_22 and N_12 on a line."""
     e = [code.load(strains, 8 * c) for c in range(3)]
     D = [code.load(moduli, MODULI + 8 * c) for c in range(6)]
@@ -104,7 +106,7 @@ def stress_of_line(code: Lanes, moduli: Any, strains: Any) -> tuple[Any, Any, An
     )
 
 
-def lines(code: Lanes, tables: Any) -> Any:
+def lines(code: VectorCode, tables: Any) -> Any:
     """Loop over the lines of Gauss points."""
     integer = ir.IntType(64)
     place = code.builder.bitcast(code.at(tables, COUNT), integer.as_pointer())
@@ -112,7 +114,7 @@ def lines(code: Lanes, tables: Any) -> Any:
 
 
 def add_to_nodes(
-    code: Lanes, nodes: Sequence[Any], products: Callable[[int, int, int], Any], factor: Any
+    code: VectorCode, nodes: Sequence[Any], products: Callable[[int, int, int], Any], factor: Any
 ) -> None:
     """Add the sums over lanes of a product for every function along xi and eta and component."""
     vectors: dict[tuple[int, int], Any] = {}
@@ -123,18 +125,18 @@ def add_to_nodes(
     factor = code.spread(factor)
     tails = []
     for node in range(4):
-        head = code.multiply(code.sums_of_lanes([vectors[node, place] for place in range(8)]), factor)
+        head = code.multiply(code.totals_of_eight([vectors[node, place] for place in range(8)]), factor)
         code.store(code.add(code.load(nodes[node], 0), head), nodes[node], 0)
     for node in (0, 2):
         pair = [vectors[node + n, place] for n in range(2) for place in range(8, 12)]
-        tail = code.multiply(code.sums_of_lanes(pair), factor)
+        tail = code.multiply(code.totals_of_eight(pair), factor)
         tails += [code.choose(tail, tail, range(4 * n, 4 * n + 4)) for n in range(2)]
     for node, tail in enumerate(tails):
         code.store(code.add(code.load(nodes[node], 8, 4), tail), nodes[node], 8)
 
 
 def write_forces(
-    code: Lanes,
+    code: VectorCode,
     tables: Any,
     data: Any,
     nodes: Sequence[Any],
@@ -155,7 +157,7 @@ def write_forces(
     totals = {}
     for k in range(3):
         sums = contracted(code, tables, data, nodes, (k,))
-        places = [cgutils.alloca_once_value(code.builder, code.zero()) for _ in range(8)]
+        places = [cgutils.alloca_once_value(code.builder, code.constant(0.0)) for _ in range(8)]
         with lines(code, tables) as loop:
             functions = code.line(tables, XI, loop.index, 8)
             (a,), (b,) = slopes_of_line(code, functions, sums)
@@ -186,7 +188,7 @@ def write_forces(
 def put_element_strains(typingctx, constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at):  # type: ignore[no-untyped-def]
     """``e = (r_a.r_b - X_a.X_b)/2`` at all Gauss points."""
 
-    def write(code: Lanes, tables: Any, data: Any, nodes: Any, strains: Any) -> None:
+    def write(code: VectorCode, tables: Any, data: Any, nodes: Any, strains: Any) -> None:
         sums = contracted(code, tables, data, nodes)
         with lines(code, tables) as loop:
             a, b = slopes_of_line(code, code.line(tables, XI, loop.index, 8), sums)
@@ -194,11 +196,11 @@ def put_element_strains(typingctx, constants, tables, constants_2, data, nodal, 
             out = code.line(strains, 0, loop.index, STRAINS_PER_LINE)
             products = [code.sum(*zip(x, y, strict=True)) for x, y in ((a, a), (b, b), (a, b))]
             for c, product in enumerate(products):
-                present = code.multiply(product, code.half()) if c < 2 else product
+                present = code.multiply(product, code.constant(0.5)) if c < 2 else product
                 code.store(code.subtract(present, code.load(metric, METRIC + 8 * c)), out, 8 * c)
 
     arguments = (constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at)
-    return element_code(arguments, (1, 1, 4, 1), write)
+    return vector_code(arguments, (1, 1, 4, 1), write, lanes=LANES)
 
 
 @intrinsic
@@ -225,7 +227,7 @@ def add_element_rates(  # type: ignore[no-untyped-def]
     """``e += factor B v`` at all Gauss points."""
 
     def write(
-        code: Lanes, tables: Any, data: Any, nodes: Any, speeds: Any, strains: Any, factor: Any
+        code: VectorCode, tables: Any, data: Any, nodes: Any, speeds: Any, strains: Any, factor: Any
     ) -> None:
         sums, rates = (contracted(code, tables, data, place) for place in (nodes, speeds))
         factor = code.spread(factor)
@@ -241,7 +243,7 @@ def add_element_rates(  # type: ignore[no-untyped-def]
     arguments = (
         constants, tables, constants_2, data, nodal, n0, n1, n2, n3, nodal_2, v0, v1, v2, v3, strains, at, factor
     )  # fmt: skip
-    return element_code(arguments, (1, 1, 4, 4, 1), write)
+    return vector_code(arguments, (1, 1, 4, 4, 1), write, lanes=LANES)
 
 
 @intrinsic
@@ -269,7 +271,7 @@ def add_element_forces(  # type: ignore[no-untyped-def]
     arguments = (
         constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at, nodal_2, f0, f1, f2, f3, factor
     )  # fmt: skip
-    return element_code(arguments, (1, 1, 4, 1, 4), write_forces)
+    return vector_code(arguments, (1, 1, 4, 1, 4), write_forces, lanes=LANES)
 
 
 @intrinsic
@@ -278,10 +280,12 @@ def add_element_pressure(  # type: ignore[no-untyped-def]
 ):
     """``f += factor int S^T (r_xi x r_eta) dxi deta``: pressure times the present area."""
 
-    def write(code: Lanes, tables: Any, data: Any, nodes: Any, forces: Any, factor: Any) -> None:
+    def write(code: VectorCode, tables: Any, data: Any, nodes: Any, forces: Any, factor: Any) -> None:
         sums = contracted(code, tables, data, nodes)
         places = {
-            (i, k): cgutils.alloca_once_value(code.builder, code.zero()) for i in range(4) for k in range(3)
+            (i, k): cgutils.alloca_once_value(code.builder, code.constant(0.0))
+            for i in range(4)
+            for k in range(3)
         }
         weights = code.load(tables, WEIGHTS)
         with lines(code, tables) as loop:
@@ -307,4 +311,4 @@ def add_element_pressure(  # type: ignore[no-untyped-def]
         add_to_nodes(code, forces, lambda i, j, k: code.multiply(along[j], totals[i, k]), factor)
 
     arguments = (constants, tables, constants_2, data, nodal, n0, n1, n2, n3, nodal_2, f0, f1, f2, f3, factor)
-    return element_code(arguments, (1, 1, 4, 4), write)
+    return vector_code(arguments, (1, 1, 4, 4), write, lanes=LANES)

@@ -19,6 +19,7 @@ from llvmlite import ir
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from heavylift.numerics.vector_code import VectorCode, vector_code
 from heavylift.solver.bodies.ancf.kind import SHELL_PAIRS
 from heavylift.solver.bodies.ancf.shell_data import (
     FUNCTIONS,
@@ -32,7 +33,6 @@ from heavylift.solver.bodies.ancf.shell_data import (
     ShellTables,
     place_of,
 )
-from heavylift.solver.bodies.ancf.shell_lane_code import Lanes, element_code
 from heavylift.solver.bodies.ancf.shell_lanes import contracted, lines, slopes_of_line, stress_of_line
 
 __all__ = ["BLOCK_ORDER", "add_element_stiffness"]
@@ -95,7 +95,7 @@ def add_element_stiffness(  # type: ignore[no-untyped-def]
     """``K += scale (B^T D B + geometric G)`` into the blocks of the pairs of nodes, G at the stress ``D e``."""
 
     def write(
-        code: Lanes,
+        code: VectorCode,
         tables: Any,
         data: Any,
         nodes: Any,
@@ -116,11 +116,11 @@ def add_element_stiffness(  # type: ignore[no-untyped-def]
         constants, tables, constants_2, data, nodal, n0, n1, n2, n3, strains, at,
         of_pairs, of_pairs_first, blocks, first, order, order_first, scale, geometric,
     )  # fmt: skip
-    return element_code(arguments, (1, 1, 4, 1, 1, 1, 1), write)
+    return vector_code(arguments, (1, 1, 4, 1, 1, 1, 1), write, lanes=LANES)
 
 
 def _write_lines(
-    code: Lanes, tables: Any, data: Any, nodes: Any, strains: Any, of_lines: Any, geometric: Any
+    code: VectorCode, tables: Any, data: Any, nodes: Any, strains: Any, of_lines: Any, geometric: Any
 ) -> None:
     """K_11, K_22 and K_12 of all lines."""
     sums = contracted(code, tables, data, nodes)
@@ -169,7 +169,9 @@ def _sources(kinds: tuple[int, ...]) -> list[tuple[int, tuple[int, int], int]]:
     ]
 
 
-def _write_expanded(code: Lanes, tables: Any, data: Any, of_lines: Any, expanded: Any, scale: Any) -> None:
+def _write_expanded(
+    code: VectorCode, tables: Any, data: Any, of_lines: Any, expanded: Any, scale: Any
+) -> None:
     """Sums over xi, then eta, for each pair of functions along xi."""
     builder = code.builder
     a, b = (code.number(data, LENGTHS + c) for c in range(2))
@@ -189,7 +191,7 @@ def _write_expanded(code: Lanes, tables: Any, data: Any, of_lines: Any, expanded
         # types 11 and 22 first, then 12 and 21: so many sums fit into the registers
         for kinds in ((0, 3), (1, 2)):
             sources = _sources(kinds)
-            totals = [cgutils.alloca_once_value(builder, code.zero()) for _ in sources]
+            totals = [cgutils.alloca_once_value(builder, code.constant(0.0)) for _ in sources]
             with lines(code, tables) as loop:
                 numbers = code.line(functions, 0, loop.index, 4)
                 factors = {kind: code.spread(code.number(numbers, kind)) for kind in kinds}
@@ -200,7 +202,7 @@ def _write_expanded(code: Lanes, tables: Any, data: Any, of_lines: Any, expanded
             for (kind, (p, q), _), total in zip(sources, totals, strict=True):
                 code.store(builder.load(total, typ=code.vector), over_xi, 8 * (9 * kind + 3 * p + q))
 
-        parts = [[cgutils.alloca_once_value(builder, code.zero()) for _ in range(2)] for _ in range(9)]
+        parts = [[cgutils.alloca_once_value(builder, code.constant(0.0)) for _ in range(2)] for _ in range(9)]
         with lines(code, tables) as lane:
             products = code.line(tables, PRODUCTS, lane.index, 64)
             numbers = code.at(over_xi, lane.index)
@@ -222,7 +224,7 @@ def _write_expanded(code: Lanes, tables: Any, data: Any, of_lines: Any, expanded
                 code.store(value, out, 16 * pq + 8 * half)
 
 
-def _write_blocks(code: Lanes, expanded: Any, places: Any, blocks: Any, order: Any) -> None:
+def _write_blocks(code: VectorCode, expanded: Any, places: Any, blocks: Any, order: Any) -> None:
     """Add the numbers of each pair of nodes to its block, along the rows as they are stored."""
     builder, integer = code.builder, ir.IntType(64)
 

@@ -7,12 +7,10 @@ circular frequency, as the leapfrog, with which it shares its positions.
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.bodies.ancf.advance import add_mesh_work
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
 from heavylift.solver.bodies.ancf.elements import add_strain_rates, add_stress_forces, find_strains
 from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
-from heavylift.solver.bodies.ancf.loads import gather_loads
-from heavylift.solver.bodies.ancf.step import add_gravity, solve_free
+from heavylift.solver.bodies.ancf.step import add_gravity, add_mesh_work, gather_loads, solve_free
 from heavylift.solver.bodies.ancf.substitution import node_span
 from heavylift.solver.interface import Workspace, thesis_advance, thesis_velocity
 from heavylift.solver.kinds import implement

@@ -15,16 +15,11 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
 from heavylift.solver.bodies.frames.contours import frame_speed, owner_of
-from heavylift.solver.contact.interface import (
-    bound_motion,
-    forget_accelerations,
-    form_controls,
-    put_contour_rows,
-)
+from heavylift.solver.contact.interface import bound_motion, form_controls, put_contour_rows
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.search.contour_rows import put_frame_rows
 from heavylift.solver.drive import FIXED
-from heavylift.solver.interface import Workspace
+from heavylift.solver.interface import Workspace, forget_accelerations
 from heavylift.solver.kinds import implement
 
 __all__: list[str] = []

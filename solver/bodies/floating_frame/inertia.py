@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import solve_symmetric_3
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, add, add_scaled, cross, dot, scaled, vector
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrame
 
 __all__ = [
@@ -30,8 +30,6 @@ __all__ = [
     "quadratic_modal_force",
     "stacked_products",
 ]
-
-Vector = tuple[float, float, float]
 
 
 @kernel
@@ -160,9 +158,7 @@ def quadratic_modal_force(
     q: NDArray[np.float64],
     products: NDArray[np.float64],
     rate_products: NDArray[np.float64],
-    w1: float,
-    w2: float,
-    w3: float,
+    w: Vector,
     out: NDArray[np.float64],
 ) -> None:
     """Centrifugal and Coriolis part of the modal row, ``1/2 d(w I_tt w)/dq + 2 w_k A_k qd``, shape (n,).
@@ -177,10 +173,11 @@ def quadratic_modal_force(
         Stacked matrices times q, shape (8 n,).
     rate_products
         Antisymmetric matrices times the modal rates, shape (3 n,) at least.
-    w1, w2, w3
+    w
         Angular velocity, body axes [rad/s].
     """
     n = out.shape[0]
+    w1, w2, w3 = w
     symmetric = 6 * n
     c11, c22, c33 = w2 * w2 + w3 * w3, w1 * w1 + w3 * w3, w1 * w1 + w2 * w2
     c12, c13, c23 = w1 * w2, w1 * w3, w2 * w3
@@ -202,9 +199,7 @@ def frame_velocity_forces(
     q: NDArray[np.float64],
     products: NDArray[np.float64],
     frame: FloatingFrame,
-    w1: float,
-    w2: float,
-    w3: float,
+    w: Vector,
     qd: NDArray[np.float64],
 ) -> tuple[Vector, Vector]:
     """Velocity forces of the frame rows: resultant and moment about the frame origin, body axes.
@@ -237,28 +232,24 @@ def frame_velocity_forces(
         a1 += (shape[antisymmetric + i] - products[i]) * qd[i]
         a2 += (shape[antisymmetric + n + i] - products[n + i]) * qd[i]
         a3 += (shape[antisymmetric + 2 * n + i] - products[2 * n + i]) * qd[i]
-    t1, t2, t3 = cross((w1, w2, w3), frame.first_moment)
-    f1, f2, f3 = cross((w1, w2, w3), (t1 + 2.0 * s1, t2 + 2.0 * s2, t3 + 2.0 * s3))
-    l1, l2, l3 = inertia_product(frame, w1, w2, w3)
-    g1, g2, g3 = cross((w1, w2, w3), (l1, l2, l3))
+    w1, w2, w3 = w
+    f = cross(w, add_scaled(cross(w, frame.first_moment), 2.0, (s1, s2, s3)))
+    g = cross(w, inertia_product(frame, w))
     trace = u11 + u22 + u33
     u12, u21 = 0.5 * (y12 + a3), 0.5 * (y12 - a3)
     u31, u13 = 0.5 * (y13 + a2), 0.5 * (y13 - a2)
     u23, u32 = 0.5 * (y23 + a1), 0.5 * (y23 - a1)
-    m1 = -g1 - 2.0 * (w1 * trace - (u11 * w1 + u21 * w2 + u31 * w3))
-    m2 = -g2 - 2.0 * (w2 * trace - (u12 * w1 + u22 * w2 + u32 * w3))
-    m3 = -g3 - 2.0 * (w3 * trace - (u13 * w1 + u23 * w2 + u33 * w3))
-    return (-f1, -f2, -f3), (m1, m2, m3)
+    m1 = -g[0] - 2.0 * (w1 * trace - (u11 * w1 + u21 * w2 + u31 * w3))
+    m2 = -g[1] - 2.0 * (w2 * trace - (u12 * w1 + u22 * w2 + u32 * w3))
+    m3 = -g[2] - 2.0 * (w3 * trace - (u13 * w1 + u23 * w2 + u33 * w3))
+    return (-f[0], -f[1], -f[2]), (m1, m2, m3)
 
 
 @kernel(inline=True)
-def inertia_product(frame: FloatingFrame, w1: float, w2: float, w3: float) -> Vector:
+def inertia_product(frame: FloatingFrame, w: Vector) -> Vector:
     """``I_tt w``, body axes."""
-    return (
-        frame.inertia[0] * w1 + frame.inertia[3] * w2 + frame.inertia[4] * w3,
-        frame.inertia[3] * w1 + frame.inertia[1] * w2 + frame.inertia[5] * w3,
-        frame.inertia[4] * w1 + frame.inertia[5] * w2 + frame.inertia[2] * w3,
-    )
+    I = frame.inertia
+    return dot((I[0], I[3], I[4]), w), dot((I[3], I[1], I[5]), w), dot((I[4], I[5], I[2]), w)
 
 
 @kernel(reassociate=True)
@@ -282,13 +273,10 @@ def body_momenta(
         l2 += I_tf[1, i] * qd[i]
         l3 += I_tf[2, i] * qd[i]
     m = frame.mass
-    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
-    a1, a2, a3 = cross(w, (s1, s2, s3))
-    b1, b2, b3 = cross((s1, s2, s3), v)
-    c1, c2, c3 = inertia_product(frame, w[0], w[1], w[2])
+    s = vector(frame.first_moment)
     return (
-        (m * v[0] + a1 + p1, m * v[1] + a2 + p2, m * v[2] + a3 + p3),
-        (b1 + c1 + l1, b2 + c2 + l2, b3 + c3 + l3),
+        add(add(scaled(m, v), cross(w, s)), (p1, p2, p3)),
+        add(add(cross(s, v), inertia_product(frame, w)), (l1, l2, l3)),
     )
 
 
@@ -319,18 +307,17 @@ def frame_velocity_from_momenta(
         l2 -= I_tf[1, i] * qd[i]
         l3 -= I_tf[2, i] * qd[i]
     inverse_mass = 1.0 / frame.mass
-    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
-    a1, a2, a3 = cross((s1, s2, s3), (p1, p2, p3))
-    w1, w2, w3 = solve_symmetric_3(
+    s1, s2, s3 = s = vector(frame.first_moment)
+    a = cross(s, (p1, p2, p3))
+    w = solve_symmetric_3(
         frame.inertia[0] - (s2 * s2 + s3 * s3) * inverse_mass,
         frame.inertia[1] - (s1 * s1 + s3 * s3) * inverse_mass,
         frame.inertia[2] - (s1 * s1 + s2 * s2) * inverse_mass,
         frame.inertia[3] + s1 * s2 * inverse_mass,
         frame.inertia[4] + s1 * s3 * inverse_mass,
         frame.inertia[5] + s2 * s3 * inverse_mass,
-        l1 - a1 * inverse_mass,
-        l2 - a2 * inverse_mass,
-        l3 - a3 * inverse_mass,
+        l1 - a[0] * inverse_mass,
+        l2 - a[1] * inverse_mass,
+        l3 - a[2] * inverse_mass,
     )
-    b1, b2, b3 = cross((s1, s2, s3), (w1, w2, w3))
-    return ((p1 + b1) * inverse_mass, (p2 + b2) * inverse_mass, (p3 + b3) * inverse_mass), (w1, w2, w3)
+    return scaled(inverse_mass, add((p1, p2, p3), cross(s, w))), w

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross, rotate, rotate_back, subtract, vector_at
+from heavylift.numerics.vectors import add, cross, rotate, rotate_back, scaled, subtract, vector, vector_at
+from heavylift.solver.bodies.floating_frame.fixed_frame import add_totals_of_fixed, place_fixed, record_fixed
 from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     frame_velocity_forces,
@@ -15,15 +16,15 @@ from heavylift.solver.bodies.floating_frame.inertia import (
 )
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrameBodies,
+    shape_of,
 )
-from heavylift.solver.bodies.floating_frame.markers import (
+from heavylift.solver.bodies.floating_frame.stage import (
     add_joint_forces,
+    drive_frame,
     gather_marker_forces,
+    stage_at_state,
     write_sensor,
 )
-from heavylift.solver.bodies.floating_frame.shape import shape_of
-from heavylift.solver.bodies.floating_frame.stage import drive_frame, stage_at_state
-from heavylift.solver.bodies.frames.fixed_frame import add_totals_of_fixed, place_fixed, record_fixed
 from heavylift.solver.bodies.frames.motion import add_momenta, write_motion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
@@ -124,17 +125,11 @@ def _write_reaction(
     R = frame.mid_rotation
     motion = frame.drive_rates
     drive_velocity(kind.constants[kind.table[body].drive :], time, motion)
-    w1, w2, w3 = motion[3], motion[4], motion[5]
-    b1, b2, b3 = motion[9], motion[10], motion[11]
+    w, b = vector_at(motion, 3), vector_at(motion, 9)
     # gravity acts like an acceleration of the frame in the other direction
-    a1, a2, a3 = rotate_back(
-        R,
-        subtract(vector_at(motion, 6), work.sums.gravity),
-    )
-    quadratic_modal_force(
-        shape, modal_position, position_products, velocity_products, w1, w2, w3, quadratic_force
-    )
-    f, m = frame_velocity_forces(shape, modal_position, position_products, frame, w1, w2, w3, modal_velocity)
+    a = rotate_back(R, subtract(vector_at(motion, 6), work.sums.gravity))
+    quadratic_modal_force(shape, modal_position, position_products, velocity_products, w, quadratic_force)
+    f, m = frame_velocity_forces(shape, modal_position, position_products, frame, w, modal_velocity)
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):
@@ -143,12 +138,12 @@ def _write_reaction(
             + quadratic_force[i]
             - stiffness[i] * modal_position[i]
             - damping[i] * modal_velocity[i]
-            - shape[i] * a1
-            - shape[n + i] * a2
-            - shape[2 * n + i] * a3
-            - coupling[0, i] * b1
-            - coupling[1, i] * b2
-            - coupling[2, i] * b3
+            - shape[i] * a[0]
+            - shape[n + i] * a[1]
+            - shape[2 * n + i] * a[2]
+            - coupling[0, i] * b[0]
+            - coupling[1, i] * b[1]
+            - coupling[2, i] * b[2]
         )
         p1 += shape[i] * acceleration
         p2 += shape[n + i] * acceleration
@@ -156,20 +151,11 @@ def _write_reaction(
         l1 += coupling[0, i] * acceleration
         l2 += coupling[1, i] * acceleration
         l3 += coupling[2, i] * acceleration
-    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
-    mass = frame.mass
-    c1, c2, c3 = cross((b1, b2, b3), (s1, s2, s3))
-    d1, d2, d3 = cross((s1, s2, s3), (a1, a2, a3))
-    e1, e2, e3 = inertia_product(frame, b1, b2, b3)
-    force = rotate(R, (mass * a1 + c1 + p1 - f[0], mass * a2 + c2 + p2 - f[1], mass * a3 + c3 + p3 - f[2]))
-    moment = rotate(
-        R,
-        (
-            d1 + e1 + l1 - m[0] - frame.moment[0],
-            d2 + e2 + l2 - m[1] - frame.moment[1],
-            d3 + e3 + l3 - m[2] - frame.moment[2],
-        ),
-    )
+    s = vector(frame.first_moment)
+    p = add(add(scaled(frame.mass, a), cross(b, s)), (p1, p2, p3))
+    l = add(add(cross(s, a), inertia_product(frame, b)), (l1, l2, l3))
+    force = rotate(R, subtract(p, f))
+    moment = rotate(R, subtract(subtract(l, m), frame.moment))
     for k in range(3):
         reaction[k] = force[k] - frame.force[k]
         reaction[3 + k] = moment[k]

@@ -1,4 +1,9 @@
-"""Building blocks of a step of one floating-frame body, shared by the integrators and the record."""
+"""Floating-frame bodies at a stage: markers, gathered forces, factor and solution, for integrators and the record.
+
+Markers are points and directions. A point is the nearest node of the finite-element model and moves with its
+displacement. A direction turns with the frame only: a joint on a flexible body follows the displacement of its node,
+but not the rotation of the surface there relative to the frame.
+"""
 
 from __future__ import annotations
 
@@ -7,31 +12,141 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.small import cholesky_factor, cholesky_solve
-from heavylift.numerics.vectors import rotate, rotate_back
+from heavylift.numerics.vectors import add, cross, rotate, rotate_back, vector
 from heavylift.solver.bodies.floating_frame.inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrame,
     FloatingFrameBodies,
+    product_columns,
+    shape_of,
 )
-from heavylift.solver.bodies.floating_frame.markers import write_markers
-from heavylift.solver.bodies.floating_frame.shape import product_columns, shape_of
-from heavylift.solver.bodies.frames.motion import pose_stage
+from heavylift.solver.bodies.frames.motion import add_wrench, columns_of, pose_stage, write_point, write_turn
 from heavylift.solver.drive import FREE, drive_pose
-from heavylift.solver.interface import (
-    Workspace,
-    fill_markers,
-)
+from heavylift.solver.interface import ROWS, Workspace, fill_markers
 from heavylift.solver.kinds import implement
 
 __all__ = [
+    "add_joint_forces",
     "clear_velocity",
     "drive_frame",
     "factor_frame",
     "fill_floating_frame_markers",
+    "gather_marker_forces",
     "solve_stage",
     "stage_at_state",
     "update_products",
+    "write_markers",
+    "write_sensor",
 ]
+
+
+# ---- markers ----
+
+
+@kernel(internal=True)
+def write_markers(kind: FloatingFrameBodies, level: int, work: Workspace) -> None:
+    """Write vectors, rates and Jacobian windows ``[1, -R u~, R Phi]`` of all markers at the stage."""
+    for marker in range(kind.markers.shape[0]):
+        packed = kind.markers[marker]
+        number, body, start, serves = packed.number, packed.body, packed.data, packed.level
+        direction = packed.direction
+        if serves > level:
+            continue
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        data = kind.constants[start:]
+        frame = kind.frame[body]
+        R = frame.mid_rotation
+        modes = slice(first, first + n)
+        mid_modal_position = kind.mid_modal_position[modes]
+        mid_modal_velocity = kind.mid_modal_velocity[modes]
+        u1, u2, u3 = data[0], data[1], data[2]
+        d1 = d2 = d3 = 0.0
+        jacobian = work.jacobian[number]
+        if not direction:
+            for i in range(n):
+                q, qd = mid_modal_position[i], mid_modal_velocity[i]
+                phi1, phi2, phi3 = data[3 + i], data[3 + n + i], data[3 + 2 * n + i]
+                u1 += phi1 * q
+                u2 += phi2 * q
+                u3 += phi3 * q
+                d1 += phi1 * qd
+                d2 += phi2 * qd
+                d3 += phi3 * qd
+                for k in range(3):
+                    jacobian[k, 6 + i] = R[3 * k] * phi1 + R[3 * k + 1] * phi2 + R[3 * k + 2] * phi3
+        else:
+            for i in range(6, 6 + n):
+                jacobian[0, i] = jacobian[1, i] = jacobian[2, i] = 0.0
+        u = (u1, u2, u3)
+        turned, axes = cross(frame.mid_spin, u), columns_of(R)
+        point, rate = rotate(R, u), rotate(R, turned)
+        if not direction:
+            point = add(point, frame.mid_position)
+            rate = rotate(R, add(add(vector(frame.mid_velocity), turned), (d1, d2, d3)))
+        for k in range(3):
+            work.markers[number].point[k] = point[k]
+            work.markers[number].velocity[k] = rate[k]
+            for j in range(3):
+                jacobian[k, j] = 1.0 if (j == k and not direction) else 0.0
+        write_turn(axes, u, jacobian)
+
+
+@kernel(internal=True)
+def gather_marker_forces(kind: FloatingFrameBodies, work: Workspace) -> None:
+    """Generalised forces ``J^T f`` of all markers, into the stages of their bodies."""
+    for body in range(kind.table.shape[0]):
+        for j in range(6):
+            kind.frame[body].wrench[j] = 0.0
+    for i in range(kind.modal_position.shape[0]):
+        kind.modal_load[i] = 0.0
+    for marker in range(kind.markers.shape[0]):
+        if kind.markers[marker].level == ROWS:
+            continue
+        number, body = kind.markers[marker].number, kind.markers[marker].body
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        f1, f2, f3 = vector(work.markers[number].force)
+        jacobian = work.jacobian[number]
+        modes = slice(first, first + n)
+        modal_load = kind.modal_load[modes]
+        add_wrench(kind.frame[body], jacobian, 0, work.markers[number].force)
+        for i in range(n):
+            modal_load[i] += jacobian[0, 6 + i] * f1 + jacobian[1, 6 + i] * f2 + jacobian[2, 6 + i] * f3
+
+
+@kernel(internal=True)
+def add_joint_forces(kind: FloatingFrameBodies, body: int, work: Workspace) -> None:
+    """Add to the gathered forces those of the rows at the carried state."""
+    n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+    for j in range(6):
+        kind.frame[body].wrench[j] += work.row_force[dof + j]
+    for i in range(n):
+        kind.modal_load[first + i] += work.row_force[dof + 6 + i]
+
+
+@kernel(reassociate=True, internal=True)
+def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64]) -> None:
+    """World position and velocity of a sensor point; the stage holds the carried state."""
+    column, body, start = kind.sensors[sensor].number, kind.sensors[sensor].body, kind.sensors[sensor].data
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    data = kind.constants[start:]
+    frame = kind.frame[body]
+    modes = slice(first, first + n)
+    modal_position = kind.modal_position[modes]
+    modal_velocity = kind.modal_velocity[modes]
+    u1, u2, u3 = data[0], data[1], data[2]
+    d1 = d2 = d3 = 0.0
+    for i in range(n):
+        q, qd = modal_position[i], modal_velocity[i]
+        u1 += data[3 + i] * q
+        u2 += data[3 + n + i] * q
+        u3 += data[3 + 2 * n + i] * q
+        d1 += data[3 + i] * qd
+        d2 += data[3 + n + i] * qd
+        d3 += data[3 + 2 * n + i] * qd
+    write_point(frame, (u1, u2, u3), (d1, d2, d3), row, column)
+
+
+# ---- one body ----
 
 
 @kernel(internal=True)
@@ -160,7 +275,7 @@ def factor_frame(
         k54 += w5 * c4
         k55 += w5 * c5
     m = frame.mass
-    s1, s2, s3 = frame.first_moment[0], frame.first_moment[1], frame.first_moment[2]
+    s1, s2, s3 = vector(frame.first_moment)
     K[0], K[7], K[14] = m + k00, m + k11, m + k22
     K[6], K[12], K[13] = k10, k20, k21
     K[18], K[19], K[20] = k30, k31 - s3, k32 + s2

@@ -24,37 +24,48 @@ first order, with a small constant: U_n of the frame in (F3) is therefore shifte
 midpoint velocity from the mean of both ends, as the last steps found it, in proportion to the square of the
 step. Half of the news a step: all of it would feed a step-to-step alternation.
 
-What joints add stands in `floating_frame_joints`; their impulses are part of Ub, hence of p1 and L1.
+Impulses of joints (`heavylift.solver.bodies.floating_frame.joints`) are part of Ub, hence of p1 and L1.
 """
 
 from __future__ import annotations
 
+import math
+
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import write_rotation_matrix
-from heavylift.numerics.vectors import add_scaled, cross, rotate_back, subtract
+from heavylift.numerics.vectors import add_scaled, cross, rotate, rotate_back, subtract, vector, vector_at
+from heavylift.solver.bodies.floating_frame.fixed_frame import advance_fixed, factor_fixed, predict_fixed
 from heavylift.solver.bodies.floating_frame.inertia import (
     antisymmetric_products,
+    body_momenta,
     deformed_inertia,
+    frame_velocity_from_momenta,
+    leading_products,
     quadratic_modal_force,
 )
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrameBodies,
+    lag_scale,
+    product_columns,
+    shape_of,
 )
-from heavylift.solver.bodies.floating_frame.markers import gather_marker_forces
-from heavylift.solver.bodies.floating_frame.shape import lag_scale, product_columns, shape_of
-from heavylift.solver.bodies.floating_frame.stage import clear_velocity, factor_frame, solve_stage
-from heavylift.solver.bodies.frames.fixed_frame import factor_fixed, predict_fixed
-from heavylift.solver.bodies.frames.motion import predict_pose
+from heavylift.solver.bodies.floating_frame.stage import (
+    clear_velocity,
+    drive_frame,
+    factor_frame,
+    gather_marker_forces,
+    solve_stage,
+    update_products,
+)
+from heavylift.solver.bodies.frames.motion import advance_pose, check_frames, orientation_of, predict_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
-from heavylift.solver.interface import (
-    Workspace,
-    correct,
-    factor,
-    predict,
-)
+from heavylift.solver.interface import Workspace, advance, check, correct, factor, finish, predict
 from heavylift.solver.kinds import implement
 
-__all__: list[str] = []
+__all__ = [
+    "evaluate_end",
+]
 
 
 @implement(predict, FloatingFrameBodies)
@@ -92,10 +103,7 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
                 frame.mean_twist[3 + k] = 0.5 * (frame.spin[k] + frame.drive_rates[3 + k])
         else:
             predict_pose(frame, h, 0.125 * h * h)
-        v = rotate_back(
-            R,
-            add_scaled(frame.velocity, 0.5 * h, frame.acceleration),
-        )
+        v = rotate_back(R, add_scaled(frame.velocity, 0.5 * h, frame.acceleration))
         for k in range(3):
             frame.mid_velocity[k] = v[k]
             frame.mid_spin[k] = frame.spin[k] + 0.5 * h * frame.spin_rate[k]
@@ -149,28 +157,23 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
         modal_load = kind.modal_load[modes]
         shape = shape_of(kind, body)
         R = frame.mid_rotation
-        g1, g2, g3 = rotate_back(R, work.sums.gravity)
+        g = rotate_back(R, work.sums.gravity)
         for i in range(n):
             inverse_diagonal[i] = 1.0 / (1.0 + 0.25 * h * h * stiffness[i] + 0.5 * h * damping[i])
-            gravity = shape[i] * g1 + shape[n + i] * g2 + shape[2 * n + i] * g3
+            gravity = shape[i] * g[0] + shape[n + i] * g[1] + shape[2 * n + i] * g[2]
             modal_right_hand_side[i] = modal_velocity[i] + 0.5 * h * (
                 modal_load[i] + gravity - stiffness[i] * modal_position[i]
             )
-        v1, v2, v3 = rotate_back(
-            R,
-            add_scaled(frame.start_velocity, lag, frame.lag),
-        )
-        w1 = frame.start_velocity[3] + lag * frame.lag[3]
-        w2 = frame.start_velocity[4] + lag * frame.lag[4]
-        w3 = frame.start_velocity[5] + lag * frame.lag[5]
+        v = rotate_back(R, add_scaled(frame.start_velocity, lag, frame.lag))
+        w = add_scaled(vector_at(frame.start_velocity, 3), lag, vector_at(frame.lag, 3))
         for i in range(n):
             modal_right_hand_side[i] += (
-                shape[i] * v1
-                + shape[n + i] * v2
-                + shape[2 * n + i] * v3
-                + coupling[0, i] * w1
-                + coupling[1, i] * w2
-                + coupling[2, i] * w3
+                shape[i] * v[0]
+                + shape[n + i] * v[1]
+                + shape[2 * n + i] * v[2]
+                + coupling[0, i] * w[0]
+                + coupling[1, i] * w[1]
+                + coupling[2, i] * w[2]
             )
         rows = slice(8 * first, 8 * (first + n))
         mid_velocity_products = kind.mid_velocity_products[rows]
@@ -186,27 +189,22 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             mid_modal_position,
             midpoint_products,
             rates,
-            frame.mid_spin[0],
-            frame.mid_spin[1],
-            frame.mid_spin[2],
+            vector(frame.mid_spin),
             quadratic_force,
         )
         if motion == FREE:
-            m = frame.mass
-            p = rotate_back(
-                R,
-                add_scaled(frame.linear_momentum, 0.5 * h, add_scaled(frame.force, m, work.sums.gravity)),
-            )
+            force = add_scaled(frame.force, frame.mass, work.sums.gravity)
+            p = rotate_back(R, add_scaled(frame.linear_momentum, 0.5 * h, force))
             l = rotate_back(R, frame.transported_momentum)
-            t = cross(frame.first_moment, (g1, g2, g3))
+            t = cross(frame.first_moment, g)
             for k in range(3):
                 frame.right_hand_side[k] = p[k]
                 frame.right_hand_side[3 + k] = l[k] + 0.5 * h * (frame.moment[k] + t[k])
             factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
-            v1, v2, v3 = rotate_back(R, frame.mean_twist)
-            frame.right_hand_side[0], frame.right_hand_side[1], frame.right_hand_side[2] = v1, v2, v3
+            v = rotate_back(R, frame.mean_twist)
             for k in range(3):
+                frame.right_hand_side[k] = v[k]
                 frame.right_hand_side[3 + k] = frame.mean_twist[3 + k]
         clear_velocity(kind, body, work)
         solve_stage(kind, body, 0.5 * h, work)
@@ -238,9 +236,197 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
             kind.mid_modal_position[first : first + n],
             midpoint_products,
             mid_velocity_products,
-            velocity[3],
-            velocity[4],
-            velocity[5],
+            vector_at(velocity, 3),
             kind.quadratic_force[first : first + n],
         )
         solve_stage(kind, body, 0.5 * step, work)
+
+
+# ---- the end of the step ----
+
+
+NOT_FINITE = int(Outcome.NOT_FINITE)
+
+
+@implement(check, FloatingFrameBodies)
+@kernel(internal=True, reassociate=True)
+def check_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """Frames; and modal rates that are not finite."""
+    check_frames(kind, step, work)
+    for body in range(kind.table.shape[0]):
+        dof = kind.table[body].dof
+        total = 0.0
+        for i in range(dof + 6, dof + 6 + kind.table[body].mode_count):
+            total += abs(work.velocity[i])
+        if not math.isfinite(total):
+            work.status.outcome = NOT_FINITE
+            work.status.body = kind.table[body].number
+
+
+@implement(advance, FloatingFrameBodies)
+@kernel(reassociate=True, internal=True)
+def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float, work: Workspace) -> None:
+    """(F5): configuration and momenta to the end of the step, and the work of forces and dampers."""
+    h = step
+    for body in range(kind.table.shape[0]):
+        n, first, dof = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].dof
+        motion = kind.table[body].motion
+        if motion == FIXED:
+            advance_fixed(kind, body, h, work)
+            continue
+        frame = kind.frame[body]
+        modes = slice(first, first + n)
+        modal_position = kind.modal_position[modes]
+        modal_velocity = kind.modal_velocity[modes]
+        modal_acceleration = kind.modal_acceleration[modes]
+        damping = kind.damping[modes]
+        modal_load = kind.modal_load[modes]
+        velocity = work.velocity[dof : dof + 6 + n]
+        external = dissipated = 0.0
+        for j in range(3):
+            external += frame.force[j] * velocity[j]
+        for j in range(3):
+            external += frame.moment[j] * velocity[3 + j]
+        for i in range(n):
+            rate = velocity[6 + i]
+            external += modal_load[i] * rate
+            dissipated += damping[i] * rate * rate
+        frame.external_work += h * external
+        frame.dissipated_work += h * dissipated
+        for j in range(6):
+            frame.stage_velocity[j] = velocity[j]
+        if motion == FREE:
+            R = frame.mid_rotation
+            v = rotate_back(R, velocity)
+            w = vector_at(velocity, 3)
+            p, l = body_momenta(
+                shape_of(kind, body), frame, kind.coupling[:, first : first + n], v, w, velocity[6:]
+            )
+            p, l = rotate(R, p), rotate(R, l)
+            advance_pose(frame, velocity, h)
+            for k in range(3):
+                frame.linear_momentum[k] = 2.0 * p[k] - frame.linear_momentum[k]
+            moved = cross(subtract(frame.mid_position, frame.position), frame.linear_momentum)
+            for k in range(3):
+                frame.angular_momentum[k] = 2.0 * l[k] - frame.transported_momentum[k] + moved[k]
+        elif motion == DRIVEN:
+            _begin_drive_work(kind, body, h, work)
+            drive_frame(kind, body, time + h)
+            for k in range(3):
+                frame.velocity[k] = frame.drive_rates[k]
+                frame.spin[k] = frame.drive_rates[3 + k]
+        for i in range(n):
+            rate = 2.0 * velocity[6 + i] - modal_velocity[i]
+            modal_position[i] += h * velocity[6 + i]
+            modal_acceleration[i] = (rate - modal_velocity[i]) / h
+            modal_velocity[i] = rate
+
+
+@kernel(internal=True)
+def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
+    """Inertia and rotation at the end of the step from the products there; (F6): frame velocities from momenta."""
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    frame = kind.frame[body]
+    modes = slice(first, first + n)
+    shape = shape_of(kind, body)
+    deformed_inertia(
+        shape,
+        kind.modal_position[modes],
+        kind.position_products[8 * first : 8 * (first + n)],
+        frame,
+        kind.coupling[:, modes],
+    )
+    R = frame.end_rotation
+    write_rotation_matrix(orientation_of(frame), R)
+    if kind.table[body].motion == FREE:
+        p = rotate_back(R, frame.linear_momentum)
+        l = rotate_back(R, frame.angular_momentum)
+        v, w = frame_velocity_from_momenta(
+            shape, frame, kind.coupling[:, modes], p, l, kind.modal_velocity[modes]
+        )
+        v = rotate(R, v)
+        for k in range(3):
+            frame.velocity[k], frame.spin[k] = v[k], w[k]
+
+
+@implement(finish, FloatingFrameBodies)
+@kernel(internal=True)
+def finish_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspace) -> None:
+    """Velocities at the end, unless the joints have set them; difference quotients for the next prediction."""
+    h = step
+    lag = lag_scale(step, work)
+    for body in range(kind.table.shape[0]):
+        n, first = kind.table[body].mode_count, kind.table[body].first_mode
+        frame = kind.frame[body]
+        if kind.table[body].motion == FIXED:
+            continue
+        rows = slice(8 * first, 8 * (first + n))
+        acceleration_products = kind.acceleration_products[rows]
+        velocity_products = kind.velocity_products[rows]
+        for r in range(3 * n):
+            acceleration_products[r] = velocity_products[r]
+        if not frame.at_end:
+            update_products(kind, body)
+            evaluate_end(kind, body)
+        else:  # the rates were projected meanwhile
+            rates = kind.modal_velocity[first : first + n]
+            leading_products(product_columns(kind, body), rates, 8 * n, velocity_products)
+        for r in range(3 * n):
+            acceleration_products[r] = (velocity_products[r] - acceleration_products[r]) / h
+        if kind.table[body].motion == FREE:
+            for k in range(3):
+                middle = frame.stage_velocity[k] - 0.5 * (frame.start_velocity[k] + frame.velocity[k])
+                frame.lag[k] = 0.5 * (lag * frame.lag[k] + middle)
+                middle = frame.stage_velocity[3 + k] - 0.5 * (frame.start_velocity[3 + k] + frame.spin[k])
+                frame.lag[3 + k] = 0.5 * (lag * frame.lag[3 + k] + middle)
+        else:
+            _finish_drive_work(kind, body)
+        for k in range(3):
+            frame.acceleration[k] = (frame.velocity[k] - frame.start_velocity[k]) / h
+            frame.spin_rate[k] = (frame.spin[k] - frame.start_velocity[3 + k]) / h
+
+
+@kernel(internal=True)
+def _begin_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Workspace) -> None:
+    """Momenta that a driven frame would have without its drive, and the velocities of the stage, world axes."""
+    h = step
+    frame = kind.frame[body]
+    m, R = frame.mass, frame.mid_rotation
+    moment = rotate(R, frame.moment)
+    spin = rotate(R, vector_at(frame.stage_velocity, 3))
+    s = rotate(R, frame.first_moment)
+    t = cross(s, work.sums.gravity)
+    for k in range(3):
+        frame.stage_velocity[3 + k] = spin[k]
+        frame.right_hand_side[k] = frame.linear_momentum[k] + h * (frame.force[k] + m * work.sums.gravity[k])
+        frame.right_hand_side[3 + k] = frame.transported_momentum[k] + h * (moment[k] + t[k])
+
+
+@kernel(internal=True)
+def _finish_drive_work(kind: FloatingFrameBodies, body: int) -> None:
+    """Momenta at the end; work of a drive: its impulse is their change less the impulse of the other forces."""
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    modes = slice(first, first + n)
+    frame = kind.frame[body]
+    R = frame.end_rotation
+    p, l = body_momenta(
+        shape_of(kind, body),
+        frame,
+        kind.coupling[:, modes],
+        rotate_back(R, frame.velocity),
+        (frame.spin[0], frame.spin[1], frame.spin[2]),
+        kind.modal_velocity[modes],
+    )
+    p = rotate(R, p)
+    l = rotate(R, l)
+    moved = cross(
+        subtract(frame.position, frame.mid_pose),
+        p,
+    )
+    done = 0.0
+    for k in range(3):
+        done += (p[k] - frame.right_hand_side[k]) * frame.stage_velocity[k]
+        done += (l[k] + moved[k] - frame.right_hand_side[3 + k]) * frame.stage_velocity[3 + k]
+        frame.linear_momentum[k] = p[k]
+        frame.angular_momentum[k] = l[k]
+    frame.drive_work += done

@@ -12,7 +12,8 @@ rule between velocities at half steps; everything else is first order. For compa
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross, rotate_back
+from heavylift.numerics.vectors import cross, rotate_back, vector, vector_at
+from heavylift.solver.bodies.floating_frame.fixed_frame import thesis_advance_fixed, thesis_velocity_fixed
 from heavylift.solver.bodies.floating_frame.inertia import (
     body_momenta,
     frame_velocity_forces,
@@ -20,17 +21,16 @@ from heavylift.solver.bodies.floating_frame.inertia import (
 )
 from heavylift.solver.bodies.floating_frame.kind import (
     FloatingFrameBodies,
+    shape_of,
 )
-from heavylift.solver.bodies.floating_frame.markers import gather_marker_forces
-from heavylift.solver.bodies.floating_frame.shape import shape_of
 from heavylift.solver.bodies.floating_frame.stage import (
     clear_velocity,
     drive_frame,
     factor_frame,
+    gather_marker_forces,
     solve_stage,
     stage_at_state,
 )
-from heavylift.solver.bodies.frames.fixed_frame import thesis_advance_fixed, thesis_velocity_fixed
 from heavylift.solver.bodies.frames.motion import advance_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
@@ -70,7 +70,7 @@ def thesis_velocity_floating_frames(
         R = frame.mid_rotation
         g = rotate_back(R, work.sums.gravity)
         v = rotate_back(R, frame.velocity)
-        w = (frame.spin[0], frame.spin[1], frame.spin[2])
+        w = vector(frame.spin)
         rows = slice(8 * first, 8 * (first + n))
         position_products = kind.position_products[rows]
         velocity_products = kind.velocity_products[rows]
@@ -79,9 +79,7 @@ def thesis_velocity_floating_frames(
             kind.modal_position[modes],
             position_products,
             velocity_products,
-            w[0],
-            w[1],
-            w[2],
+            w,
             quadratic_force,
         )
         for i in range(n):
@@ -104,7 +102,7 @@ def thesis_velocity_floating_frames(
             m = frame.mass
             p, l = body_momenta(shape, frame, coupling, v, w, rates)
             f, t = frame_velocity_forces(
-                shape, kind.modal_position[modes], position_products, frame, w[0], w[1], w[2], rates
+                shape, kind.modal_position[modes], position_products, frame, w, rates
             )
             force = rotate_back(R, frame.force)
             moment = cross(frame.first_moment, g)
@@ -175,15 +173,13 @@ def _add_drive_work(kind: FloatingFrameBodies, body: int, step: float, work: Wor
     I_tf = kind.coupling[:, modes]
     velocity = work.velocity[dof : dof + 6 + n]
     rates = kind.modal_velocity[modes]
-    w = (frame.spin[0], frame.spin[1], frame.spin[2])
+    w = vector(frame.spin)
     v = rotate_back(R, frame.velocity)
     v1 = rotate_back(R, velocity)
-    w1 = (velocity[3], velocity[4], velocity[5])
+    w1 = vector_at(velocity, 3)
     p, l = body_momenta(shape, frame, I_tf, v, w, rates)
     p1, l1 = body_momenta(shape, frame, I_tf, v1, w1, velocity[6:])
-    f, t = frame_velocity_forces(
-        shape, kind.modal_position[modes], position_products, frame, w[0], w[1], w[2], rates
-    )
+    f, t = frame_velocity_forces(shape, kind.modal_position[modes], position_products, frame, w, rates)
     g = rotate_back(R, work.sums.gravity)
     force = rotate_back(R, frame.force)
     weight = cross(frame.first_moment, g)

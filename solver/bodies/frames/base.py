@@ -135,7 +135,6 @@ class FrameBodies(BodyKind):
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
         "heavylift.solver.bodies.frames.contours",
-        "heavylift.solver.bodies.frames.joints",
         "heavylift.solver.bodies.frames.motion",
     )
 

@@ -6,7 +6,7 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.frames.base import FrameBodies
-from heavylift.solver.bodies.frames.joints import body_with
+from heavylift.solver.bodies.frames.motion import body_with
 from heavylift.solver.contact.interface import bound_motion, pose_contours, put_contour_rows
 from heavylift.solver.contact.kind import OF_MODES, OF_RIGID, ContactRows
 from heavylift.solver.contact.search.contour_rows import put_frame_rows

@@ -1,4 +1,4 @@
-"""How frames move: their pose in a step, their velocities, and what a record says of them."""
+"""How frames move: their pose in a step, their velocities, what records say of them, what rows see and cost a drive."""
 
 from __future__ import annotations
 
@@ -10,24 +10,45 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
-from heavylift.numerics.vectors import add, cross, rotate
+from heavylift.numerics.vectors import (
+    Vector,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    rotate,
+    scaled,
+    subtract,
+    vector,
+    vector_at,
+)
 from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameMotion
-from heavylift.solver.drive import FREE
-from heavylift.solver.interface import Sums, Workspace, check, write_velocity
+from heavylift.solver.drive import DRIVEN, FREE
+from heavylift.solver.interface import Sums, Workspace, add_row_work, check, write_velocity
 from heavylift.solver.kinds import implement
+from heavylift.solver.rows.impulses import row_power
+from heavylift.solver.rows.structure import FACTORED, PRESCRIBED, RowArrays
 
 __all__ = [
     "add_momenta",
     "add_wrench",
     "advance_pose",
+    "attached_body",
+    "body_with",
     "check_frames",
+    "columns_of",
+    "combine_axes",
     "orientation_of",
     "pose_stage",
     "predict_pose",
     "write_frame_velocities",
     "write_motion",
     "write_point",
+    "write_turn",
 ]
+
+
+Axes = tuple[Vector, Vector, Vector]
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
 
@@ -37,6 +58,31 @@ def orientation_of(frame: FrameMotion) -> tuple[float, float, float, float]:
     """Carried quaternion."""
     q = frame.orientation
     return q[0], q[1], q[2], q[3]
+
+
+@kernel(inline=True, internal=True)
+def columns_of(R: NDArray[np.float64]) -> Axes:
+    """Columns of a rotation matrix: all of it is read, since the compiler must assume that what is written overlaps."""
+    return (R[0], R[3], R[6]), (R[1], R[4], R[7]), (R[2], R[5], R[8])
+
+
+@kernel(inline=True, internal=True)
+def combine_axes(axes: Axes, u: Vector) -> Vector:
+    """``R u``, from the columns of R."""
+    return add_scaled(add_scaled(scaled(u[0], axes[0]), u[1], axes[1]), u[2], axes[2])
+
+
+@kernel(inline=True, internal=True)
+def write_turn(axes: Axes, u: Vector, window: NDArray[np.float64]) -> None:
+    """``-R u~``, what a spin does to a vector of the body, into its three columns of a window."""
+    a, b, c = axes
+    by_x = subtract(scaled(u[1], c), scaled(u[2], b))
+    by_y = subtract(scaled(u[2], a), scaled(u[0], c))
+    by_z = subtract(scaled(u[0], b), scaled(u[1], a))
+    for k in range(3):
+        window[k, 3] = by_x[k]
+        window[k, 4] = by_y[k]
+        window[k, 5] = by_z[k]
 
 
 @kernel(internal=True)
@@ -78,7 +124,7 @@ def advance_pose(frame: Frame, velocity: NDArray[np.float64], step: float) -> No
 @kernel(internal=True)
 def add_wrench(frame: Frame, jacobian: NDArray[np.float64], offset: int, force: NDArray[np.float64]) -> None:
     """``J^T f`` of a marker, whose window has the velocities of the frame from `offset` on."""
-    f1, f2, f3 = force[0], force[1], force[2]
+    f1, f2, f3 = vector(force)
     for j in range(6):
         frame.wrench[j] += (
             jacobian[0, offset + j] * f1 + jacobian[1, offset + j] * f2 + jacobian[2, offset + j] * f3
@@ -104,8 +150,8 @@ def check_frames(kind: FrameBodies, step: float, work: Workspace) -> None:
         total = 0.0
         for i in range(dof, dof + 6):
             total += abs(work.velocity[i])
-        w1, w2, w3 = work.velocity[dof + 3], work.velocity[dof + 4], work.velocity[dof + 5]
-        turn = step * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
+        spin = vector_at(work.velocity, dof + 3)
+        turn = step * math.sqrt(dot(spin, spin))
         if not math.isfinite(total):
             work.status.outcome = NOT_FINITE
             work.status.body = kind.table[body].number
@@ -128,8 +174,8 @@ def write_motion(frame: FrameMotion, row: NDArray[np.float64], column: int) -> N
 @kernel(internal=True)
 def write_point(
     frame: Frame,
-    place: tuple[float, float, float],
-    rate: tuple[float, float, float],
+    place: Vector,
+    rate: Vector,
     row: NDArray[np.float64],
     column: int,
 ) -> None:
@@ -144,9 +190,7 @@ def write_point(
 
 
 @kernel(internal=True)
-def add_momenta(
-    frame: Frame, linear: tuple[float, float, float], angular: tuple[float, float, float], sums: Sums
-) -> None:
+def add_momenta(frame: Frame, linear: Vector, angular: Vector, sums: Sums) -> None:
     """Momenta of a body, the angular one about the origin of its frame, and works into the totals; world axes."""
     p = linear
     x = cross(frame.position, p)
@@ -155,3 +199,40 @@ def add_momenta(
         sums.angular_momentum[k] += angular[k] + x[k]
     sums.external_work += frame.external_work
     sums.drive_work += frame.drive_work
+
+
+# ---- rows ----
+
+
+@kernel(inline=True, internal=True)
+def body_with(kind: FrameBodies, dof: int) -> int:
+    """Row of the body whose first velocity is `dof`, -1 if it is not of this kind."""
+    low, high = 0, kind.table.shape[0] - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if kind.table[middle].dof <= dof:
+            low = middle
+        else:
+            high = middle - 1
+    return low if kind.table[low].dof == dof else -1
+
+
+@kernel(internal=True)
+def attached_body(kind: FrameBodies, system: RowArrays, attachment: int) -> int:
+    """Row of the body that an attachment is on, -1 if that is not of this kind or has a diagonal mass."""
+    holder = system.attachments[attachment].holder
+    if holder != FACTORED and holder != PRESCRIBED:  # noqa: PLR1714  a set costs time here
+        return -1
+    return body_with(kind, system.attachments[attachment].dof)
+
+
+@implement(add_row_work, FrameBodies)
+@kernel(internal=True)
+def add_row_work_of_frames(kind: FrameBodies, weight: float, work: Workspace, system: RowArrays) -> None:
+    """A drive does the work that joints take out of its body."""
+    if not kind.driven:
+        return
+    for i in range(system.attachments.shape[0]):
+        body = attached_body(kind, system, i)
+        if body >= 0 and kind.table[body].motion == DRIVEN:
+            kind.frame[body].drive_work -= weight * row_power(system, i, work.velocity)

@@ -7,11 +7,16 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
-from heavylift.numerics.vectors import cross, rotate
+from heavylift.numerics.vectors import Vector, cross, rotate
 from heavylift.solver.bodies.frames.base import FrameMotion
 from heavylift.solver.bodies.frames.motion import add_momenta, orientation_of, write_motion, write_point
 from heavylift.solver.bodies.rigid.kind import RigidFrame, RigidFrames
-from heavylift.solver.bodies.rigid.stage import gather_marker_forces, spatial_momentum, stage_at_state
+from heavylift.solver.bodies.rigid.step import (
+    gather_marker_forces,
+    principal_momentum,
+    spatial_momentum,
+    stage_at_state,
+)
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import (
     Workspace,
@@ -42,7 +47,7 @@ def record_rigid_bodies(kind: RigidFrames, time: float, work: Workspace, row: ND
 
 
 @kernel(internal=True)
-def _put_user_motion(frame: RigidFrame, out: FrameMotion) -> tuple[float, float, float]:
+def _put_user_motion(frame: RigidFrame, out: FrameMotion) -> Vector:
     """Write pose and velocities of the frame of the user; returns the centre of mass from there, world axes [m]."""
     axes = (frame.axes[0], frame.axes[1], frame.axes[2], frame.axes[3])
     q = quaternion_product(orientation_of(frame), (axes[0], -axes[1], -axes[2], -axes[3]))
@@ -64,19 +69,13 @@ def _write_reaction(
     kind: RigidFrames,
     body: int,
     work: Workspace,
-    arm: tuple[float, float, float],
+    arm: Vector,
     reaction: NDArray[np.float64],
 ) -> None:
     """Force, and moment about the origin of the body frame, world axes, that keep a body on its course."""
     frame, dof = kind.frame[body], kind.table[body].dof
     driven = 1.0 if kind.table[body].motion == DRIVEN else 0.0
-    w1, w2, w3 = frame.spin[0], frame.spin[1], frame.spin[2]
-    l1, l2, l3 = (
-        frame.principal_inertia[0] * w1,
-        frame.principal_inertia[1] * w2,
-        frame.principal_inertia[2] * w3,
-    )
-    gyroscopic = cross((w1, w2, w3), (l1, l2, l3))
+    gyroscopic = cross(frame.spin, principal_momentum(frame, frame.spin))
     moment = rotate(
         frame.mid_rotation,
         (
@@ -116,4 +115,4 @@ def add_rigid_totals(kind: RigidFrames, work: Workspace) -> None:
             )
             totals.potential -= m * work.sums.gravity[k] * frame.position[k]
         p = (m * frame.velocity[0], m * frame.velocity[1], m * frame.velocity[2])
-        add_momenta(frame, p, spatial_momentum(frame, frame.spin[0], frame.spin[1], frame.spin[2]), totals)
+        add_momenta(frame, p, spatial_momentum(frame, frame.spin), totals)

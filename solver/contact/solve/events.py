@@ -13,12 +13,7 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.copying import copy_carried
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.interface import (
-    bound_motion,
-    forget_accelerations,
-    pose_contours,
-    settle_points,
-)
+from heavylift.solver.contact.interface import bound_motion, pose_contours, settle_points
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.search.locate import locate
@@ -26,7 +21,7 @@ from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.stage import NEAR, looks_ahead
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
 from heavylift.solver.contact.triangles.interface import keep_found, search_surfaces
-from heavylift.solver.interface import Bodies, Joints, Workspace, add_row_work, end_rows
+from heavylift.solver.interface import Bodies, Joints, Workspace, add_row_work, end_rows, forget_accelerations
 from heavylift.solver.kinds import implement
 
 __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]

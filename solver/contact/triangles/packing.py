@@ -12,7 +12,7 @@ from heavylift.contours.triangles.surface_layout import RelativeMotion, Relative
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.kind import principal_frame
+from heavylift.solver.bodies.rigid.packing import principal_frame
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.kind import (
     COMPLIANT,
@@ -45,8 +45,8 @@ from heavylift.solver.scene.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
-    from heavylift.preprocess.surfaces import TriangleSurface
-    from heavylift.solver.bodies.ancf.facet_packing import FacetBook
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+    from heavylift.solver.bodies.ancf.mesh_contour import FacetBook
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.scene import AnyBody
 
@@ -123,7 +123,7 @@ def pack_collisions(
         pair.poses[:] = first_pose + first, first_pose + second
         pair.law = RIGID if isinstance(law, RigidLaw) else COMPLIANT
         pair.force_law = 0 if isinstance(law, RigidLaw) else force_law(law)
-        pair.events = collision.events
+        pair.events = isinstance(law, RigidLaw) and law.events
         pair.method = METHODS[collision.method]
         pair.column, pair.recorded = column, collision.recorded
         pair.most = most_of(collision, scene)
@@ -261,7 +261,7 @@ def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
 ) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
-    from heavylift.preprocess.surfaces import TriangleSurface
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
     if one.body != GROUND and one.body not in by_name:
         raise InputError(
@@ -305,7 +305,7 @@ def _pack_own_surface(
     one: CollisionSurface, body: MeshBody, number: int, dofs: Mapping[str, int]
 ) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook]:
     """The same of a frame or shell: axes are those in which it was placed, and stand still."""
-    from heavylift.solver.bodies.ancf.facet_packing import facet_surface
+    from heavylift.solver.bodies.ancf.mesh_contour import facet_surface
 
     if one.surface is not None:
         raise InputError(
@@ -341,8 +341,6 @@ def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[flo
     if isinstance(collision.law, BilateralLaw):
         _refuse(collision, "law", "bilateral, between surfaces that come and go", "a law that lets go")
     check_law(collision.name, collision.law, collision.friction)
-    if not isinstance(collision.law, RigidLaw) and not collision.events:
-        _refuse(collision, "events", "false with a law that is compliant", "law 'rigid', or no 'events'")
     if collision.method not in METHODS:
         _refuse(collision, "method", f"{collision.method!r}", " or ".join(map(repr, METHODS)))
     if not 0.0 < collision.patch_angle <= math.pi:

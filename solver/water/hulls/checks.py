@@ -1,7 +1,8 @@
-"""What hulls, tanks and water must fulfil before they are packed: finite numbers, and a database that fits."""
+"""What hulls, tanks and water must fulfil to be packed; why a hull left what its database covers, in words."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -11,12 +12,22 @@ from numpy.typing import ArrayLike, NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
+from heavylift.solver.interface import Bodies
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.sea import FloatingBody, Hull, Radiation, Sea, Tank, Water
 
-__all__ = ["check_hull_numbers", "check_places", "check_sea", "check_tank", "check_volume", "check_water"]
+__all__ = [
+    "check_hull_numbers",
+    "check_places",
+    "check_sea",
+    "check_tank",
+    "check_volume",
+    "check_water",
+    "left_because",
+]
+
 
 PLACE_SHARE, PLACE_TOLERANCE = 0.05, 0.5
 """How far interacting hulls may start from their places in the database: a share of their distance, and metres."""
@@ -217,3 +228,40 @@ def check_volume(
             key="reference",
             expected=f"about {wanted:.5g} m3: the reference point and draught of the database",
         )
+
+
+# ---- during a run ----
+
+
+def left_because(bodies: Bodies, number: int) -> tuple[str, str]:
+    """What happened, and what may help.
+
+    Parameters
+    ----------
+    bodies
+        Kinds of a scene after a step that was refused.
+    number
+        Of the hull.
+    """
+    for kind in bodies:
+        if "hulls" not in kind._fields:
+            continue
+        for row in np.flatnonzero(kind.table["number"] == number):
+            volume, least = kind.stage[row].clip.volume, kind.hulls[row].least_volume
+            if np.isnan(kind.vectors.wave[6 * row : 6 * row + 6]).any():
+                turned = math.degrees(kind.stage[row].heading)
+                return (
+                    f"no wave force is known at a heading of {turned:.3g} deg at this time",
+                    "a database with more headings, or a longer series of waves",
+                )
+            if least > 0.0 and volume < least:
+                return (
+                    f"it displaces {volume:.3g} m3 and is as good as out of the water",
+                    "lower waves, the right mass, or no database for a hull that leaves the water",
+                )
+            if least > 0.0:
+                return (
+                    "it is wholly under water",
+                    "lower waves, more freeboard or stability, the right mass, or no database for a hull that sinks",
+                )
+    return "", "a database that covers the motion"

@@ -16,7 +16,9 @@ import numpy as np
 from heavylift.numerics.arrays import Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.records import Record, Records, Vector
+from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import Vector as VectorField
+from heavylift.numerics.vectors import Vector, add, cross, dot, scaled, subtract
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +50,7 @@ class Clip(Record):
     """
 
     volume: float
-    moment: Vector
+    moment: VectorField
     plane_area: float
     plane_x: float
     plane_y: float
@@ -59,25 +61,15 @@ class Clip(Record):
     crossing: int
 
 
-Triangle = tuple[float, float, float, float, float]
+Sums = tuple[float, Vector, float]
 
 
 @kernel(inline=True, internal=True)
-def triangle_sums(
-    ax: float, ay: float, az: float, bx: float, by: float, bz: float, cx: float, cy: float, cz: float
-) -> Triangle:
+def triangle_sums(a: Vector, b: Vector, c: Vector) -> Sums:
     """6 volumes of the tetrahedron from the origin, 24 first moments of it, 2 areas of the triangle."""
-    ux, uy, uz = bx - ax, by - ay, bz - az
-    vx, vy, vz = cx - ax, cy - ay, cz - az
-    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    volume = ax * nx + ay * ny + az * nz
-    return (
-        volume,
-        volume * (ax + bx + cx),
-        volume * (ay + by + cy),
-        volume * (az + bz + cz),
-        math.sqrt(nx * nx + ny * ny + nz * nz),
-    )
+    n = cross(subtract(b, a), subtract(c, a))
+    volume = dot(a, n)
+    return volume, scaled(volume, add(add(a, b), c)), math.sqrt(dot(n, n))
 
 
 @kernel(internal=True)
@@ -123,7 +115,8 @@ def clip_surface(
         placed[i, 0] = r0 * x + r1 * y + r2 * z
         placed[i, 1] = r3 * x + r4 * y + r5 * z
         placed[i, 2] = r6 * x + r7 * y + r8 * z + height
-    volume = moment_x = moment_y = moment_z = wetted = 0.0
+    volume = wetted = 0.0
+    moment = (0.0, 0.0, 0.0)
     area = plane_x = plane_y = plane_xx = plane_yy = plane_xy = 0.0
     crossing = 0
     for k in range(triangles.shape[0]):
@@ -151,9 +144,9 @@ def clip_surface(
             px, py = ax + s * (bx - ax), ay + s * (by - ay)
             qx, qy = ax + t * (cx - ax), ay + t * (cy - ay)
             if two:  # p b c here, p c q below
-                v, vx, vy, vz, w = triangle_sums(px, py, 0.0, bx, by, bz, cx, cy, cz)
+                v, first, w = triangle_sums((px, py, 0.0), (bx, by, bz), (cx, cy, cz))
                 volume, wetted = volume + v, wetted + w
-                moment_x, moment_y, moment_z = moment_x + vx, moment_y + vy, moment_z + vz
+                moment = add(moment, first)
                 cut = px * qy - qx * py
                 ax, ay, az = px, py, 0.0
                 bx, by, bz = cx, cy, cz
@@ -167,13 +160,12 @@ def clip_surface(
             plane_xx += cut * (px * px + px * qx + qx * qx)
             plane_yy += cut * (py * py + py * qy + qy * qy)
             plane_xy += cut * (2.0 * (px * py + qx * qy) + px * qy + qx * py)
-        v, vx, vy, vz, w = triangle_sums(ax, ay, az, bx, by, bz, cx, cy, cz)
+        v, first, w = triangle_sums((ax, ay, az), (bx, by, bz), (cx, cy, cz))
         volume, wetted = volume + v, wetted + w
-        moment_x, moment_y, moment_z = moment_x + vx, moment_y + vy, moment_z + vz
+        moment = add(moment, first)
     out.volume = volume / 6.0
-    out.moment[0] = moment_x / 24.0
-    out.moment[1] = moment_y / 24.0
-    out.moment[2] = moment_z / 24.0
+    for k in range(3):
+        out.moment[k] = moment[k] / 24.0
     out.plane_area = area / 2.0
     out.plane_x = plane_x / 6.0
     out.plane_y = plane_y / 6.0

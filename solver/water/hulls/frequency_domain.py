@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.solver.water.waves.spectra import WaveSpectrum, dispersion
 from heavylift.solver.water.waves.wave_transfer import excitation_at
 

@@ -317,9 +317,7 @@ class Hulls(RigidFrames):
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
         *RigidFrames.kernel_modules,
-        "heavylift.solver.water.hulls.joints",
         "heavylift.solver.water.hulls.record",
-        "heavylift.solver.water.hulls.stage",
         "heavylift.solver.water.hulls.step",
     )
 

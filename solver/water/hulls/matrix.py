@@ -1,18 +1,146 @@
-"""Matrix and right-hand side of the step of hulls: masses, stiffness of buoyancy and lines, momenta and forces."""
+"""Matrix and right-hand side of the step of hulls: masses, stiffness of buoyancy and lines, momenta and forces.
+
+Buoyancy is that of a clipped surface or of a float plane: force, moment, stiffness and potential. Both derive from a
+potential: ``-rho g`` times the height moment of the submerged volume, or of a float plane
+``rho g / 2 int z^2 dA`` with the height z of its points, plus that of the constant volume. Free surfaces of tanks take
+from the stiffness of tilt as a negative float plane does.
+"""
 
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import rotate_back
-from heavylift.solver.interface import (
-    Workspace,
-)
-from heavylift.solver.water.hulls.kind import (
-    Hulls,
-)
-from heavylift.solver.water.hulls.restoring import restore
+from heavylift.numerics.vectors import Vector, add_scaled, cross, rotate, rotate_back, scaled, vector
+from heavylift.solver.interface import Workspace
+from heavylift.solver.water.hulls.clipping import clip_surface
+from heavylift.solver.water.hulls.kind import CLIPPED, LINEAR, Hulls
 
-__all__ = ["assemble", "assemble_mass", "moved_on"]
+__all__ = [
+    "assemble",
+    "assemble_mass",
+    "moved_on",
+    "restore",
+    "restoring_potential",
+]
+
+
+Six = tuple[float, float, float, float, float, float]
+"""Displacement [m] and small rotation [rad] of a hull."""
+
+
+# ---- buoyancy ----
+
+
+@kernel(internal=True)
+def restore(kind: Hulls, hull: int) -> None:
+    """Buoyancy at the stage of a hull, in its own coordinates, and its stiffness.
+
+    Writes `lift`: world force and moment about the centre of mass in principal axes; `stiffness`: against height and
+    the world rotations x and y: zz, zx, zy, xx, yy, xy.
+    """
+    stage, data = kind.stage[hull], kind.hulls[hull]
+    R = kind.frame[hull].mid_rotation
+    height = kind.frame[hull].mid_position[2] - kind.water.level
+    weight = kind.water.weight
+    sort = data.restoring
+    force = moment_x = moment_y = zz = zx = zy = xx = yy = xy = 0.0
+    if sort == CLIPPED:
+        clip = stage.clip
+        points = kind.points[data.first_point : data.last_point]
+        triangles = kind.triangles[data.first_triangle : data.last_triangle]
+        placed = kind.placed[data.first_point : data.last_point]
+        clip_surface(points, triangles, R, height, placed, clip)
+        force = weight * clip.volume
+        moment_x, moment_y = weight * clip.moment[1], -weight * clip.moment[0]
+        lever = clip.moment[2] - height * clip.volume
+        zz, zx, zy = weight * clip.plane_area, weight * clip.plane_y, -weight * clip.plane_x
+        xx, yy = weight * (clip.plane_yy + lever), weight * (clip.plane_xx + lever)
+        xy = -weight * clip.plane_xy
+    elif sort == LINEAR:
+        d1x, d1y, a = rotate(R, data.axis_x)
+        d2x, d2y, b = rotate(R, data.axis_y)
+        px, py, pz = rotate(R, data.float_plane)
+        bx, by, bz = rotate(R, data.buoyancy_centre)
+        A, Sx, Sy = data.waterplane[0], data.waterplane[1], data.waterplane[2]
+        Ixx, Iyy, Ixy = data.waterplane[3], data.waterplane[4], data.waterplane[5]
+        z = height + pz
+        f0 = -weight * (A * z + Sx * a + Sy * b)
+        f1 = -weight * (Sx * z + Ixx * a + Ixy * b)
+        f2 = -weight * (Sy * z + Ixy * a + Iyy * b)
+        volume = weight * data.displaced_volume
+        force = volume + f0
+        moment_x = by * volume + py * f0 + d1y * f1 + d2y * f2
+        moment_y = -bx * volume - px * f0 - d1x * f1 - d2x * f2
+        # the heights change by dz + (theta x r)_z: gradients (1, y, -x)
+        zz = weight * A
+        zx = weight * (A * py + Sx * d1y + Sy * d2y)
+        zy = -weight * (A * px + Sx * d1x + Sy * d2x)
+        xx = weight * (
+            A * py * py + Ixx * d1y * d1y + Iyy * d2y * d2y
+            + 2.0 * (Sx * py * d1y + Sy * py * d2y + Ixy * d1y * d2y)
+        ) + volume * bz  # fmt: skip
+        yy = weight * (
+            A * px * px + Ixx * d1x * d1x + Iyy * d2x * d2x
+            + 2.0 * (Sx * px * d1x + Sy * px * d2x + Ixy * d1x * d2x)
+        ) + volume * bz  # fmt: skip
+        xy = -weight * (
+            A * px * py + Ixx * d1x * d1y + Iyy * d2x * d2y
+            + Sx * (px * d1y + d1x * py) + Sy * (px * d2y + d2x * py) + Ixy * (d1x * d2y + d2x * d1y)
+        )  # fmt: skip
+    if data.last_tank > data.first_tank:
+        about_x, about_y = _free_surfaces(kind, hull)
+        d1x, d1y, a = rotate(R, data.axis_x)
+        d2x, d2y, b = rotate(R, data.axis_y)
+        f1, f2 = kind.water.gravity * about_y * a, kind.water.gravity * about_x * b
+        moment_x += d1y * f1 + d2y * f2
+        moment_y -= d1x * f1 + d2x * f2
+        g1, g2 = kind.water.gravity * about_y, kind.water.gravity * about_x
+        xx -= g1 * d1y * d1y + g2 * d2y * d2y
+        yy -= g1 * d1x * d1x + g2 * d2x * d2x
+        xy += g1 * d1x * d1y + g2 * d2x * d2y
+    m1, m2, m3 = rotate_back(R, (moment_x, moment_y, 0.0))
+    stage.lift[0], stage.lift[1], stage.lift[2] = 0.0, 0.0, force
+    stage.lift[3], stage.lift[4], stage.lift[5] = m1, m2, m3
+    stage.stiffness[0], stage.stiffness[1], stage.stiffness[2] = zz, zx, zy
+    stage.stiffness[3], stage.stiffness[4], stage.stiffness[5] = xx, yy, xy
+
+
+@kernel(internal=True)
+def _free_surfaces(kind: Hulls, hull: int) -> tuple[float, float]:
+    """Sums over the tanks that hold water, about x and about y of the body [kg m2]."""
+    about_x = about_y = 0.0
+    for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
+        if kind.tanks[tank].mass > 0.0:
+            about_x += kind.tanks[tank].free_surface[0]
+            about_y += kind.tanks[tank].free_surface[1]
+    return about_x, about_y
+
+
+@kernel(internal=True)
+def restoring_potential(kind: Hulls, hull: int) -> float:
+    """Potential of the buoyancy at the stage [J], after `restore`."""
+    R = kind.frame[hull].mid_rotation
+    height = kind.frame[hull].mid_position[2] - kind.water.level
+    weight, data = kind.water.weight, kind.hulls[hull]
+    sort = kind.hulls[hull].restoring
+    potential = 0.0
+    _, _, a = rotate(R, data.axis_x)
+    _, _, b = rotate(R, data.axis_y)
+    if sort == CLIPPED:
+        potential = -weight * kind.stage[hull].clip.moment[2]
+    elif sort == LINEAR:
+        _, _, pz = rotate(R, data.float_plane)
+        _, _, bz = rotate(R, data.buoyancy_centre)
+        A, Sx, Sy = data.waterplane[0], data.waterplane[1], data.waterplane[2]
+        Ixx, Iyy, Ixy = data.waterplane[3], data.waterplane[4], data.waterplane[5]
+        z = height + pz
+        potential = 0.5 * weight * (
+            A * z * z + Ixx * a * a + Iyy * b * b + 2.0 * (Sx * z * a + Sy * z * b + Ixy * a * b)
+        ) - weight * data.displaced_volume * (height + bz)  # fmt: skip
+    about_x, about_y = _free_surfaces(kind, hull)
+    return potential - 0.5 * kind.water.gravity * (about_y * a * a + about_x * b * b)
+
+
+# ---- the matrix ----
 
 
 @kernel(internal=True)
@@ -63,9 +191,7 @@ def assemble_mass(kind: Hulls, group: int, base: int, at_end: bool, step: float)
 def _add_tank_mass(kind: Hulls, hull: int, tank: int, base: int, n: int, at_end: bool) -> None:
     """``m [1, -R r~]^T [1, -R r~]``, lower triangle."""
     m = kind.tanks[tank].mass
-    r1 = kind.tanks[tank].point[0]
-    r2 = kind.tanks[tank].point[1]
-    r3 = kind.tanks[tank].point[2]
+    r1, r2, r3 = vector(kind.tanks[tank].point)
     R = kind.stage[hull].rotation if at_end else kind.frame[hull].mid_rotation
     matrix = kind.matrices
     for k in range(3):
@@ -114,14 +240,9 @@ def line_force(
     work: Workspace,
     end: int,
     step: float,
-    d1: float,
-    d2: float,
-    d3: float,
-    d4: float,
-    d5: float,
-    d6: float,
-) -> tuple[float, float, float, int, int]:
-    """``(K + 2/h D) J d`` of one end of a line, its marker and the window of its hull.
+    d: Six,
+) -> Vector:
+    """``(K + 2/h D) J d`` of one end of a line and a displacement of its hull.
 
     Notes
     -----
@@ -131,16 +252,14 @@ def line_force(
     hull, marker, line = at.hull, at.marker, at.line
     offset = kind.hulls[hull].offset
     J, K, D = work.jacobian[marker], kind.tangents[line], kind.rate_tangents[line]
-    x = d1 + J[0, offset + 3] * d4 + J[0, offset + 4] * d5 + J[0, offset + 5] * d6
-    y = d2 + J[1, offset + 3] * d4 + J[1, offset + 4] * d5 + J[1, offset + 5] * d6
-    z = d3 + J[2, offset + 3] * d4 + J[2, offset + 4] * d5 + J[2, offset + 5] * d6
+    x = d[0] + J[0, offset + 3] * d[3] + J[0, offset + 4] * d[4] + J[0, offset + 5] * d[5]
+    y = d[1] + J[1, offset + 3] * d[3] + J[1, offset + 4] * d[4] + J[1, offset + 5] * d[5]
+    z = d[2] + J[2, offset + 3] * d[3] + J[2, offset + 4] * d[4] + J[2, offset + 5] * d[5]
     rate = 2.0 / step
     return (
         (K[0] + rate * D[0]) * x + (K[1] + rate * D[1]) * y + (K[2] + rate * D[2]) * z,
         (K[3] + rate * D[3]) * x + (K[4] + rate * D[4]) * y + (K[5] + rate * D[5]) * z,
         (K[6] + rate * D[6]) * x + (K[7] + rate * D[7]) * y + (K[8] + rate * D[8]) * z,
-        marker,
-        offset,
     )
 
 
@@ -150,18 +269,19 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
 
     With velocities that were found before, also what the other end of the line, on another hull, has moved since.
     """
-    hull = kind.line_ends[end].hull
+    hull, marker = kind.line_ends[end].hull, kind.line_ends[end].marker
+    J, offset = work.jacobian[marker], kind.hulls[hull].offset
     quarter = 0.25 * step * step
+    foreseen = kind.stage[hull].foreseen
     for column in range(7):
         if column < 6:
-            f = line_force(
-                kind, work, end, step, 1.0 * (column == 0), 1.0 * (column == 1), 1.0 * (column == 2),
+            d = (
+                1.0 * (column == 0), 1.0 * (column == 1), 1.0 * (column == 2),
                 1.0 * (column == 3), 1.0 * (column == 4), 1.0 * (column == 5),
             )  # fmt: skip
         else:
-            d = kind.stage[hull].foreseen
-            f = line_force(kind, work, end, step, d[0], d[1], d[2], d[3], d[4], d[5])
-        J, offset = work.jacobian[f[3]], f[4]
+            d = (foreseen[0], foreseen[1], foreseen[2], foreseen[3], foreseen[4], foreseen[5])
+        f = line_force(kind, work, end, step, d)
         for i in range(6):
             value = J[0, offset + i] * f[0] + J[1, offset + i] * f[1] + J[2, offset + i] * f[2]
             if column == 6:
@@ -171,8 +291,6 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
     other = kind.line_ends[end].other
     if again and other >= 0:
         x, y, z = moved_on(kind, work, other, step)
-        marker = kind.line_ends[end].marker
-        J, offset = work.jacobian[marker], kind.hulls[hull].offset
         for i in range(6):
             kind.vectors.load[6 * hull + i] += (
                 0.5 * step * (J[0, offset + i] * x + J[1, offset + i] * y + J[2, offset + i] * z)
@@ -180,17 +298,16 @@ def _add_line(kind: Hulls, work: Workspace, end: int, base: int, n: int, step: f
 
 
 @kernel(internal=True)
-def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> tuple[float, float, float]:
+def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> Vector:
     """``(K + 2/h D)`` times how far the middle of one end, as found, lies from where the line was evaluated [N]."""
     hull = kind.line_ends[end].hull
     dof, d, half = kind.table[hull].dof, kind.stage[hull].foreseen, 0.5 * step
     U = work.velocity[dof : dof + 6]
-    f = line_force(
-        kind, work, end, step,
+    moved = (
         half * U[0] - d[0], half * U[1] - d[1], half * U[2] - d[2],
         half * U[3] - d[3], half * U[4] - d[4], half * U[5] - d[5],
     )  # fmt: skip
-    return f[0], f[1], f[2]
+    return line_force(kind, work, end, step, moved)
 
 
 @kernel(internal=True)
@@ -212,21 +329,11 @@ def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
             vectors.load[out + k] += kind.stage[hull].transform[i, k] * force
     for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
         m = kind.tanks[tank].mass
-        f1 = m * (kind.tanks[tank].start_velocity[0] + 0.5 * h * work.sums.gravity[0])
-        f2 = m * (kind.tanks[tank].start_velocity[1] + 0.5 * h * work.sums.gravity[1])
-        f3 = m * (kind.tanks[tank].start_velocity[2] + 0.5 * h * work.sums.gravity[2])
-        b1, b2, b3 = rotate_back(R, (f1, f2, f3))
-        r1, r2, r3 = (
-            kind.tanks[tank].point[0],
-            kind.tanks[tank].point[1],
-            kind.tanks[tank].point[2],
-        )
-        vectors.load[out] += f1
-        vectors.load[out + 1] += f2
-        vectors.load[out + 2] += f3
-        vectors.load[out + 3] += r2 * b3 - r3 * b2
-        vectors.load[out + 4] += r3 * b1 - r1 * b3
-        vectors.load[out + 5] += r1 * b2 - r2 * b1
+        f = scaled(m, add_scaled(kind.tanks[tank].start_velocity, 0.5 * h, work.sums.gravity))
+        moment = cross(kind.tanks[tank].point, rotate_back(R, f))
+        for k in range(3):
+            vectors.load[out + k] += f[k]
+            vectors.load[out + 3 + k] += moment[k]
 
 
 @kernel(internal=True)

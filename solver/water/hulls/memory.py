@@ -21,16 +21,13 @@ brings its own velocities at its start and its end.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
-from heavylift.numerics.small import aligned
 
 __all__ = [
     "DirectMemory",
@@ -41,8 +38,6 @@ __all__ = [
     "memory_force_exponential",
     "memory_force_now_direct",
     "memory_force_now_exponential",
-    "pack_direct_memory",
-    "pack_exponential_memory",
     "prepare_memory_exponential",
 ]
 
@@ -131,151 +126,6 @@ class DirectMemory(Arrays):
     step: Floats1
     implicit: Floats2
     explicit: Floats2
-
-
-def pack_exponential_memory(
-    poles: ArrayLike, residues: ArrayLike, damping: ArrayLike | None = None
-) -> ExponentialMemory:
-    """Arrays of a sum of exponentials, at rest.
-
-    Parameters
-    ----------
-    poles
-        s_p [1/s], complex, shape (P,), one of each conjugate pair, real parts negative.
-    residues
-        Complex, shape (P, n, n). Entries that are zero for all poles cost nothing.
-    damping
-        Real, shape (n, n); default none.
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit, a number is not finite, or a pole does not decay.
-    """
-    s = np.atleast_1d(np.asarray(poles, dtype=np.complex128))
-    R = np.asarray(residues, dtype=np.complex128)
-    if R.ndim != 3 or R.shape[0] != len(s) or R.shape[1] != R.shape[2]:
-        raise InputError(
-            f"shape {R.shape}",
-            source="memory",
-            key="residues",
-            expected=f"({len(s)}, n, n) for {len(s)} poles",
-        )
-    n = R.shape[1]
-    D = np.zeros((n, n)) if damping is None else np.array(damping, dtype=np.float64)
-    if D.shape != (n, n):
-        raise InputError(f"shape {D.shape}", source="memory", key="damping", expected=f"({n}, {n})")
-    if not (np.isfinite(s).all() and np.isfinite(R).all() and np.isfinite(D).all()):
-        raise InputError("a value is not finite", source="memory", key="poles, residues, damping")
-    if not (s.real < 0.0).all():
-        worst = s[np.argmax(s.real)]
-        raise InputError(
-            f"{worst:.4g} 1/s does not decay", source="memory", key="poles", expected="negative real parts"
-        )
-    channels = np.ascontiguousarray(np.argwhere((R != 0.0).any(axis=0)).reshape(-1, 2), dtype=np.int64)
-    of_channels = R[:, channels[:, 0], channels[:, 1]].T
-    return ExponentialMemory(
-        poles=_copied(np.concatenate([s.real, s.imag])),
-        channels=channels,
-        residues=_copied(np.hstack([of_channels.real, -of_channels.imag])),
-        damping=_copied(D),
-        state=_copied(np.zeros((n, 2 * len(s)))),
-        decay=aligned((2 * len(s),)),
-        of_start=aligned((2 * len(s),)),
-        of_end=aligned((2 * len(s),)),
-        halves=aligned((len(channels), 2 * len(s))),
-        step=np.array([-1.0]),
-        implicit=_copied(D),
-        explicit=_copied(np.zeros((n, n))),
-    )
-
-
-def pack_direct_memory(
-    response: Callable[[NDArray[np.float64]], NDArray[np.float64]],
-    step: float,
-    duration: float,
-    damping: ArrayLike | None = None,
-) -> DirectMemory:
-    """Arrays of a direct convolution, at rest.
-
-    Parameters
-    ----------
-    response
-        K(t): times [s], shape (m,), to kernels, shape (m, n, n).
-    step
-        Length of every step [s].
-    duration
-        How far back the memory reaches [s]; rounded up to whole steps.
-    damping
-        Real, shape (n, n); default none.
-
-    Raises
-    ------
-    InputError
-        If the step or the duration is not positive, or the kernel is not finite.
-
-    Notes
-    -----
-    The weights of a step are int K(t) f(t) dt with f linear from one velocity to the other, by Simpson's rule: of
-    fourth order in a length that is far below any period of the kernel.
-    """
-    if not (np.isfinite(step) and np.isfinite(duration) and 0.0 < step <= duration):
-        raise InputError(
-            f"step {step} s, duration {duration} s",
-            source="memory",
-            key="step",
-            expected="0 < step <= duration",
-        )
-    taps = int(np.ceil(duration / step - 1e-9))
-    samples = 4 * int(np.ceil(0.25 * step / PIECE - 1e-9))
-    per_half = samples // 2
-    times = step / samples * np.arange(taps * samples + per_half + 1, dtype=np.float64)
-    K = np.asarray(response(times), dtype=np.float64)
-    n = K.shape[-1]
-    if K.shape != (len(times), n, n) or not np.isfinite(K).all():
-        raise InputError(f"shape {K.shape}", source="memory", key="kernel", expected="finite, (times, n, n)")
-    D = np.zeros((n, n)) if damping is None else np.array(damping, dtype=np.float64)
-    first, part = _simpson(per_half, 0.5 * step)
-    half = K[: per_half + 1]
-    near = np.tensordot(first * (1.0 - part), half, 1)
-    explicit = np.tensordot(first * part, half, 1)
-    channels = np.ascontiguousarray(np.argwhere((K != 0.0).any(axis=0)).reshape(-1, 2), dtype=np.int64)
-    series = np.ascontiguousarray(K[:, channels[:, 0], channels[:, 1]].T)
-    whole, part = _simpson(samples, step)
-    weights = []
-    for offset in (per_half, 0):
-        pieces = np.stack(
-            [series[:, offset + k : offset + k + taps * samples : samples] for k in range(samples + 1)],
-            axis=2,
-        )
-        both = np.empty((len(channels), 2 * taps))
-        both[:, 0::2] = pieces @ (whole * part)  # the start of a step is the end of the interval of age
-        both[:, 1::2] = pieces @ (whole * (1.0 - part))
-        weights.append(_copied(both))
-    return DirectMemory(
-        channels=channels,
-        middle=weights[0],
-        now=weights[1],
-        damping=_copied(D),
-        state=_copied(np.zeros(1 + 2 * n * taps)),
-        step=np.array([float(step)]),
-        implicit=_copied(near + D),
-        explicit=_copied(explicit),
-    )
-
-
-def _simpson(pieces: int, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Weights of Simpson's rule over an interval, and how far along it their points are."""
-    weights = np.ones(pieces + 1)
-    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
-    return weights * (length / pieces / 3.0), np.linspace(0.0, 1.0, pieces + 1)
-
-
-def _copied(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A copy that begins at a cache line."""
-    out = aligned(values.shape)
-    out[...] = values
-    return out
 
 
 @kernel(internal=True)

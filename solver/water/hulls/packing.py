@@ -1,20 +1,23 @@
-"""Makes the kind of hulls from what a user says: surfaces and points in principal axes, tanks, databases."""
+"""Hulls of a scene become arrays: surfaces, tanks, groups, start state; memory and waves of their databases."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.kind import RigidFrame, pack_rigid_bodies
+from heavylift.numerics.small import aligned
+from heavylift.solver.bodies.rigid.kind import RigidFrame
+from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.sea import FloatingBody, LinearRestoring, Radiation, Sea, Tank
-from heavylift.solver.water.hulls.checks import check_hull_numbers, check_tank, check_volume
+from heavylift.solver.water.hulls.checks import check_hull_numbers, check_places, check_tank, check_volume
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 from heavylift.solver.water.hulls.kind import (
     CLIPPED,
@@ -26,13 +29,35 @@ from heavylift.solver.water.hulls.kind import (
     HullState,
     HullVectors,
     LineEnd,
+    Parts,
     StillWater,
     TankData,
     TankLevel,
     WaveComponent,
 )
+from heavylift.solver.water.hulls.memory import (
+    PIECE,
+    DirectMemory,
+    ExponentialMemory,
+)
+from heavylift.solver.water.hulls.parts import (
+    DirectPart,
+    ExponentialPart,
+    SeriesPart,
+    SummedPart,
+)
 
-__all__ = ["pack_hulls"]
+if TYPE_CHECKING:
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+
+__all__ = [
+    "check_series",
+    "pack_direct_memory",
+    "pack_exponential_memory",
+    "pack_hulls",
+    "pack_parts",
+]
+
 
 LEAST_SHARE = 0.02
 """Of the whole volume of a hull, that it must displace while a database is to hold."""
@@ -109,7 +134,6 @@ def pack_hulls(
     for entry in sea.radiation:
         for place, name in enumerate(entry.bodies):
             _cover(entry, place, names.index(name), bodies, rows, surfaces, rigid.frame)
-    from heavylift.solver.water.hulls.parts import pack_parts
 
     added_mass, radiation, excitation, part_state = pack_parts(bodies, sea, step, notes)
     kind = Hulls(
@@ -228,7 +252,7 @@ def _fill_hull(
         data.waterplane[:] = linear.waterplane
         data.displaced_volume = linear.volume
     elif hull.restoring is not None:
-        from heavylift.preprocess.hull_surface import check_hull
+        from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
 
         welded = check_hull(hull.restoring, open_deck=hull.open_deck).surface
         data.restoring = CLIPPED
@@ -280,3 +304,300 @@ def _gauge(sea: Sea) -> Records[WaveComponent]:
     w = sea.waves
     kx, ky = w.wavenumber * np.cos(w.direction), w.wavenumber * np.sin(w.direction)
     return records(WaveComponent, zip(w.omega, kx, ky, w.phase, w.amplitude, strict=True))
+
+
+# ---- what a database brings: memory and waves ----
+
+
+FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY = 0.1, 60.0, 40.0
+"""Of the samples that exponentials are fitted to [s], how far these reach at least, and direct convolution does [s]."""
+
+
+SERIES_MOVED, SERIES_TURNED = 0.05, np.radians(0.1)
+"""How far a start may move hulls whose wave forces are tabulated: metres and radians."""
+
+
+def pack_parts(
+    bodies: Sequence[FloatingBody], sea: Sea, step: float, notes: list[str]
+) -> tuple[NDArray[np.float64], Parts, Parts, NDArray[np.float64]]:
+    """Added mass of all hulls, memory and excitation of each database, and the states of the memories, flat.
+
+    Raises
+    ------
+    InputError
+        If a database belongs to other water, or does not cover the waves.
+    """
+    names = [body.name for body in bodies]
+    added_mass = np.zeros((6 * len(names), 6 * len(names)))
+    memories: list[Any] = []
+    excitations: list[Any] = []
+    for radiation in sea.radiation:
+        first = names.index(radiation.bodies[0])
+        _check_water(radiation, sea)
+        check_places(radiation, bodies[first : first + len(radiation.bodies)])
+        at = slice(6 * first, 6 * (first + len(radiation.bodies)))
+        added_mass[at, at] = _consistent_added_mass(radiation.database)
+        if radiation.memory != "none":
+            memories.append(_memory(radiation, 6 * first, step, notes))
+        if sea.waves is not None:
+            excitations.append(_excitation(radiation, bodies, first, sea))
+    states = [np.ravel(part.memory.state) for part in memories]
+    return added_mass, Parts(memories), Parts(excitations), np.concatenate([np.zeros(0), *states])
+
+
+def _consistent_added_mass(database: HydrodynamicDatabase) -> NDArray[np.float64]:
+    """Added mass at infinite frequency with which the memory returns that of the database at wave frequencies.
+
+    Notes
+    -----
+    Panel codes give that at infinite frequency with the error of their mesh, 3 to 5 % for a barge of 648 panels,
+    which Ogilvie's relation does not share: motions in waves then differ by a tenth of that of the mass. A value of
+    the database that is far from the relation is refused.
+    """
+    from heavylift.preprocess.hydrodynamics.retardation import check_infinite_added_mass, infinite_added_mass
+
+    w, A, B = database.omega, database.added_mass, database.damping
+    check_infinite_added_mass(w, A, B, database.added_mass_infinite, source=database.source)
+    consistent = infinite_added_mass(w, A, B, source=database.source)[0]
+    return np.asarray(0.5 * (consistent + consistent.T))
+
+
+def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> ExponentialPart | DirectPart:
+    from heavylift.preprocess.hydrodynamics.retardation import memory_length, retardation_kernel
+
+    database = radiation.database
+    kernel_of_time = retardation_kernel(database.omega, database.damping, source=database.source)
+    length = radiation.memory_length or max(memory_length(kernel_of_time), SHORTEST_MEMORY)
+    place = np.array([first], dtype=np.int64)
+    if radiation.memory == "direct":
+        if not step > 0.0:
+            raise InputError(
+                "direct convolution without a fixed step",
+                source=database.source,
+                key="memory",
+                expected="a fixed step, and nothing that takes steps back; or 'exponentials'",
+            )
+        return DirectPart(place, pack_direct_memory(kernel_of_time, step, length))
+    from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
+
+    times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)
+    fit = fit_exponentials(
+        kernel_of_time(times), FIT_STEP, tolerance=radiation.fit_error, source=database.source
+    )
+    if fit.warning:
+        notes.append(fit.warning)
+    return ExponentialPart(place, pack_exponential_memory(fit.poles, fit.residues, fit.damping))
+
+
+def _excitation(
+    radiation: Radiation, bodies: Sequence[FloatingBody], first: int, sea: Sea
+) -> SummedPart | SeriesPart:
+    from heavylift.solver.water.waves.excitation_packing import pack_series, pack_summed
+
+    assert sea.waves is not None
+    hulls = bodies[first : first + len(radiation.bodies)]
+    places = np.zeros((len(hulls), 3))
+    for row, body in enumerate(hulls):
+        R = rotation_matrix(body.orientation)
+        places[row, :2] = (body.position + R @ body.hull.reference)[:2]
+        places[row, 2] = np.arctan2(R[1, 0], R[0, 0])
+    number = np.array([first], dtype=np.int64)
+    if sea.excitation == "series":
+        series = pack_series(
+            sea.waves,
+            radiation.database,
+            places=places,
+            duration=sea.duration,
+            ramp=sea.ramp,
+            with_drift=radiation.drift,
+        )
+        return SeriesPart(number, places, series)
+    summed = pack_summed(
+        sea.waves, radiation.database, yaws=places[:, 2], ramp=sea.ramp, with_drift=radiation.drift
+    )
+    return SummedPart(number, np.zeros((len(hulls), 3)), summed)
+
+
+def _check_water(radiation: Radiation, sea: Sea) -> None:
+    """A database was computed for a water, which must be that of the scene."""
+    database, water = radiation.database, sea.water
+    same = np.isclose(database.density, water.density, rtol=0.01) and np.isclose(
+        database.gravity, water.gravity, rtol=5e-3
+    )
+    depths = 1.0 / np.array([database.depth, water.depth])
+    if not (same and abs(depths[0] - depths[1]) <= 0.05 * max(depths)):
+        raise InputError(
+            f"density {database.density:g} kg/m3, gravity {database.gravity:g} m/s2, depth {database.depth:g} m",
+            source=database.source,
+            key="density, gravity, depth",
+            expected=f"those of the sea: {water.density:g}, {water.gravity:g}, {water.depth:g}",
+        )
+
+
+def check_series(bodies: Iterable[Any]) -> None:
+    """Refuse a series of wave forces for a place that hulls have been moved from before the start.
+
+    Raises
+    ------
+    InputError
+        Names how far.
+    """
+    for kind in bodies:
+        for part in getattr(kind, "excitation", ()):
+            if not isinstance(part, SeriesPart):
+                continue
+            for i, held in enumerate(part.held):
+                moved = kind.state[int(part.first[0]) + i].low_pass[::2] - held
+                if np.abs(moved[:2]).max() > SERIES_MOVED or abs(moved[2]) > SERIES_TURNED:
+                    raise InputError(
+                        f"the start moves a hull by {np.linalg.norm(moved[:2]):.3g} m and"
+                        f" {np.degrees(moved[2]):.3g} deg",
+                        source="sea",
+                        key="excitation",
+                        expected="'summed', or a start at the place that the series of waves is made for",
+                    )
+
+
+def pack_exponential_memory(
+    poles: ArrayLike, residues: ArrayLike, damping: ArrayLike | None = None
+) -> ExponentialMemory:
+    """Arrays of a sum of exponentials, at rest.
+
+    Parameters
+    ----------
+    poles
+        s_p [1/s], complex, shape (P,), one of each conjugate pair, real parts negative.
+    residues
+        Complex, shape (P, n, n). Entries that are zero for all poles cost nothing.
+    damping
+        Real, shape (n, n); default none.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, a number is not finite, or a pole does not decay.
+    """
+    s = np.atleast_1d(np.asarray(poles, dtype=np.complex128))
+    R = np.asarray(residues, dtype=np.complex128)
+    if R.ndim != 3 or R.shape[0] != len(s) or R.shape[1] != R.shape[2]:
+        raise InputError(
+            f"shape {R.shape}",
+            source="memory",
+            key="residues",
+            expected=f"({len(s)}, n, n) for {len(s)} poles",
+        )
+    n = R.shape[1]
+    D = np.zeros((n, n)) if damping is None else np.array(damping, dtype=np.float64)
+    if D.shape != (n, n):
+        raise InputError(f"shape {D.shape}", source="memory", key="damping", expected=f"({n}, {n})")
+    if not (np.isfinite(s).all() and np.isfinite(R).all() and np.isfinite(D).all()):
+        raise InputError("a value is not finite", source="memory", key="poles, residues, damping")
+    if not (s.real < 0.0).all():
+        worst = s[np.argmax(s.real)]
+        raise InputError(
+            f"{worst:.4g} 1/s does not decay", source="memory", key="poles", expected="negative real parts"
+        )
+    channels = np.ascontiguousarray(np.argwhere((R != 0.0).any(axis=0)).reshape(-1, 2), dtype=np.int64)
+    of_channels = R[:, channels[:, 0], channels[:, 1]].T
+    return ExponentialMemory(
+        poles=_copied(np.concatenate([s.real, s.imag])),
+        channels=channels,
+        residues=_copied(np.hstack([of_channels.real, -of_channels.imag])),
+        damping=_copied(D),
+        state=_copied(np.zeros((n, 2 * len(s)))),
+        decay=aligned((2 * len(s),)),
+        of_start=aligned((2 * len(s),)),
+        of_end=aligned((2 * len(s),)),
+        halves=aligned((len(channels), 2 * len(s))),
+        step=np.array([-1.0]),
+        implicit=_copied(D),
+        explicit=_copied(np.zeros((n, n))),
+    )
+
+
+def pack_direct_memory(
+    response: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    step: float,
+    duration: float,
+    damping: ArrayLike | None = None,
+) -> DirectMemory:
+    """Arrays of a direct convolution, at rest.
+
+    Parameters
+    ----------
+    response
+        K(t): times [s], shape (m,), to kernels, shape (m, n, n).
+    step
+        Length of every step [s].
+    duration
+        How far back the memory reaches [s]; rounded up to whole steps.
+    damping
+        Real, shape (n, n); default none.
+
+    Raises
+    ------
+    InputError
+        If the step or the duration is not positive, or the kernel is not finite.
+
+    Notes
+    -----
+    The weights of a step are int K(t) f(t) dt with f linear from one velocity to the other, by Simpson's rule: of
+    fourth order in a length that is far below any period of the kernel.
+    """
+    if not (np.isfinite(step) and np.isfinite(duration) and 0.0 < step <= duration):
+        raise InputError(
+            f"step {step} s, duration {duration} s",
+            source="memory",
+            key="step",
+            expected="0 < step <= duration",
+        )
+    taps = int(np.ceil(duration / step - 1e-9))
+    samples = 4 * int(np.ceil(0.25 * step / PIECE - 1e-9))
+    per_half = samples // 2
+    times = step / samples * np.arange(taps * samples + per_half + 1, dtype=np.float64)
+    K = np.asarray(response(times), dtype=np.float64)
+    n = K.shape[-1]
+    if K.shape != (len(times), n, n) or not np.isfinite(K).all():
+        raise InputError(f"shape {K.shape}", source="memory", key="kernel", expected="finite, (times, n, n)")
+    D = np.zeros((n, n)) if damping is None else np.array(damping, dtype=np.float64)
+    first, part = _simpson(per_half, 0.5 * step)
+    half = K[: per_half + 1]
+    near = np.tensordot(first * (1.0 - part), half, 1)
+    explicit = np.tensordot(first * part, half, 1)
+    channels = np.ascontiguousarray(np.argwhere((K != 0.0).any(axis=0)).reshape(-1, 2), dtype=np.int64)
+    series = np.ascontiguousarray(K[:, channels[:, 0], channels[:, 1]].T)
+    whole, part = _simpson(samples, step)
+    weights = []
+    for offset in (per_half, 0):
+        pieces = np.stack(
+            [series[:, offset + k : offset + k + taps * samples : samples] for k in range(samples + 1)],
+            axis=2,
+        )
+        both = np.empty((len(channels), 2 * taps))
+        both[:, 0::2] = pieces @ (whole * part)  # the start of a step is the end of the interval of age
+        both[:, 1::2] = pieces @ (whole * (1.0 - part))
+        weights.append(_copied(both))
+    return DirectMemory(
+        channels=channels,
+        middle=weights[0],
+        now=weights[1],
+        damping=_copied(D),
+        state=_copied(np.zeros(1 + 2 * n * taps)),
+        step=np.array([float(step)]),
+        implicit=_copied(near + D),
+        explicit=_copied(explicit),
+    )
+
+
+def _simpson(pieces: int, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Weights of Simpson's rule over an interval, and how far along it their points are."""
+    weights = np.ones(pieces + 1)
+    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
+    return weights * (length / pieces / 3.0), np.linspace(0.0, 1.0, pieces + 1)
+
+
+def _copied(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A copy that begins at a cache line."""
+    out = aligned(values.shape)
+    out[...] = values
+    return out

@@ -11,7 +11,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.vectors import add, cross, rotate, scaled
 from heavylift.solver.bodies.rigid.record import add_rigid_totals, record_rigid_bodies
-from heavylift.solver.bodies.rigid.stage import stage_at_state
+from heavylift.solver.bodies.rigid.step import stage_at_state
 from heavylift.solver.interface import (
     Workspace,
     add_totals,
@@ -23,9 +23,9 @@ from heavylift.solver.water.hulls.kind import (
     LINEAR,
     Hulls,
 )
+from heavylift.solver.water.hulls.matrix import restore, restoring_potential
 from heavylift.solver.water.hulls.parts import memory_now
-from heavylift.solver.water.hulls.restoring import restore, restoring_potential
-from heavylift.solver.water.hulls.stage import (
+from heavylift.solver.water.hulls.step import (
     fill_tanks,
     find_waves,
     put_tank_velocity,
@@ -138,14 +138,9 @@ def add_hull_totals(kind: Hulls, work: Workspace) -> None:
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             m = kind.tanks[tank].mass
             arm = rotate(R, kind.tanks[tank].point)
-            l1, l2, l3 = cross(
-                add(kind.frame[hull].mid_position, arm),
-                scaled(m, kind.tanks[tank].velocity),
-            )
-            totals.angular_momentum[0] += l1
-            totals.angular_momentum[1] += l2
-            totals.angular_momentum[2] += l3
+            l = cross(add(kind.frame[hull].mid_position, arm), scaled(m, kind.tanks[tank].velocity))
             for k in range(3):
+                totals.angular_momentum[k] += l[k]
                 v = kind.tanks[tank].velocity[k]
                 totals.kinetic += 0.5 * m * v * v
                 totals.linear_momentum[k] += m * v

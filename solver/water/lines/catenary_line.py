@@ -11,8 +11,14 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.solver.scene.moorings import LineSection, check_sections
-from heavylift.solver.water.lines.catenary import FAILED, LineData, LineEnds, LineState, solve_lines
-from heavylift.solver.water.lines.catenary_walk import SectionData
+from heavylift.solver.water.lines.catenary import (
+    FAILED,
+    LineData,
+    LineEnds,
+    LineState,
+    SectionData,
+    solve_lines,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Absent, BodyDirection, Positive, Quantity, Shape
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import (
     FORCES,
@@ -21,9 +24,65 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.moorings import Fender
+from heavylift.solver.scene.connections import Between
+from heavylift.solver.scene.descriptions import ChannelKind, no_rows
+from heavylift.solver.scene.moorings import MOORINGS
 
-__all__ = ["Fenders", "fender_markers", "pack_fenders"]
+__all__ = ["Fender", "Fenders", "fender_markers", "pack_fenders"]
+
+
+@MOORINGS.describe("fenders")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fender(Between):
+    """A one-sided spring on a plane face, which pushes two bodies apart."""
+
+    CHANNELS: ClassVar = (
+        ChannelKind("force", "force", "force of the fender along its normal"),
+        ChannelKind("compression", "length", "compression of the fender, 0 while nothing presses it"),
+    )
+    """What it records, in the order of its columns."""
+    SENTENCES: ClassVar = {
+        "between": 'Body, or ``"ground"``, that it stands on, and the one that presses it.',
+        "points": "Its tip when it is not compressed, and the point that presses it, in the coordinates of the "
+        "geometries; of the ground in the world [m].",
+    }
+
+    direction: Annotated[NDArray[np.float64], BodyDirection()]
+    """Outward normal of its face in the axes of the first body."""
+    stiffness: Annotated[float, Positive("stiffness"), Absent()] = 0.0
+    """[N/m]."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """[N s/m]; never so much that it pulls."""
+    compressions: Annotated[
+        NDArray[np.float64], Quantity("length", minimum=0.0, closed=True), Shape((None,))
+    ] = field(default_factory=no_rows)
+    """In place of `stiffness`, a table from 0 on [m]."""
+    forces: Annotated[NDArray[np.float64], Quantity("force", minimum=0.0, closed=True), Shape((None,))] = (
+        field(default_factory=no_rows)
+    )
+    """[N], one a compression."""
+
+    @staticmethod
+    def check_sides(between: tuple[str, str]) -> None:
+        """Two bodies, or a body and the ground."""
+        if between[0] == between[1]:
+            raise InputError(
+                f"both sides are {between[0]!r}", expected="two bodies, or a body and the ground"
+            )
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A stiffness, or a table."""
+        if (said.stiffness is None) == (len(said.compressions) == 0):
+            problem = "neither 'stiffness' nor 'compressions'" if said.stiffness is None else "both"
+            raise InputError(problem, expected="'stiffness', or a table of 'compressions' and 'forces'")
+        rows = said.compressions
+        if len(rows) and (len(rows) != len(said.forces) or any(b <= a for a, b in pairwise(rows))):
+            raise InputError(
+                f"{len(rows)} compressions and {len(said.forces)} forces",
+                key="compressions",
+                expected="increasing compressions from 0, one force each",
+            )
 
 
 class FenderData(Record):

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.numerics.quantity import Least, Positive, Quantity
 from heavylift.numerics.records import Records, Vector, records
 from heavylift.solver.interface import (
     FORCES,
@@ -25,21 +27,105 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import MooringLine, check_sections
-from heavylift.solver.water.lines.catenary import FAILED, LineData, LineEnds, LineState, read_ends, solve_line
+from heavylift.solver.scene.connections import GROUND, Between
+from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.moorings import MOORINGS, LineSection, check_sections
+from heavylift.solver.water.lines.catenary import (
+    FAILED,
+    LineData,
+    LineEnds,
+    LineState,
+    SectionData,
+    read_ends,
+    solve_line,
+)
 from heavylift.solver.water.lines.catenary_line import pack_sections
-from heavylift.solver.water.lines.catenary_walk import SectionData
 
 __all__ = [
     "LINE_OVERSTRETCHED",
     "MooringData",
+    "MooringLine",
     "MooringLines",
     "MooringScratch",
     "MooringState",
     "line_markers",
     "pack_mooring_lines",
 ]
+
+
+@MOORINGS.describe("lines")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MooringLine(Between):
+    """A line between an anchor and a fairlead, in equilibrium at every instant.
+
+    A bottom holds the line from the anchor up to the first buoy or floating section; a bight beyond that would hang
+    through it.
+    """
+
+    CHANNELS: ClassVar = (
+        ChannelKind("tension", "force", "tension of the line at its fairlead"),
+        ChannelKind("anchor_tension", "force", "tension of the line at its anchor"),
+        ChannelKind("horizontal_tension", "force", "horizontal part of the tension at the fairlead"),
+        ChannelKind("seabed_length", "length", "unstretched length of the line that lies on the bottom"),
+    )
+    """What it records, in the order of its columns."""
+    SENTENCES: ClassVar = {
+        "between": 'Bodies, or ``"ground"``, of its anchor and of its fairlead.',
+        "points": "Anchor and fairlead in the coordinates of the geometries; of the ground in the world [m].",
+    }
+
+    sections: Annotated[tuple[LineSection, ...], Least(1)]
+    """From the anchor to the fairlead."""
+    clumps: Annotated[tuple[float, ...], Quantity("force")] = ()
+    """Weight [N] of what hangs at each joint of two sections, from the anchor; negative for a buoy."""
+    fairlead_tension: Annotated[float | None, Positive("force")] = None
+    """Tension at the fairlead at the start [N], from which the length of the one section without it follows."""
+    on_seabed: bool = False
+    """The anchor lies on the bottom of the sea, at the depth of [sea]."""
+    seabed: Annotated[float | None, Quantity("length")] = None
+    """In place of `on_seabed`: height of a flat bottom in the world [m]."""
+    friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0
+    """Coefficient of the bottom along the line."""
+    strain_limit: Annotated[float, Quantity("number", minimum=0.0)] = 0.1
+    """Mean strain at which a simulation stops."""
+
+    @staticmethod
+    def check_sides(between: tuple[str, str]) -> None:
+        """Two bodies, or the ground."""
+        if between[0] == between[1] != GROUND:
+            raise InputError(
+                f"both ends are on {between[0]!r}", expected="two bodies, or a body and the ground"
+            )
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Lengths or a tension, a weight a joint, one bottom."""
+        open_ends = [i for i, section in enumerate(said.sections) if section.length is None]
+        if said.fairlead_tension is None and open_ends:
+            raise InputError(
+                "is missing",
+                key=f"sections.{open_ends[0]}.length",
+                expected="a length [m], or 'fairlead_tension'",
+            )
+        if said.fairlead_tension is not None and len(open_ends) != 1:
+            raise InputError(
+                f"'fairlead_tension' and {len(open_ends)} sections without 'length'",
+                key="fairlead_tension",
+                expected="one section whose length follows from it",
+            )
+        if said.clumps and len(said.clumps) != len(said.sections) - 1:
+            raise InputError(
+                f"{len(said.clumps)} clumps at {len(said.sections) - 1} joints of sections",
+                key="clumps",
+                expected="one weight [N] a joint, 0 for none",
+            )
+        if said.on_seabed and said.seabed is not None:
+            raise InputError("both 'on_seabed' and 'seabed'", key="seabed", expected="one of them")
+        if said.friction and not said.on_seabed and said.seabed is None:
+            raise InputError(
+                "'friction' without a bottom", key="friction", expected="'on_seabed' or 'seabed'"
+            )
+
 
 LINE_OVERSTRETCHED = int(Outcome.LINE_OVERSTRETCHED)
 """Outcome of a step in which a line is stretched beyond its limit, or has no equilibrium."""
@@ -173,6 +259,14 @@ def pack_mooring_lines(
 
 def _check_seabed(line: MooringLine, anchor: NDArray[np.float64], fairlead: NDArray[np.float64]) -> None:
     """Refuse a seabed that the line does not begin on."""
+    for key in ("on_seabed", "fairlead_tension"):
+        if getattr(line, key):
+            raise InputError(
+                f"{key} = {getattr(line, key)} of a line that is not laid out",
+                source=line.name,
+                key=key,
+                expected="'seabed', and the lengths of all sections",
+            )
     if line.seabed is None:
         return
     length = sum(section.length for section in line.sections)

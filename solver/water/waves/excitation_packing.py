@@ -11,7 +11,7 @@ from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.solver.water.waves.excitation import (
     SeriesExcitation,
     SummedExcitation,

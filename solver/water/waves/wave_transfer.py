@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase, over_full_circle
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, over_full_circle
 from heavylift.solver.water.waves.spectra import dispersion
 from heavylift.solver.water.waves.wave_trains import WaveTrains
 

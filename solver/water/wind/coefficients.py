@@ -1,16 +1,29 @@
-"""Tables of wind and current coefficients over the angle of attack become periodic cubic splines."""
+"""Loads of wind and current by coefficients over the angle of attack, which become periodic cubic splines.
+
+With V the horizontal velocity of the fluid at the centre of pressure, relative to that point, and
+``q = rho |V|^2 / 2``: ``F_x = q C_x A_x``, ``F_y = q C_y A_y``, ``M_z = q C_n A_y L``; "Integrated simulation ... ships
+and offshore structures" (2018), eqs. (225) and (228).
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.wind_loads import CoefficientLoad
+from heavylift.numerics.quantity import BodyPoint, Positive, Quantity, Shape, TableFile
+from heavylift.solver.scene.descriptions import ChannelKind, no_rows
+from heavylift.solver.scene.wind_loads import FLUID_LOADS, LOAD_FORCE, FluidLoad
 
-__all__ = ["SMALL_ANGLE", "coefficient_curves"]
+__all__ = ["SMALL_ANGLE", "CoefficientLoad", "coefficient_curves"]
+
+COLUMNS = ("angles", "cx", "cy", "cn")
+HEADERS = (("angle", "cx", "cy", "cn"), ("angle_deg", "cx", "cy", "cn"))
 
 FULL_TURN = 2.0 * math.pi
 
@@ -18,6 +31,65 @@ SMALL_ANGLE = 1e-6
 """[rad] that a table may miss its ends by."""
 
 Array = NDArray[np.float64]
+
+
+@FLUID_LOADS.describe("coefficients")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CoefficientLoad(FluidLoad):
+    """Horizontal force and yaw moment on a whole body, by coefficients over the direction of the relative flow."""
+
+    CHANNELS: ClassVar = (
+        LOAD_FORCE,
+        ChannelKind(
+            "yaw_moment",
+            "moment or energy",
+            "sum of the yaw moments of the pieces of this name about their centres of pressure",
+            ("z",),
+        ),
+    )
+
+    point: Annotated[Array, BodyPoint()]
+    """Centre of pressure, in the coordinates of the geometry [m]."""
+    file: Annotated[str | None, TableFile(HEADERS, COLUMNS)] = None
+    """Comma-separated with the header ``angle,cx,cy,cn`` (rad) or ``angle_deg,cx,cy,cn``."""
+    angles: Annotated[Array, Quantity("angle"), Shape((None,))] = field(default_factory=no_rows)
+    """In place of `file`: directions in which the fluid goes past the body [rad], from its heading, anticlockwise: 0
+    comes from astern, 180 degrees is a head wind."""
+    cx: Annotated[Array, Quantity("number"), Shape((None,))] = field(default_factory=no_rows)
+    """Coefficients of the force ahead, one an angle."""
+    cy: Annotated[Array, Quantity("number"), Shape((None,))] = field(default_factory=no_rows)
+    """Of the force to port."""
+    cn: Annotated[Array, Quantity("number"), Shape((None,))] = field(default_factory=no_rows)
+    """Of the yaw moment, anticlockwise; it refers to the side area and the length."""
+    area_x: Annotated[float, Quantity("area", minimum=0.0, closed=True)]
+    """Frontal area [m^2]."""
+    area_y: Annotated[float, Quantity("area", minimum=0.0, closed=True)]
+    """Side area [m^2]."""
+    length: Annotated[float, Positive("length")]
+    """That of the moment [m]."""
+    symmetric: bool = False
+    """The table covers 0 to 180 degrees, and the other side is its mirror image."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """One table of coefficients."""
+        inline = bool(said.angles or said.cx or said.cy or said.cn)
+        if inline == (said.file is not None):
+            problem = "both 'file' and 'angles'" if inline else "neither 'file' nor 'angles'"
+            raise InputError(problem, expected="a table of coefficients in one of them")
+        if not inline:
+            return
+        counts = {len(said.angles), len(said.cx), len(said.cy), len(said.cn)}
+        if len(counts) != 1 or any(b <= a for a, b in pairwise(said.angles)):
+            raise InputError(
+                f"{len(said.angles)} angles, {len(said.cx)}, {len(said.cy)} and {len(said.cn)} coefficients",
+                key="angles",
+                expected="increasing angles, with one cx, cy and cn each",
+            )
+        if max(map(abs, said.angles)) > FULL_TURN + 1e-9:
+            raise InputError(
+                f"{max(said.angles):g} rad", key="angles", expected='a full turn at most; degrees as "30 deg"'
+            )
 
 
 def coefficient_curves(load: CoefficientLoad) -> Array:
@@ -43,7 +115,8 @@ def coefficient_curves(load: CoefficientLoad) -> Array:
 def _closed_table(load: CoefficientLoad) -> tuple[Array, Array]:
     """Angles over a full turn, and coefficients that are the same at both ends."""
     angles = np.asarray(load.angles, dtype=np.float64)
-    values = np.asarray(load.coefficients, dtype=np.float64)
+    columns = [np.asarray(column, dtype=np.float64) for column in (load.cx, load.cy, load.cn)]
+    values = np.column_stack(columns) if len({len(column) for column in columns}) == 1 else np.zeros(0)
     if angles.ndim != 1 or values.shape != (len(angles), 3) or len(angles) < 3:
         raise InputError(
             f"{angles.size} angles and coefficients of shape {values.shape}",

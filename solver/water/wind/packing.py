@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +15,6 @@ from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.descriptions import ChannelKind
 from heavylift.solver.scene.wind_loads import (
-    CoefficientLoad,
     CurrentField,
     DragElement,
     FluctuationRecord,
@@ -22,7 +22,7 @@ from heavylift.solver.scene.wind_loads import (
     FluidLoad,
     WindField,
 )
-from heavylift.solver.water.wind.coefficients import SMALL_ANGLE, coefficient_curves
+from heavylift.solver.water.wind.coefficients import SMALL_ANGLE, CoefficientLoad, coefficient_curves
 from heavylift.solver.water.wind.forces import (
     BOX,
     COEFFICIENTS,
@@ -47,7 +47,7 @@ from heavylift.solver.water.wind.spectrum import (
     profile_slope,
 )
 
-__all__ = ["fluid_channels", "fluid_markers", "pack_fluid_loads"]
+__all__ = ["fluid_channels", "fluid_markers", "fluid_pieces", "pack_fluid_loads"]
 
 FULL_TURN = 2.0 * math.pi
 INTENSITY_EXPONENT = -0.22
@@ -56,7 +56,12 @@ INTENSITY_EXPONENT = -0.22
 Array = NDArray[np.float64]
 
 
-def fluid_markers(book: MarkerBook, loads: Sequence[FluidLoad]) -> list[tuple[int, int]]:
+def fluid_pieces(loads: Sequence[FluidLoad]) -> list[Any]:
+    """Tables of coefficients and elements with drag that loads are made of."""
+    return [piece for load in loads for piece in load.pieces()]
+
+
+def fluid_markers(book: MarkerBook, loads: Sequence[Any]) -> list[tuple[int, int]]:
     """New markers of each load: its point, and its heading or -1 where that does not matter."""
     made = []
     for load in loads:
@@ -89,7 +94,7 @@ def fluid_channels(fields: Sequence[FluidField], loads: Sequence[FluidLoad]) -> 
 
 def pack_fluid_loads(
     fields: Sequence[FluidField],
-    loads: Sequence[FluidLoad],
+    loads: Sequence[Any],
     markers: Sequence[tuple[int, int]],
     columns: Sequence[int],
     *,
@@ -104,7 +109,7 @@ def pack_fluid_loads(
     fields
         Winds and currents, names of their own.
     loads
-        What they push on.
+        What they push on, from `fluid_pieces`.
     markers
         Of each load, from `fluid_markers`.
     columns
@@ -290,7 +295,7 @@ def _record(record: FluctuationRecord, source: str) -> Array:
     return values[:, None]
 
 
-def _check_load(load: FluidLoad, fields: Sequence[str]) -> None:
+def _check_load(load: Any, fields: Sequence[str]) -> None:
     if load.fluid not in fields:
         raise InputError(
             f"there is no field {load.fluid!r}",

@@ -26,18 +26,7 @@ EXACT = [name for name, example in EXAMPLES.items() if example.body.model == "ex
 
 @kernel
 def add_mean_stress_forces(kind, factor):  # type: ignore[no-untyped-def]
-    generics.add_mean_stress_forces(
-        kind,
-        0,
-        kind.position,
-        kind.trial_position,
-        kind.mid_position,
-        kind.start_strain,
-        kind.shape_strain,
-        kind.stage_strain,
-        kind.external_force,
-        factor,
-    )
+    generics.add_mean_stress_forces(kind, 0, kind.external_force, factor)
 
 
 @kernel

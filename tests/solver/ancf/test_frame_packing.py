@@ -16,12 +16,12 @@ from heavylift.solver.bodies.ancf.frame_packing import (
     element_data,
     load_shape,
     locate,
+    reference_element,
     result_columns,
     shape_values,
     start_coordinates,
     strain_counts,
 )
-from heavylift.solver.bodies.ancf.frame_shape import reference_element
 from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, FrameBody, FrameSection, Support
 
 

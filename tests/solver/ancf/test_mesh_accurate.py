@@ -16,15 +16,16 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.ancf.elements import add_elastic_forces
 from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIAD_MARKER, VECTOR_MARKER
-from heavylift.solver.bodies.ancf.stability import SHARE
+from heavylift.solver.bodies.ancf.step import SHARE
+from heavylift.solver.forces.spring import Spring
 from heavylift.solver.integrate.accurate import make_integration
-from heavylift.solver.integrate.mesh_rates import highest_rate
+from heavylift.solver.integrate.choice import highest_rate
 from heavylift.solver.interface import begin_stage
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import GROUND, JointFrame, Spring
+from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.mesh_shapes import rectangle
 from heavylift.solver.scene.meshes import (
     DistributedLoad,

@@ -15,8 +15,9 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "joints"))
 from joint_scenes import RESIDUALS, Pose, make_joint
 
 from heavylift.numerics.jit import kernel
+from heavylift.solver.bodies.ancf.accurate import write_second_rates
 from heavylift.solver.bodies.ancf.kind import FrameMeshes, ShellMeshes
-from heavylift.solver.bodies.ancf.second_rates import write_second_rates
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.integrate.loop import start_scene
 from heavylift.solver.interface import (
     RECORD,
@@ -33,7 +34,7 @@ from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.mesh_shapes import line, quadrilateral, rectangle
 from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-from heavylift.solver.scene.scene import PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import RigidBody, Scene
 
 ON_SHELLS = ("ball", "distance", "fixed", "hinge", "planar", "slider", "universal")
 BENT = np.array([[0.0, 0.0, 0.0], [1.2, 0.1, 0.0], [1.1, 0.9, 0.0], [-0.1, 0.8, 0.0]])

@@ -23,13 +23,13 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
-from heavylift.solver.corners import scene_corners
+from heavylift.solver.forces.spring import JointSpring
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.universal import Universal
-from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import GROUND, JointFrame, JointSpring, Limits, axes_about
+from heavylift.solver.layout import pack_scene, scene_corners
+from heavylift.solver.scene.connections import GROUND, JointFrame, Limits, axes_about
 from heavylift.solver.scene.meshes import DistributedLoad
 from heavylift.solver.scene.scene import Scene
 from heavylift.solver.simulation import Simulation

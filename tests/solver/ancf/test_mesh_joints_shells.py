@@ -20,9 +20,10 @@ from jointed_shells import (
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.spring import JointSpring
 from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import GROUND, JointSpring
+from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.mesh_shapes import quadrilateral, rectangle
 from heavylift.solver.scene.scene import Scene
 

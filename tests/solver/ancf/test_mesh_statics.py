@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.laws.wire_rope import SpringRope
 from heavylift.solver.layout import Layout, pack_scene
-from heavylift.solver.scene.connections import GROUND, JointFrame, SpringRope
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.mesh_shapes import line, rectangle
 from heavylift.solver.scene.meshes import (
     DistributedLoad,
@@ -23,7 +25,7 @@ from heavylift.solver.scene.meshes import (
     ShellSection,
     Support,
 )
-from heavylift.solver.scene.scene import Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.equilibrium import find_equilibrium
 from heavylift.solver.statics.mesh_statics import relax_to_equilibrium
@@ -289,10 +291,7 @@ def test_a_frame_hangs_in_ropes_that_carry_its_weight() -> None:
     ropes = [
         SpringRope(
             name=f"rope {x}",
-            body_a=GROUND,
-            point_a=top,
-            body_b="beam",
-            point_b=np.array([x, 0.0, 0.0]),
+            path=(RopePoint(GROUND, top), RopePoint("beam", np.array([x, 0.0, 0.0]))),
             length=length,
             stiffness=stiffness,
         )

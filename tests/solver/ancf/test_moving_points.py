@@ -142,7 +142,7 @@ def spread(
 @kernel
 def form(kind: Any, nodal: Any, contour: Any, last: int, other: int, net: Any) -> None:
     """All control points."""
-    form_net(kind.moving, kind, 0, nodal, contour, 0, last, 0, other, net)
+    form_net(kind, 0, nodal, contour, (0, last), (0, other), net)
 
 
 @kernel

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
@@ -107,6 +107,7 @@ def scene(
     *,
     gravity: Sequence[float] = DOWN,
     swap: bool = False,
+    events: bool = True,
     **options: Any,
 ) -> Scene:
     """Bodies with a surface each, named as they are, and one of the ground named "floor".
@@ -119,6 +120,8 @@ def scene(
         surfaces.insert(0, CollisionSurface(name="floor", body="ground", surface=ground))
     wanted = [("floor", one.name) for one, _ in both] if pairs is None else list(pairs)
     options = {"law": RigidLaw(), **options}
+    if isinstance(options["law"], RigidLaw):
+        options["law"] = replace(options["law"], events=events)
     return Scene(
         bodies=tuple(one for one, _ in both),
         forces=(Gravity(np.array(gravity, dtype=float)),),

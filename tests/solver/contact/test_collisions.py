@@ -28,13 +28,13 @@ from mesh_contact_scenes import (
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.rotation import quaternion_product, rotation_matrix
-from heavylift.preprocess.primitive_surfaces import (
+from heavylift.preprocess.surfaces.primitives import (
     box_surface,
     capsule_surface,
     plane_surface,
     sphere_surface,
 )
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene.contacts import HuntCrossleyLaw, LinearLaw, RigidLaw
 from heavylift.solver.simulation import Simulation
 

@@ -9,14 +9,15 @@ import pytest
 from contact_scenes import DOWN, G, run
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface, sphere_surface
-from heavylift.solver.bodies.ancf.facet_packing import facet_surface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface, sphere_surface
+from heavylift.solver.bodies.ancf.mesh_contour import facet_surface
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.contacts import LinearLaw, RigidLaw
 from heavylift.solver.scene.mesh_shapes import line, rectangle
 from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
-from heavylift.solver.scene.scene import Fixed, Gravity, PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 
 LENGTH, WIDTH, THICKNESS, DENSITY = 1.0, 0.8, 0.02, 2700.0
 PLATE_MASS = LENGTH * WIDTH * THICKNESS * DENSITY

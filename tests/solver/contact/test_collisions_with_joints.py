@@ -11,10 +11,11 @@ from mesh_contact_scenes import DOWN, MASS, G, ball, body, run, turn
 
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.preprocess.primitive_surfaces import box_surface, plane_surface
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
-from heavylift.solver.scene.connections import JointFrame, Rope, RopePoint, Winch
+from heavylift.solver.scene.connections import JointFrame, RopePoint, Winch
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, RigidLaw, SphereShape
 from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
@@ -93,9 +94,8 @@ def site(law: Any = None, events: bool = True, left_over: float = 0.5) -> Scene:
             Collision(
                 name=f"{name}_lands",
                 surfaces=("floor_skin", f"{name}_skin"),
-                law=law,
+                law=replace(law, events=events) if isinstance(law, RigidLaw) else law,
                 friction=0.5,
-                events=events,
             )
             for name in ("box", "left", "right")
         ),

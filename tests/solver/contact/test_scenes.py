@@ -82,7 +82,7 @@ def test_bouncing_ball_comes_to_rest_within_its_geometric_series():
 
 def test_bounces_without_events_lose_no_more_than_a_step():
     """Impacts at ends of steps: at most the way of one step is lost, and no energy is won."""
-    found = run(ball_on_floor(ball([0.1, 0.05, 1.0 + RADIUS]), RigidLaw(1.0), events=False), 1e-3, 1.0)
+    found = run(ball_on_floor(ball([0.1, 0.05, 1.0 + RADIUS]), RigidLaw(1.0, events=False)), 1e-3, 1.0)
     total = found["energy.kinetic"] + found["energy.potential"]
     assert total.max() <= total[0] + 1e-9
     assert found["ball.position"][:, 2].min() > RADIUS - np.sqrt(2.0 * G) * 1.01e-3

@@ -9,7 +9,8 @@ import numpy as np
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.joints.slider import Slider
-from heavylift.solver.scene.connections import GROUND, JointFrame, Rope, RopePoint, axes_about
+from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint, axes_about
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 

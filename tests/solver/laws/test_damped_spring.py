@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.scene.connections import GROUND, Spring
-from heavylift.solver.scene.scene import PointForce, RigidBody, Scene, Sensor
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.forces.spring import Spring
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.scene import RigidBody, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
 STIFFNESS, DAMPING, LENGTH, MASS = 400.0, 6.0, 1.0, 2.0

@@ -7,8 +7,10 @@ import pytest
 from law_scenes import G, run, scene
 from scipy.integrate import solve_ivp
 
+from heavylift.solver.forces.motor import JointMotor
+from heavylift.solver.forces.spring import JointSpring
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene.connections import GROUND, JointFrame, JointMotor, JointSpring, axes_about
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.scene import RigidBody, Scene
 
 MASS, ARM, INERTIA = 2.0, 0.5, 0.4

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from law_scenes import NONE, G, body, run, scene, slider
 
-from heavylift.solver.scene.connections import JointSpring, Limits
+from heavylift.solver.forces.spring import JointSpring
+from heavylift.solver.scene.connections import Limits
 
 MASS = 2.0
 

@@ -10,7 +10,8 @@ import pytest
 from law_scenes import NONE, G, body, run, scene
 from scipy.integrate import solve_ivp
 
-from heavylift.solver.scene.connections import GROUND, Spring
+from heavylift.solver.forces.spring import Spring
+from heavylift.solver.scene.connections import GROUND
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.scene import Scene

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from law_scenes import G, body, eye, pulley, run, scene, wire
 
-from heavylift.solver.scene.connections import GROUND, SpringRope, Winch
+from heavylift.solver.laws.wire_rope import SpringRope
+from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.scene import Scene
@@ -19,10 +20,7 @@ def bouncing(stiffness: float) -> Scene:
     """1e4 kg on a rope of 10 m, dropped 2 m above its reach."""
     rope = SpringRope(
         name="rope",
-        body_a=GROUND,
-        point_a=np.zeros(3),
-        body_b="load",
-        point_b=np.zeros(3),
+        path=(RopePoint(GROUND, np.zeros(3)), RopePoint("load", np.zeros(3))),
         length=10.0,
         stiffness=stiffness,
     )

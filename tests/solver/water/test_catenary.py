@@ -19,6 +19,7 @@ from heavylift.solver.water.lines.catenary import (
     LineData,
     LineEnds,
     LineState,
+    SectionData,
     solve_lines,
 )
 from heavylift.solver.water.lines.catenary_line import (
@@ -28,7 +29,6 @@ from heavylift.solver.water.lines.catenary_line import (
     line_profile,
     solve_catenary,
 )
-from heavylift.solver.water.lines.catenary_walk import SectionData
 
 # Table 3-21 of "Integrated simulation ... ships and offshore structures" (2018) read as 5 tonf, kgf/m and kN (EA) with
 # g = 9.81: weight [kgf/m], EA [kN], depth, span [m]; exact elastic length in all and on the seabed [m] without

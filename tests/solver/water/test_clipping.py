@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.records import records
-from heavylift.preprocess.primitive_surfaces import box_surface
+from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.solver.water.hulls.clipping import (
     Clip,
     buoyancy_stiffness,

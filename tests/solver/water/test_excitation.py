@@ -7,7 +7,7 @@ import pytest
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.solver.water.waves.excitation import interpolate_series, ramp_factor, sum_excitation
 from heavylift.solver.water.waves.excitation_packing import catmull_rom_error, pack_series, pack_summed
 from heavylift.solver.water.waves.spectra import dispersion, jonswap

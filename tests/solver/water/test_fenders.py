@@ -16,8 +16,7 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.scene.moorings import Fender
-from heavylift.solver.water.lines.fenders import Fenders, fender_markers, pack_fenders
+from heavylift.solver.water.lines.fenders import Fender, Fenders, fender_markers, pack_fenders
 
 TABLE = np.array([0.0, 0.2, 0.5]), np.array([0.0, 1e5, 1e6])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.solver.water.hulls.frequency_domain import (
     linear_hulls,
     motion_operators,

@@ -12,15 +12,15 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surfaces import TriangleSurface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Sea, Tank, Water
 from heavylift.solver.water.hulls.kind import (
     Hulls,
 )
-from heavylift.solver.water.hulls.restoring import restore, restoring_potential
-from heavylift.solver.water.hulls.stage import filtered, hull_yaw, put_transform
+from heavylift.solver.water.hulls.matrix import restore, restoring_potential
+from heavylift.solver.water.hulls.step import filtered, hull_yaw, put_transform
 
 G, RHO, LEVEL = 9.81, 1025.0, 0.7
 REFERENCE_POINT = np.array([1.5, -0.7, 0.4])

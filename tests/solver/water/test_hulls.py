@@ -18,15 +18,16 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
-from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-from heavylift.preprocess.primitive_surfaces import box_surface
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.scene.connections import GROUND, JointFrame
-from heavylift.solver.scene.moorings import LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, Sea, Tank, Water
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.water.lines.mooring_lines import MooringLine
 from heavylift.solver.water.waves.wave_trains import regular_wave
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]

@@ -10,12 +10,17 @@ from scipy.optimize import brentq
 from scipy.spatial import ConvexHull
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hull_surface import check_hull
-from heavylift.preprocess.primitive_surfaces import box_surface
-from heavylift.preprocess.surfaces import TriangleSurface
-from heavylift.solver.water.hulls.floating import FloatingHull, Pose, Tank, settle
-from heavylift.solver.water.hulls.hydrostatics import equilibrium
-from heavylift.solver.water.hulls.righting_arm import righting_arm_curve
+from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
+from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+from heavylift.solver.water.hulls.hydrostatics import (
+    FloatingHull,
+    Pose,
+    Tank,
+    equilibrium,
+    righting_arm_curve,
+    settle,
+)
 
 L, B, D, T = 97.5, 36.0, 6.0, 4.5
 RHO, G = 1025.0, 9.81

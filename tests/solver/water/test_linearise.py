@@ -13,18 +13,18 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
-from heavylift.preprocess.hydrodynamics_netcdf import read_netcdf
-from heavylift.preprocess.primitive_surfaces import box_surface
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.scene.connections import GROUND, JointFrame, Spring
+from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, Radiation, Sea, Tank, Water
 from heavylift.solver.water.hulls.frequency_domain import motion_operators, natural_modes
-from heavylift.solver.water.hulls.joined_database import joined_database
-from heavylift.solver.water.hulls.linearise import hull_transform, linear_group, linearise
+from heavylift.solver.water.hulls.linearise import hull_transform, joined_database, linear_group, linearise
 
 if TYPE_CHECKING:
-    from heavylift.preprocess.hydrodynamics import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
 FILE = Path(__file__).parents[3] / "cases" / "transport_barge" / "barge.nc"
 LENGTH, BREADTH, HEIGHT, DRAFT, KG = 97.5, 36.0, 9.0, 4.5, 2.0  # KG above the water

@@ -12,8 +12,8 @@ from scipy.interpolate import CubicSpline
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.exponentials import fit_exponentials
-from heavylift.preprocess.retardation import RetardationKernel, retardation_kernel
+from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
+from heavylift.preprocess.hydrodynamics.retardation import RetardationKernel, retardation_kernel
 from heavylift.solver.carried import share_state
 from heavylift.solver.water.hulls.memory import (
     DirectMemory,
@@ -25,10 +25,9 @@ from heavylift.solver.water.hulls.memory import (
     memory_force_exponential,
     memory_force_now_direct,
     memory_force_now_exponential,
-    pack_direct_memory,
-    pack_exponential_memory,
     prepare_memory_exponential,
 )
+from heavylift.solver.water.hulls.packing import pack_direct_memory, pack_exponential_memory
 
 MARINE = Path(__file__).resolve().parents[2] / "reference_data" / "marine"
 

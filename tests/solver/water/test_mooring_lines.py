@@ -18,13 +18,15 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import Fender, LineSection, MooringLine
+from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea, Water
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.water.lines.catenary_line import solve_catenary
+from heavylift.solver.water.lines.fenders import Fender
 from heavylift.solver.water.lines.mooring_lines import (
     LINE_OVERSTRETCHED,
+    MooringLine,
     MooringLines,
     line_markers,
     pack_mooring_lines,

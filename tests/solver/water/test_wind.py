@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.interface import (
     Forces,
     Workspace,
@@ -15,9 +16,8 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.scene.scene import PointForce, RigidBody, Scene
+from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.wind_loads import (
-    CoefficientLoad,
     CurrentField,
     DragElement,
     FluctuationRecord,
@@ -26,6 +26,7 @@ from heavylift.solver.scene.wind_loads import (
     fluctuation_records,
 )
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.water.wind.coefficients import CoefficientLoad
 from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
 
 ANGLES = np.radians(np.arange(-180.0, 180.0, 20.0))
@@ -86,6 +87,10 @@ def apply(body, fields, loads, time=0.0, **water):
     return [(forces[p], forces[h] if h >= 0 else nothing) for p, h in markers], power, record
 
 
+def columns(values):
+    return dict(zip(("cx", "cy", "cn"), np.transpose(values), strict=True))
+
+
 def hull(**changes):
     return replace(
         CoefficientLoad(
@@ -93,7 +98,7 @@ def hull(**changes):
             body="barge",
             point=np.array([2.0, -1.0, 5.0]),
             angles=ANGLES,
-            coefficients=COEFFICIENTS,
+            **columns(COEFFICIENTS),
             area_x=400.0,
             area_y=1500.0,
             length=90.0,
@@ -163,7 +168,7 @@ def test_a_symmetric_table_is_its_mirror_image(seed):
     table = np.column_stack(
         [np.cos(angles), np.sin(angles) * (1.1 + 0.2 * angles), 0.1 * np.sin(2.0 * angles)]
     )
-    load = hull(angles=angles, coefficients=table, symmetric=True, point=np.zeros(3))
+    load = hull(angles=angles, **columns(table), symmetric=True, point=np.zeros(3))
     body, going = Body(rng, tilt=0.0), rng.uniform(0.0, np.pi)
     body.R, body.velocity, body.spin = np.eye(3), np.zeros(3), np.zeros(3)
     (port, turn), (starboard, back) = (
@@ -171,12 +176,13 @@ def test_a_symmetric_table_is_its_mirror_image(seed):
     )
     np.testing.assert_allclose(starboard, port * [1.0, -1.0, 1.0], rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose(back[1], -turn[1], rtol=1e-12)
+    whole = np.vstack([table[:0:-1] * [1.0, -1.0, -1.0], table])
+    whole[[0, -1], 1:] = 0.0
     full = hull(
         angles=np.concatenate([-angles[:0:-1], angles]),
-        coefficients=np.vstack([table[:0:-1] * [1.0, -1.0, -1.0], table]),
+        **columns(whole),
         point=np.zeros(3),
     )
-    full.coefficients[[0, -1], 1:] = 0.0
     np.testing.assert_allclose(
         apply(body, [WindField(speed=9.0, direction=going)], [full])[0][0][0], port, rtol=1e-12
     )
@@ -355,18 +361,18 @@ def test_loads_of_one_name_are_recorded_as_their_sum():
         ([WindField(speed=9.0)], [hull(angles=np.degrees(ANGLES))], "are these degrees"),
         (
             [WindField(speed=9.0)],
-            [hull(angles=ANGLES[:9], coefficients=COEFFICIENTS[:9])],
+            [hull(angles=ANGLES[:9], **columns(COEFFICIENTS[:9]))],
             "symmetric = true",
         ),
         ([WindField(speed=9.0)], [hull(symmetric=True)], "0 to pi for a symmetric body"),
         (
             [WindField(speed=9.0)],
-            [hull(symmetric=True, angles=np.linspace(0.0, np.pi, 5), coefficients=np.ones((5, 3)))],
+            [hull(symmetric=True, angles=np.linspace(0.0, np.pi, 5), **columns(np.ones((5, 3))))],
             "C_y or C_n of 1 at 0 or pi",
         ),
         (
             [WindField(speed=9.0)],
-            [hull(angles=np.linspace(0.0, 2.0 * np.pi, 5), coefficients=np.eye(5)[:, :3])],
+            [hull(angles=np.linspace(0.0, 2.0 * np.pi, 5), **columns(np.eye(5)[:, :3]))],
             "the same numbers in the first and the last row",
         ),
         ([WindField(speed=9.0)], [hull(area_x=-4.0)], "hull: area_x: -4 m2"),

@@ -1,0 +1,333 @@
+"""Bodies from files: STEP solids meshed by gmsh, and finished meshes read by meshio."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
+from heavylift.preprocess.finite_elements.groups import NodeSelector, select_nodes
+from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.refinement import CurveSize, curves_of_groups
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from heavylift.preprocess.finite_elements.refinement import Refinement
+
+__all__ = [
+    "MESH_SUFFIXES",
+    "STEP_SUFFIXES",
+    "existing_file",
+    "load_geometry",
+    "read_mesh",
+    "read_step",
+    "read_with_meshio",
+]
+
+STEP_SUFFIXES = (".step", ".stp")
+MESH_SUFFIXES = (".bdf", ".fem", ".inp", ".med", ".msh", ".nas", ".vtk", ".vtu", ".xdmf")
+
+_SOLID_CELLS = {"hexahedron": "hex8", "tetra10": "tet10"}
+# cells that may accompany a solid: they only carry groups
+_LOWER_CELLS = ("vertex", "line", "triangle", "quad")
+
+
+def load_geometry(
+    path: str | Path,
+    *,
+    length_unit: float | None = None,
+    size: float | None = None,
+    curved: bool = False,
+    groups: Sequence[NodeSelector] = (),
+    refine: Sequence[Refinement] = (),
+) -> Mesh:
+    """Read a STEP file or a mesh file, by its suffix.
+
+    Parameters
+    ----------
+    path
+        The file.
+    length_unit
+        Metres per unit of a mesh file, e.g. 1e-3 for mm; default 1. Not for STEP files, which carry their
+        unit.
+    size, curved
+        For STEP files, see `read_step`.
+    groups
+        Node groups to name.
+    refine
+        For STEP files: smaller elements along the edges of groups.
+
+    Raises
+    ------
+    InputError
+        An unknown suffix, an option that does not fit the kind of file, and the errors of `read_step` and
+        `read_mesh`.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix in STEP_SUFFIXES:
+        if length_unit is not None:
+            raise InputError(
+                f"{length_unit!r}",
+                source=path,
+                key="length_unit",
+                expected="no length unit: a STEP file carries its own",
+            )
+        return read_step(path, size=size, curved=curved, groups=groups, refine=refine)
+    if suffix in MESH_SUFFIXES:
+        for key, value in (("size", size), ("refine", refine or None)):
+            if value is not None:
+                expected = f"no {key}: the file is a finished mesh"
+                raise InputError(f"{value!r}", source=path, key=key, expected=expected)
+        return read_mesh(path, length_unit=1.0 if length_unit is None else length_unit, groups=groups)
+    raise InputError(
+        f"suffix {path.suffix!r} is unknown",
+        source=path,
+        expected="a STEP file or a mesh: " + " ".join((*STEP_SUFFIXES, *MESH_SUFFIXES)),
+    )
+
+
+def read_step(
+    path: str | Path,
+    *,
+    size: float | None = None,
+    curved: bool = False,
+    groups: Sequence[NodeSelector] = (),
+    refine: Sequence[Refinement] = (),
+) -> Mesh:
+    """Mesh the solids of a STEP file with quadratic tetrahedra.
+
+    Parameters
+    ----------
+    path
+        The file. Its length unit is read from its header; positions are in metres.
+    size
+        Target edge length [m]; default a twentieth of the largest extent.
+    curved
+        Whether middle nodes go onto curved faces. Default: straight edges, for which all inertia integrals
+        of the mesh are exact; the volume then converges with the square of `size`, with curved edges
+        faster.
+    groups
+        Node groups to name; faces are called by their label in the file or ``"face NUMBER"``.
+    refine
+        Smaller elements along the edges of groups.
+
+    Returns
+    -------
+    Mesh
+        Checked.
+
+    Raises
+    ------
+    InputError
+        A missing or unreadable file, no solid in it, a size that is not positive, elements turned inside
+        out by curved edges, an empty group.
+    """
+    path = existing_file(path, "a STEP file")
+    if size is not None and not (np.isfinite(size) and size > 0.0):
+        raise InputError(f"{size!r}", source=path, key="size", expected="a positive length in m")
+    with path.open("rb") as stream:  # OpenCASCADE would print its complaint on the terminal
+        if b"ISO-10303-21" not in stream.read(256):
+            raise InputError(
+                "is not a STEP file", source=path, expected="a text file beginning with 'ISO-10303-21'"
+            )
+    with gmsh_session(str(path)) as gmsh:
+        # millimetres inside gmsh, whose tolerances are absolute and made for them
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
+        gmsh.model.occ.importShapes(str(path))
+        solids = gmsh.model.occ.getEntities(3)
+        if not solids:
+            raise InputError("contains no solid", source=path, expected="a STEP file with a closed solid")
+        if len(solids) > 1:  # touching solids get common faces
+            gmsh.model.occ.fragment(solids[:1], solids[1:])
+        gmsh.model.occ.synchronize()
+        box = np.array(gmsh.model.getBoundingBox(-1, -1))
+        target = 0.05 * float((box[3:] - box[:3]).max()) if size is None else 1e3 * size
+        tags_of: dict[str, list[int]] = {}
+        for _, tag in gmsh.model.getEntities(2):
+            label = gmsh.model.getEntityName(2, tag).rsplit("/", 1)[-1]
+            for face in filter(None, (f"face {tag}", label)):
+                tags_of.setdefault(face, []).append(tag)
+        wishes = _curve_sizes(gmsh, groups, refine, tags_of, str(path)) if refine else []
+        nodes, elements, face_nodes = mesh_tetrahedra(gmsh, target, curved=curved, refine=wishes)
+    faces = {
+        face: np.unique(np.concatenate([face_nodes[tag] for tag in tags])) for face, tags in tags_of.items()
+    }
+    mesh = Mesh(1e-3 * nodes, elements, "tet10", name=str(path)).check()
+    return mesh.with_groups(select_nodes(mesh.nodes, groups, faces=faces, source=str(path)))
+
+
+def _curve_sizes(
+    gmsh: Any,
+    groups: Sequence[NodeSelector],
+    refine: Sequence[Refinement],
+    tags_of: dict[str, list[int]],
+    source: str,
+) -> list[CurveSize]:
+    """Curves and sizes of the refinements, in mm."""
+    boxes = {tag: 1e-3 * np.array(gmsh.model.getBoundingBox(1, tag)) for _, tag in gmsh.model.getEntities(1)}
+    face_curves = {
+        face: [curve for tag in tags for _, curve in gmsh.model.getBoundary([(2, tag)], oriented=False)]
+        for face, tags in tags_of.items()
+    }
+    found = curves_of_groups(boxes, refine, groups, face_curves, None, source)
+    return [CurveSize(curves, 1e3 * item.size, item.growth) for curves, item in found]
+
+
+def read_mesh(path: str | Path, *, length_unit: float = 1.0, groups: Sequence[NodeSelector] = ()) -> Mesh:
+    """Read a finished mesh of 8-node bricks or 10-node tetrahedra.
+
+    Parameters
+    ----------
+    path
+        Any file of meshio: Gmsh, VTK, Abaqus, Nastran, ...
+    length_unit
+        Metres per unit of the file.
+    groups
+        Node groups to name besides those of the file.
+
+    Returns
+    -------
+    Mesh
+        Checked. Node sets, cell sets, physical groups and point data of 0 and 1 become node groups. Nodes
+        of no solid element (reference points, nodes of surface cells only) are left out.
+
+    Raises
+    ------
+    InputError
+        A missing or unreadable file, cells other than ``hex8`` and ``tet10``, both kinds at once, an
+        inverted or disconnected element, a length unit that is not positive, an empty group.
+    """
+    path = existing_file(path, "a mesh file")
+    if not (np.isfinite(length_unit) and length_unit > 0.0):
+        raise InputError(
+            f"{length_unit!r}", source=path, key="length_unit", expected="a positive number of m per unit"
+        )
+    raw = read_with_meshio(path)
+    element_type, elements = _solid_elements(raw, path)
+    if raw.points.ndim != 2 or raw.points.shape[1] != 3:
+        raise InputError("the points are not three-dimensional", source=path, expected="x, y, z a point")
+    used, flat = np.unique(elements, return_inverse=True)
+    new_index = np.full(len(raw.points), -1, dtype=np.int64)
+    new_index[used] = np.arange(used.size)
+    own = {}
+    for key, members in _file_groups(raw).items():
+        kept = new_index[members]
+        if (kept >= 0).any():
+            own[key] = kept[kept >= 0]
+    mesh = Mesh(
+        length_unit * np.asarray(raw.points, dtype=np.float64)[used],
+        flat.reshape(elements.shape),
+        element_type,
+        node_groups=own,
+        name=str(path),
+    ).check()
+    return mesh.with_groups(select_nodes(mesh.nodes, groups, faces=mesh.node_groups, source=str(path)))
+
+
+def existing_file(path: str | Path, expected: str) -> Path:
+    """Path of a file that is there.
+
+    Parameters
+    ----------
+    path
+        The file.
+    expected
+        What it should be, for the message, e.g. "a mesh file".
+
+    Raises
+    ------
+    InputError
+        The file does not exist, or is a folder.
+    """
+    path = Path(path)
+    if not path.is_file():
+        problem = "is a folder" if path.is_dir() else "does not exist"
+        raise InputError(problem, source=path, expected=expected)
+    return path
+
+
+def read_with_meshio(path: Path) -> Any:
+    """``meshio.Mesh`` of a file, of any format that meshio knows by its suffix.
+
+    Parameters
+    ----------
+    path
+        The file, which exists.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read. The message holds what meshio would have printed.
+    """
+    import meshio
+
+    # meshio prints its complaint and may leave by SystemExit: keep both for the message
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(path)
+    except (SystemExit, Exception) as error:
+        text = " ".join(said.getvalue().split())
+        if not isinstance(error, SystemExit):
+            text = " ".join([text, " ".join(str(error).split()) or type(error).__name__]).strip()
+        raise InputError(
+            f"cannot be read as a mesh: {text}", source=path, expected=f"a {path.suffix} file meshio can read"
+        ) from error
+
+
+def _solid_elements(raw: Any, path: Path) -> tuple[str, NDArray[np.int64]]:
+    found: dict[str, list[NDArray[np.int64]]] = {}
+    for block in raw.cells:
+        if block.type in _SOLID_CELLS:
+            found.setdefault(_SOLID_CELLS[block.type], []).append(np.asarray(block.data, dtype=np.int64))
+        elif not block.type.startswith(_LOWER_CELLS):
+            remedy = (
+                "10-node tetrahedra: 4-node ones lock; set the element order to 2 where the mesh is made"
+                if block.type == "tetra"
+                else "8-node bricks (hexahedron) or 10-node tetrahedra (tetra10)"
+            )
+            raise InputError(f"contains cells of type {block.type!r}", source=path, expected=remedy)
+    if len(found) != 1:
+        have = "both bricks and tetrahedra" if found else "no solid cell"
+        raise InputError(
+            f"contains {have}", source=path, expected="8-node bricks only, or 10-node tetrahedra only"
+        )
+    ((element_type, blocks),) = found.items()
+    return element_type, np.vstack(blocks)
+
+
+def _file_groups(raw: Any) -> dict[str, NDArray[np.int64]]:
+    groups: dict[str, NDArray[np.int64]] = {}
+
+    def extend(name: str, members: NDArray[np.int64]) -> None:
+        groups[name] = np.union1d(groups.get(name, np.empty(0, dtype=np.int64)), members.ravel())
+
+    for name, members in raw.point_sets.items():
+        extend(name, np.asarray(members, dtype=np.int64))
+    for name, per_block in raw.cell_sets.items():
+        if name.startswith("gmsh:"):
+            continue
+        for block, members in zip(raw.cells, per_block, strict=True):
+            if members is not None and len(members):
+                extend(name, np.asarray(block.data[np.asarray(members, dtype=np.int64)], dtype=np.int64))
+    # format 2 of gmsh: numbers on the cells, names in a table of (number, dimension)
+    for name, (number, dimension) in raw.field_data.items():
+        for block, numbers in zip(raw.cells, raw.cell_data.get("gmsh:physical", []), strict=False):
+            chosen = np.asarray(numbers) == number
+            if block.dim == dimension and chosen.any():
+                extend(name, np.asarray(block.data[chosen], dtype=np.int64))
+    for name, values in raw.point_data.items():
+        flags = np.asarray(values)
+        if flags.ndim == 1 and flags.dtype.kind in "biu" and np.isin(flags, (0, 1)).all() and flags.any():
+            extend(name, np.flatnonzero(flags))
+    return groups

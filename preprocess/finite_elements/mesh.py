@@ -1,0 +1,245 @@
+"""A solid mesh of one element type: nodes, elements, named node groups, and the checks it must pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.reference_elements import (
+    FACE_CORNER_COUNT,
+    FACE_TRIANGLES,
+    FACES,
+    NODE_COUNT,
+    REFERENCE_NODES,
+    jacobians,
+    shape_gradients,
+    volume_rule,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["Mesh"]
+
+_CHUNK = 4096  # elements handled at once, so that memory does not grow with the mesh
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Nodes and elements of one solid body.
+
+    Parameters
+    ----------
+    nodes
+        Positions [m], shape (n, 3), body frame.
+    elements
+        Zero-based node indices in VTK/meshio order, shape (ne, 8) for ``hex8`` or (ne, 10) for ``tet10``.
+    element_type
+        ``"hex8"`` or ``"tet10"``.
+    node_groups
+        Named, sorted node indices.
+    name
+        Where the mesh comes from, for messages.
+
+    Raises
+    ------
+    InputError
+        For an unknown element type, arrays of the wrong shape, positions that are not finite, node indices
+        outside the mesh, an empty mesh or an empty group.
+    """
+
+    nodes: NDArray[np.float64]
+    elements: NDArray[np.int64]
+    element_type: str
+    node_groups: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        source = self.name or "mesh"
+        if self.element_type not in NODE_COUNT:
+            raise InputError(
+                f"element type {self.element_type!r} is unknown",
+                source=source,
+                key="element_type",
+                expected="one of " + ", ".join(repr(kind) for kind in NODE_COUNT),
+            )
+        object.__setattr__(self, "nodes", np.ascontiguousarray(self.nodes, dtype=np.float64))
+        object.__setattr__(self, "elements", np.ascontiguousarray(self.elements, dtype=np.int64))
+        if self.nodes.ndim != 2 or self.nodes.shape[1] != 3:
+            raise InputError(
+                f"array of shape {self.nodes.shape}", source=source, key="nodes", expected="shape (n, 3)"
+            )
+        width = NODE_COUNT[self.element_type]
+        if self.elements.ndim != 2 or self.elements.shape[1] != width or len(self.elements) == 0:
+            raise InputError(
+                f"array of shape {self.elements.shape}",
+                source=source,
+                key="elements",
+                expected=f"shape (ne, {width}) with at least one {self.element_type} element",
+            )
+        bad = np.flatnonzero(~np.isfinite(self.nodes).all(axis=1))
+        if bad.size:
+            raise InputError(
+                f"position {self.nodes[bad[0]].tolist()}",
+                source=source,
+                key=f"node {bad[0] + 1}",
+                expected="three finite coordinates",
+            )
+        self._check_indices(self.elements.min(initial=0), self.elements.max(initial=0), "elements")
+        groups = {}
+        for key, members in self.node_groups.items():
+            sorted_members = np.unique(np.asarray(members, dtype=np.int64))
+            if sorted_members.size == 0:
+                raise InputError("contains no node", source=source, key=f"node group {key!r}")
+            self._check_indices(sorted_members[0], sorted_members[-1], f"node group {key!r}")
+            groups[key] = sorted_members
+        object.__setattr__(self, "node_groups", groups)
+
+    def _check_indices(self, lowest: int, highest: int, key: str) -> None:
+        if lowest < 0 or highest >= len(self.nodes):
+            raise InputError(
+                f"node index {lowest if lowest < 0 else highest}",
+                source=self.name or "mesh",
+                key=key,
+                expected=f"zero-based indices below the node count {len(self.nodes)}",
+            )
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes."""
+        return len(self.nodes)
+
+    @property
+    def element_count(self) -> int:
+        """Number of elements."""
+        return len(self.elements)
+
+    def with_groups(self, groups: dict[str, NDArray[np.int64]]) -> Mesh:
+        """Return the same mesh with more (or replaced) node groups."""
+        return replace(self, node_groups={**self.node_groups, **groups})
+
+    def element_volumes(self) -> NDArray[np.float64]:
+        """Volume of every element [m3], shape (ne,), exact for curved elements."""
+        points, weights = volume_rule(self.element_type)
+        return self._determinants(points) @ weights
+
+    @property
+    def volume(self) -> float:
+        """Volume of the body [m3]."""
+        return float(self.element_volumes().sum())
+
+    def boundary_faces(self) -> NDArray[np.int64]:
+        """Faces that belong to one element only.
+
+        Returns
+        -------
+        NDArray
+            Node indices, shape (nf, 4) for ``hex8``, (nf, 6) for ``tet10`` (corners, then middle nodes),
+            anticlockwise seen from outside.
+        """
+        _, face_of, count = self._unique_faces()
+        faces = self.elements[:, FACES[self.element_type]].reshape(-1, FACES[self.element_type].shape[1])
+        return faces[count[face_of] == 1]
+
+    def boundary_triangles(self) -> NDArray[np.int64]:
+        """Triangles of the outer surface, outward winding.
+
+        Returns
+        -------
+        NDArray
+            Node indices, shape (nt, 3): two triangles for each face of a brick, four for each face of a
+            quadratic tetrahedron (through its middle nodes).
+        """
+        return self.boundary_faces()[:, FACE_TRIANGLES[self.element_type]].reshape(-1, 3)
+
+    def check(self) -> Mesh:
+        """Check that the mesh is one sound body; returns the mesh itself.
+
+        Raises
+        ------
+        InputError
+            For an inverted element (non-positive Jacobian determinant at a node or at the centre), a face
+            shared by more than two elements, a node in no element, or parts that are not joined through
+            common faces (a part that hangs on a node or an edge only is a mechanism).
+        """
+        source = self.name or "mesh"
+        inverted = np.flatnonzero(self.smallest_determinants() <= 0.0)
+        if inverted.size:
+            raise InputError(
+                f"inverted or flat: the Jacobian determinant is not positive ({inverted.size} such elements)",
+                source=source,
+                key=self._element_words(inverted[0]),
+                expected="node order of VTK (corners, then middle nodes) and a convex element",
+            )
+        unused = np.setdiff1d(np.arange(self.node_count), self.elements)
+        if unused.size:
+            raise InputError(
+                f"belongs to no element ({unused.size} such nodes)",
+                source=source,
+                key=f"node {unused[0] + 1}",
+                expected="every node in at least one element",
+            )
+        self._check_connected(source)
+        return self
+
+    def smallest_determinants(self) -> NDArray[np.float64]:
+        """Smallest det J of every element over its nodes and its centre [m3], shape (ne,)."""
+        points = REFERENCE_NODES[self.element_type]
+        return self._determinants(np.vstack([points, points.mean(axis=0)])).min(axis=1)
+
+    def _determinants(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        gradients = shape_gradients(self.element_type, points)
+        return np.vstack(
+            [
+                np.linalg.det(jacobians(self.nodes[self.elements[start : start + _CHUNK]], gradients))
+                for start in range(0, self.element_count, _CHUNK)
+            ]
+        )
+
+    def _unique_faces(self) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
+        """Return the number of distinct faces, the face of each (element, side), and the elements at each."""
+        corners = FACES[self.element_type][:, : FACE_CORNER_COUNT[self.element_type]]
+        keys = np.sort(self.elements[:, corners].reshape(-1, corners.shape[1]), axis=1)
+        # three corners identify a face, of a brick too: two faces of a mesh share two corners at most
+        n = self.node_count
+        if n < 2_000_000:  # n^3 < 2^63: one integer a face sorts faster than rows
+            key = (keys[:, 0] * n + keys[:, 1]) * n + keys[:, 2]
+            _, face_of, count = np.unique(key, return_inverse=True, return_counts=True)
+        else:
+            _, face_of, count = np.unique(keys[:, :3], axis=0, return_inverse=True, return_counts=True)
+        return len(count), face_of.ravel(), count
+
+    def _check_connected(self, source: str) -> None:
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        face_count, face_of, count = self._unique_faces()
+        owner = np.repeat(np.arange(self.element_count), len(FACES[self.element_type]))
+        if count.max() > 2:
+            raise InputError(
+                f"has a face shared by {count.max()} elements",
+                source=source,
+                key=self._element_words(owner[np.argmax(count[face_of])]),
+                expected="two elements at most at a face (no element twice, none overlapping)",
+            )
+        ne = self.element_count
+        size = ne + face_count
+        graph = coo_array((np.ones(len(owner), dtype=np.int8), (owner, ne + face_of)), shape=(size, size))
+        parts, labels = connected_components(graph, directed=False)
+        if parts > 1:
+            sizes = np.bincount(labels[:ne])
+            smallest = np.flatnonzero(labels[:ne] == np.argmin(sizes))
+            raise InputError(
+                f"the mesh falls into {parts} parts that share no face; the smallest has "
+                f"{smallest.size} element(s)",
+                source=source,
+                key=self._element_words(smallest[0]),
+                expected="one body: merge coincident nodes, or remove the loose part",
+            )
+
+    def _element_words(self, index: int) -> str:
+        centre = self.nodes[self.elements[index]].mean(axis=0)
+        return f"element {index + 1} at ({centre[0]:.6g}, {centre[1]:.6g}, {centre[2]:.6g}) m"

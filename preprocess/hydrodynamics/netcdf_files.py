@@ -1,0 +1,483 @@
+"""Hydrodynamic databases as netCDF files: our own, and those that Capytaine writes.
+
+A netCDF-4 file is an HDF5 file whose axes are "dimension scales"; h5py writes and reads these, so that no
+other package is needed; a netCDF-3 file is read by SciPy (NetCDF file format specifications, Unidata). Names of axes
+and variables are Capytaine's, so one reader serves both, and both open with xarray. Ours adds what Capytaine
+leaves to the reader: time convention, reference of the phase, units, the limit of infinite frequency.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.hydrodynamics.database import (
+    COORDINATES,
+    HydrodynamicDatabase,
+    check_database,
+    check_phase,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = [
+    "TIME_CONVENTION",
+    "Variable",
+    "load_variables",
+    "read_digest",
+    "read_netcdf",
+    "write_netcdf",
+]
+
+
+class Variable(NamedTuple):
+    """One variable: names of its axes, values (text as `str`), attributes such as ``units``."""
+
+    axes: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: dict[str, Any]
+
+
+def load_variables(path: Path) -> tuple[dict[str, Variable], dict[str, Any]]:
+    """Variables with the names of their axes, and the attributes of the file.
+
+    Raises
+    ------
+    InputError
+        There is no such file, or it is none of netCDF-4 and netCDF-3.
+    """
+    import h5py
+
+    if not path.is_file():
+        raise InputError("no such file", source=path, expected="a netCDF file")
+    if h5py.is_hdf5(path):
+        with h5py.File(path, "r") as file:
+            return (
+                {name: _from_hdf5(item) for name, item in file.items() if isinstance(item, h5py.Dataset)},
+                {key: _text(value) for key, value in file.attrs.items()},
+            )
+    from scipy.io import netcdf_file
+
+    try:
+        with netcdf_file(path, "r", mmap=False) as classic:
+            variables = {
+                name: Variable(tuple(item.dimensions), _letters(np.array(item.data)), _attributes_of(item))
+                for name, item in classic.variables.items()
+            }
+            return variables, {key: _text(value) for key, value in classic._attributes.items()}  # noqa: SLF001
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{error}", source=path, expected="a netCDF file") from None
+
+
+def _from_hdf5(item: Any) -> Variable:
+    """One HDF5 data set: its axes are the scales attached to it, or itself if it is one."""
+    values = item.asstr()[()] if item.dtype.kind == "O" else item[()]
+    axes = [
+        (scales[0] if len(scales) else item).name.rsplit("/", 1)[-1] for scales in item.dims if item.shape
+    ]
+    hidden = ("REFERENCE_LIST", "DIMENSION_LIST", "CLASS", "NAME")
+    attributes = {key: _text(item.attrs[key]) for key in item.attrs if key not in hidden}
+    return Variable(tuple(axes), np.asarray(values), attributes)
+
+
+def _attributes_of(item: Any) -> dict[str, Any]:
+    """Attributes of one variable of a classic file."""
+    return {key: _text(value) for key, value in item._attributes.items()}  # noqa: SLF001
+
+
+def _letters(values: NDArray[Any]) -> NDArray[Any]:
+    """Names, which a classic file keeps as rows of single letters."""
+    if values.dtype.kind != "S":
+        return values
+    return np.array([b"".join(row).decode().rstrip("\0 ") for row in np.atleast_2d(values)])
+
+
+def _text(value: Any) -> Any:
+    """Bytes as text; anything else as it is."""
+    return value.decode() if isinstance(value, bytes) else value
+
+
+TIME_CONVENTION = "exp(-i omega t)"
+OPPOSITE_CONVENTION = "exp(+i omega t)"
+HEADING_CONVENTION = "direction of propagation, anticlockwise from +x seen from above"
+PHASE_CONVENTION = "crest of the incident wave at the origin (0, 0) at t = 0"
+FORMAT = "heavylift hydrodynamic database 1"
+
+UNITS = {
+    "omega": "rad/s",
+    "wave_direction": "rad",
+    "rho": "kg/m^3",
+    "g": "m/s^2",
+    "water_depth": "m",
+    "rotation_center": "m",
+    "added_mass": "kg, kg m, kg m^2",
+    "added_mass_infinite": "kg, kg m, kg m^2",
+    "radiation_damping": "kg/s, kg m/s, kg m^2/s",
+    "excitation_force": "N/m, N",
+    "drift_force": "N/m^2, N/m",
+    "volume": "m^3",
+    "center_of_buoyancy": "m",
+    "hydrostatic_stiffness_without_weight": "N/m, N, N m",
+}
+
+
+def write_netcdf(path: Path | str, database: HydrodynamicDatabase, *, digest: str = "") -> None:
+    """Write ``database``, compressed, double precision.
+
+    Parameters
+    ----------
+    path
+        File, overwritten.
+    database
+        As `check_database` accepts it.
+    digest
+        Key of the inputs it was computed from, stored as the attribute ``digest``.
+
+    Raises
+    ------
+    InputError
+        From `check_database`.
+    """
+    import h5py
+
+    check_database(database)
+    dofs = [f"{body}__{name.capitalize()}" for body in database.bodies for name in COORDINATES]
+    n = len(dofs)
+    axes: dict[str, Any] = {
+        "omega": database.omega,
+        "wave_direction": database.headings,
+        "radiating_dof": dofs,
+        "influenced_dof": dofs,
+        "body": list(database.bodies),
+        "space_coordinate": ["x", "y", "z"],
+        "complex": ["re", "im"],
+        "force": list(COORDINATES),
+        "motion": list(COORDINATES),
+    }
+    square = ("influenced_dof", "radiating_dof")
+    excitation = np.stack([database.excitation.real, database.excitation.imag])
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {
+        "added_mass": (("omega", *square), database.added_mass),
+        "radiation_damping": (("omega", *square), database.damping),
+        "added_mass_infinite": (square, database.added_mass_infinite.reshape(n, n)),
+        "excitation_force": (("complex", "omega", "wave_direction", "influenced_dof"), excitation),
+        "rotation_center": (("body", "space_coordinate"), database.reference_points),
+        "rho": ((), database.density),
+        "g": ((), database.gravity),
+        "water_depth": ((), database.depth),
+        "drift_force": (("omega", "wave_direction", "influenced_dof"), database.drift),
+        "volume": (("body",), database.volumes),
+        "center_of_buoyancy": (("body", "space_coordinate"), database.centres_of_buoyancy),
+        "hydrostatic_stiffness_without_weight": (
+            ("body", "force", "motion"),
+            database.hydrostatic_stiffness,
+        ),
+    }
+    with h5py.File(path, "w", track_order=True) as file:
+        for key, text in (
+            ("Conventions", "CF-1.8"),
+            ("title", FORMAT),
+            ("source", database.source),
+            ("time_convention", TIME_CONVENTION),
+            ("heading_convention", HEADING_CONVENTION),
+            ("phase_convention", PHASE_CONVENTION),
+            ("digest", digest),
+        ):
+            file.attrs[key] = np.bytes_(text.encode())
+        file.attrs["symmetric"] = np.int32(database.symmetric)
+        for name, values in axes.items():
+            is_text = isinstance(values, list)
+            scale = file.create_dataset(
+                name, data=values, dtype=h5py.string_dtype() if is_text else np.float64
+            )
+            scale.make_scale(name)
+            if name in UNITS:
+                scale.attrs["units"] = np.bytes_(UNITS[name].encode())
+        for name, (along, values) in variables.items():
+            if values is None:
+                continue
+            packed = {"compression": "gzip", "compression_opts": 9, "shuffle": True} if len(along) > 2 else {}
+            data = file.create_dataset(name, data=np.asarray(values, dtype=np.float64), **packed)
+            for place, axis in enumerate(along):
+                data.dims[place].attach_scale(file[axis])
+            data.attrs["units"] = np.bytes_(UNITS[name].encode())
+
+
+def read_netcdf(
+    path: Path | str, *, time_convention: str = "", reference_points: NDArray[np.float64] | None = None
+) -> HydrodynamicDatabase:
+    """Read a file of `write_netcdf` or of Capytaine (netCDF-4, or netCDF-3 as xarray writes without its library).
+
+    Parameters
+    ----------
+    path
+        File.
+    time_convention
+        ``"exp(-i omega t)"`` or ``"exp(+i omega t)"`` for a file of another program that does not state it.
+    reference_points
+        (N, 3) [m] for a file that does not state them (``rotation_center``).
+
+    Raises
+    ------
+    InputError
+        Not such a file, something is missing (a variable, one of six coordinates, infinite frequency, the time
+        convention, the reference points), units other than SI, a forward speed, or what `check_database` and
+        `check_phase` refuse.
+    """
+    variables, attributes = load_variables(Path(path))
+    source = str(path)
+    convention = time_convention or _convention(attributes, source)
+    bodies, order = _coordinates(variables, source)
+    n = len(order)
+    _check_declared_units(variables, source)
+    speed = variables.get("forward_speed")
+    if speed is not None and np.any(np.asarray(speed.values, dtype=float) != 0.0):
+        raise InputError("a forward speed", source=source, key="forward_speed", expected="0")
+    omega = np.atleast_1d(_named(variables, "omega", source).values).astype(np.float64)
+    headings = np.atleast_1d(_named(variables, "wave_direction", source).values).astype(np.float64)
+    finite = np.flatnonzero(np.isfinite(omega) & (omega > 0.0))
+    finite = finite[np.argsort(omega[finite])]
+    turned = np.argsort(headings)
+    square = ("omega", "influenced_dof", "radiating_dof")
+    mass = _arranged(variables, "added_mass", square, source)[:, order][:, :, order]
+    damping = _arranged(variables, "radiation_damping", square, source)[:, order][:, :, order]
+    infinite = _infinite(variables, omega, mass, order, source)
+    waves = ("complex", "omega", "wave_direction", "influenced_dof")
+    parts = (
+        ("excitation_force",)
+        if "excitation_force" in variables
+        else ("Froude_Krylov_force", "diffraction_force")
+    )
+    real, imaginary = np.sum([_arranged(variables, part, waves, source) for part in parts], axis=0)
+    excitation = (real + 1j * imaginary)[finite][:, turned][:, :, order]
+    if convention == OPPOSITE_CONVENTION:
+        excitation = excitation.conj()
+    references = _reference_points(variables, reference_points, len(bodies), source)
+    drift = None
+    if "drift_force" in variables and attributes.get("title") == FORMAT:
+        drift = _arranged(variables, "drift_force", waves[1:], source)[finite][:, turned][:, :, order]
+    constants = {key: _scalar(variables, key, source) for key in ("rho", "g", "water_depth")}
+    volumes, centres = _displaced(variables, len(bodies), constants["rho"])
+    database = HydrodynamicDatabase(
+        bodies=bodies,
+        omega=omega[finite],
+        headings=headings[turned],
+        added_mass=mass[finite],
+        damping=damping[finite],
+        added_mass_infinite=infinite.reshape(n, n),
+        excitation=excitation,
+        reference_points=references,
+        density=constants["rho"],
+        gravity=constants["g"],
+        depth=constants["water_depth"],
+        source=source,
+        symmetric=bool(attributes.get("symmetric", 0)),
+        drift=drift,
+        volumes=volumes,
+        centres_of_buoyancy=centres,
+        hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"]),
+    )
+    check_database(database)
+    check_phase(database)
+    return database
+
+
+def read_digest(path: Path | str) -> str:
+    """Key of the inputs a file of `write_netcdf` was computed from, "" if it has none or is not readable."""
+    try:
+        return str(load_variables(Path(path))[1].get("digest", ""))
+    except InputError:
+        return ""
+
+
+def _convention(attributes: dict[str, Any], source: str) -> str:
+    """Time convention that the file states, or Capytaine's."""
+    stated = str(attributes.get("time_convention", ""))
+    if stated in {TIME_CONVENTION, OPPOSITE_CONVENTION}:
+        return stated
+    if not stated and "capytaine_version" in attributes:
+        return TIME_CONVENTION
+    raise InputError(
+        f"the time convention is {stated!r}" if stated else "the time convention is not stated",
+        source=source,
+        key="time_convention",
+        expected=f"'{TIME_CONVENTION}' or '{OPPOSITE_CONVENTION}'",
+    )
+
+
+def _named(variables: dict[str, Variable], name: str, source: str) -> Variable:
+    """The variable, or the error that names it."""
+    if name not in variables:
+        raise InputError(f"there is no '{name}'", source=source, expected="a hydrodynamic database")
+    return variables[name]
+
+
+def _scalar(variables: dict[str, Variable], name: str, source: str) -> float:
+    """One number, of an array of one if need be."""
+    values = np.ravel(_named(variables, name, source).values)
+    if values.size != 1:
+        raise InputError(f"{values.size} values", source=source, key=name, expected="one")
+    return float(values[0])
+
+
+def _arranged(
+    variables: dict[str, Variable], name: str, axes: tuple[str, ...], source: str
+) -> NDArray[np.float64]:
+    """The variable with its axes in this order; an axis that was left out has the length one."""
+    variable = _named(variables, name, source)
+    extra = [
+        axis
+        for axis in variable.axes
+        if axis not in axes and variable.values.shape[variable.axes.index(axis)] > 1
+    ]
+    if extra:
+        raise InputError(
+            f"axes {', '.join(variable.axes)}", source=source, key=name, expected=f"{', '.join(axes)}"
+        )
+    present = [axis for axis in axes if axis in variable.axes]
+    rest = [axis for axis in variable.axes if axis not in axes]
+    values = np.transpose(
+        np.asarray(variable.values, dtype=np.float64), [variable.axes.index(a) for a in (*present, *rest)]
+    ).reshape([variable.values.shape[variable.axes.index(a)] for a in present])
+    for place, axis in enumerate(axes):
+        if axis not in present:
+            values = np.expand_dims(values, place)
+    if "complex" in axes and values.shape[0] != 2:
+        raise InputError(
+            "no axis of real and imaginary part", source=source, key=name, expected="complex = re, im"
+        )
+    return values
+
+
+def _coordinates(variables: dict[str, Variable], source: str) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    """Names of the bodies, and where their surge .. yaw stand among the coordinates of the file."""
+    forces = [str(v) for v in np.atleast_1d(_named(variables, "influenced_dof", source).values)]
+    motions = [str(v) for v in np.atleast_1d(_named(variables, "radiating_dof", source).values)]
+    if forces != motions:
+        raise InputError(
+            f"{', '.join(motions)}",
+            source=source,
+            key="radiating_dof",
+            expected=f"the same as influenced_dof: {', '.join(forces)}",
+        )
+    split = [name.rsplit("__", 1) if "__" in name else ["", name] for name in forces]
+    bodies = list(dict.fromkeys(body for body, _ in split))
+    places = {(body, name.lower()): i for i, (body, name) in enumerate(split)}
+    if len(forces) != 6 * len(bodies) or any((b, c) not in places for b in bodies for c in COORDINATES):
+        raise InputError(
+            f"coordinates {', '.join(forces)}",
+            source=source,
+            key="influenced_dof",
+            expected="Surge, Sway, Heave, Roll, Pitch, Yaw of each hull",
+        )
+    if bodies == [""]:
+        given = variables.get("body", variables.get("body_name"))
+        bodies = [str(np.ravel(given.values)[0]) if given is not None else "hull"]
+        return tuple(bodies), np.array([places["", c] for c in COORDINATES])
+    return tuple(bodies), np.array([places[b, c] for b in bodies for c in COORDINATES])
+
+
+def _check_declared_units(variables: dict[str, Variable], source: str) -> None:
+    """Units that a file states are ours."""
+    for name, unit in UNITS.items():
+        if name not in variables:
+            continue
+        stated = str(variables[name].attributes.get("units", unit))
+        if stated != unit:
+            raise InputError(f"the unit is '{stated}'", source=source, key=name, expected=f"'{unit}'")
+
+
+def _infinite(
+    variables: dict[str, Variable],
+    omega: NDArray[np.float64],
+    mass: NDArray[np.float64],
+    order: NDArray[np.int64],
+    source: str,
+) -> NDArray[np.float64]:
+    """Added mass of infinite frequency: its own variable, or one of the frequencies."""
+    if "added_mass_infinite" in variables:
+        values = _arranged(variables, "added_mass_infinite", ("influenced_dof", "radiating_dof"), source)
+        return values[order][:, order]
+    at = np.flatnonzero(np.isinf(omega))
+    if at.size == 0:
+        raise InputError(
+            "no added mass of infinite frequency",
+            source=source,
+            key="omega",
+            expected="one radiation problem with omega = inf",
+        )
+    return mass[at[0]]
+
+
+def _reference_points(
+    variables: dict[str, Variable], given: NDArray[np.float64] | None, count: int, source: str
+) -> NDArray[np.float64]:
+    """Points about which moments are taken: those of the file; given ones must agree."""
+    stated = variables.get("rotation_center")
+    if stated is None and given is None:
+        raise InputError(
+            "the reference point of moments is not stated",
+            source=source,
+            key="rotation_center",
+            expected="a point [m] for each hull, in the file or given",
+        )
+    points = np.asarray(given if stated is None else stated.values, dtype=np.float64).reshape(-1, 3)
+    if points.shape != (count, 3):
+        raise InputError(
+            f"{len(points)} reference points", source=source, key="rotation_center", expected=f"{count}"
+        )
+    if (
+        stated is not None
+        and given is not None
+        and not np.allclose(points, np.reshape(given, (-1, 3)), atol=1e-6)
+    ):
+        raise InputError(
+            f"{points.tolist()}",
+            source=source,
+            key="rotation_center",
+            expected=f"the reference points {np.reshape(given, (-1, 3)).tolist()}",
+        )
+    return points
+
+
+def _displaced(
+    variables: dict[str, Variable], count: int, density: float
+) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+    """Volumes and centres of buoyancy, where the file has them."""
+    volumes = centres = None
+    if "volume" in variables:
+        volumes = np.asarray(variables["volume"].values, dtype=np.float64).reshape(count)
+    elif "disp_mass" in variables:
+        volumes = np.asarray(variables["disp_mass"].values, dtype=np.float64).reshape(count) / density
+    if "center_of_buoyancy" in variables:
+        centres = np.asarray(variables["center_of_buoyancy"].values, dtype=np.float64).reshape(count, 3)
+    return volumes, centres
+
+
+def _stiffness(
+    variables: dict[str, Variable], order: NDArray[np.int64], references: NDArray[np.float64], gravity: float
+) -> NDArray[np.float64] | None:
+    """(N, 6, 6) without the terms of weight; those of Capytaine have them, from its mass and its centre."""
+    count = len(references)
+    if "hydrostatic_stiffness_without_weight" in variables:
+        return np.asarray(variables["hydrostatic_stiffness_without_weight"].values, dtype=np.float64)
+    needed = ("hydrostatic_stiffness", "inertia_matrix", "center_of_mass")
+    if any(name not in variables for name in needed):
+        return None
+    whole = np.asarray(variables["hydrostatic_stiffness"].values, dtype=np.float64)[np.ix_(order, order)]
+    inertia = np.asarray(variables["inertia_matrix"].values, dtype=np.float64)[np.ix_(order, order)]
+    arms = np.asarray(variables["center_of_mass"].values, dtype=np.float64).reshape(count, 3) - references
+    stiffness = np.zeros((count, 6, 6))
+    for body, (x, y, z) in enumerate(arms):
+        block = slice(6 * body, 6 * body + 6)
+        weight = float(inertia[6 * body, 6 * body]) * gravity
+        stiffness[body] = whole[block, block]
+        stiffness[body, 3, 3] += weight * z
+        stiffness[body, 4, 4] += weight * z
+        stiffness[body, 3, 5] -= weight * x
+        stiffness[body, 4, 5] -= weight * y
+    return stiffness

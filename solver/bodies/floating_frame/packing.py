@@ -1,0 +1,219 @@
+"""Bodies with modes of a scene become arrays: inertia shapes, markers, drives; what is refused of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.modal.invariants import ShapeIntegrals
+from heavylift.modal.reduced import ReducedBody
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.numerics.small import aligned
+from heavylift.solver.bodies.floating_frame.kind import FlexibleIndex, FloatingFrame, FloatingFrameBodies
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
+from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
+from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, Free
+
+__all__ = ["pack_floating_frames", "pack_shape"]
+
+
+SMALLEST_FRAME_SHARE = 0.1
+"""Of the inertia of a free body that its modes must not carry with them."""
+
+
+def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
+    """Flatten shape integrals into the block the kernels read.
+
+    The stacked matrices (8 n n), then S (3 n), Ibar antisymmetric (3 n), Ibar symmetric (6 n).
+
+    Notes
+    -----
+    The stacked matrices are stored by columns, ``T[j, r]`` being the factor of ``q_j`` in product r:
+    a sum of long scaled rows runs at vector speed for any number of modes. (Reading only one half of
+    each matrix was slower: arithmetic limits here, not memory.)
+    """
+    S = integrals.mode_mode
+    Ibar = integrals.position_mode
+    antisymmetric = ((1, 2), (2, 0), (0, 1))
+    symmetric = ((0, 1), (0, 2), (1, 2))
+    stacked = [S[k, l] - S[l, k] for k, l in antisymmetric]
+    stacked += [S[k, k] for k in range(2)] + [S[k, l] + S[l, k] for k, l in symmetric]
+    Ibar_rows = [Ibar[k, l] - Ibar[l, k] for k, l in antisymmetric]
+    Ibar_rows += [Ibar[k, k] for k in range(3)] + [Ibar[k, l] + Ibar[l, k] for k, l in symmetric]
+    block = np.concatenate(
+        [
+            np.ascontiguousarray(np.concatenate(stacked).T).ravel(),
+            integrals.modal_translation.ravel(),
+            np.concatenate(Ibar_rows),
+        ]
+    )
+    return np.concatenate([block, np.zeros(-len(block) % 8)])  # the next block begins at a cache line too
+
+
+def pack_floating_frames(
+    bodies: Sequence[FlexibleBody],
+    first_number: int,
+    first_dof: int,
+    first_column: int,
+    markers: Sequence[BodyMarkers],
+    sensors: Sequence[BodyMarkers],
+) -> FloatingFrameBodies:
+    """Make the kind from what the user said; start velocities of driven frames are set by the integrator.
+
+    Parameters
+    ----------
+    bodies
+        In the order of their rows.
+    first_number, first_dof, first_column
+        Number of the first body in the scene, place of its velocities and of its first record column.
+    markers, sensors
+        Points and directions of each body with their numbers; same order as `bodies`.
+
+    Raises
+    ------
+    InputError
+        If the modes of a free body move it almost rigidly.
+    """
+    counts = [body.reduced.mode_count for body in bodies]
+    modal_starts = np.concatenate([[0], np.cumsum(counts)])
+    total = int(modal_starts[-1])
+    kind = _empty(len(bodies), total)
+    constants: list[NDArray[np.float64]] = []  # shapes first: their blocks keep the alignment
+    shape_starts: dict[int, int] = {}
+    for body in bodies:
+        if id(body.reduced) not in shape_starts:
+            shape_starts[id(body.reduced)] = sum(map(len, constants))
+            constants.append(pack_shape(body.reduced.integrals))
+    dof, column = first_dof, first_column
+    for row, body in enumerate(bodies):
+        reduced = body.reduced
+        if isinstance(body.motion, Free) and not reduced.mean_axis:
+            _check_free_modes(body.name, reduced.integrals)
+        modes = slice(modal_starts[row], modal_starts[row + 1])
+        motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
+        kind.table[row] = (
+            dof,
+            motion,
+            sum(map(len, constants)),
+            column,
+            first_number + row,
+            counts[row],
+            modal_starts[row],
+            shape_starts[id(reduced)],
+        )
+        if isinstance(body.motion, Driven):
+            constants.append(pack_drive(body.motion, body.position, body.orientation))
+        frame, integrals = kind.frame[row], reduced.integrals
+        frame.position[:] = body.position
+        frame.orientation[:] = body.orientation / np.linalg.norm(body.orientation)
+        if isinstance(body.motion, Free):
+            frame.velocity[:] = body.velocity
+            frame.spin[:] = body.angular_velocity
+        frame.mass = integrals.mass
+        frame.reach = np.linalg.norm(reduced.nodes, axis=1).max(initial=0.0)
+        frame.undeformed_first_moment[:] = integrals.first_moment
+        I = integrals.inertia_kl
+        frame.undeformed_second_moments[:] = [*np.diag(I), I[0, 1], I[0, 2], I[1, 2]]
+        if body.modal_position.size:
+            kind.modal_position[modes] = body.modal_position
+        if body.modal_velocity.size:
+            kind.modal_velocity[modes] = body.modal_velocity
+        kind.stiffness[modes] = reduced.eigenvalues
+        kind.translation[:, modes] = integrals.modal_translation
+        if body.damping_ratio.size:
+            critical = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
+            kind.damping[modes] = 2.0 * body.damping_ratio * critical
+        dof += 6 + counts[row]
+        column += 13 + 2 * counts[row] + (0 if isinstance(body.motion, Free) else 6)
+    shapes_of = [_marker_shapes(body.reduced) for body in bodies]
+    marker_index = pack_markers(markers, shapes_of, constants)
+    sensor_index = pack_markers(sensors, shapes_of, constants)
+    flat = aligned(sum(map(len, constants)))
+    flat[:] = np.concatenate(constants)
+    return kind._replace(
+        constants=flat,
+        markers=marker_index,
+        sensors=sensor_index,
+        driven=any(isinstance(body.motion, Driven) for body in bodies),
+        moves=any(not isinstance(body.motion, Fixed) for body in bodies),
+    )
+
+
+def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
+    """All zeros, for some bodies that have some modes together; no constants and markers."""
+    return FloatingFrameBodies(
+        table=records(FlexibleIndex, bodies),
+        constants=np.zeros(0),
+        frame=records(FloatingFrame, bodies),
+        modal_position=aligned(modes),
+        modal_velocity=aligned(modes),
+        modal_acceleration=aligned(modes),
+        stiffness=aligned(modes),
+        damping=aligned(modes),
+        translation=aligned((3, modes)),
+        mid_modal_position=aligned(modes),
+        mid_modal_velocity=aligned(modes),
+        modal_load=aligned(modes),
+        quadratic_force=aligned(modes),
+        modal_right_hand_side=aligned(modes),
+        inverse_diagonal=aligned(modes),
+        coupling=aligned((3, modes)),
+        scaled_coupling=aligned((6, modes)),
+        position_products=aligned(8 * modes),
+        velocity_products=aligned(8 * modes),
+        acceleration_products=aligned(8 * modes),
+        midpoint_products=aligned(8 * modes),
+        mid_velocity_products=aligned(8 * modes),
+        markers=records(PackedMarker, 0),
+        sensors=records(PackedMarker, 0),
+        driven=False,
+        moves=False,
+    )
+
+
+def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
+    """Refuse modes that leave a free frame next to no inertia of its own.
+
+    Notes
+    -----
+    With ``C = [S; I_tf]`` the share is the smallest eigenvalue of ``M_rr - C C^T`` relative to ``M_rr``,
+    which depends neither on units nor on the place of the frame: 1 for mean-axis modes. Tumbling bodies
+    of point masses stayed in balance above 0.2 and blew up below 0.05, at every step tried.
+    """
+    Ibar, I = integrals.position_mode, integrals.inertia_kl
+    C = np.vstack(
+        [
+            integrals.modal_translation,
+            Ibar[1, 2] - Ibar[2, 1],
+            Ibar[2, 0] - Ibar[0, 2],
+            Ibar[0, 1] - Ibar[1, 0],
+        ]
+    )
+    M = np.zeros((6, 6))
+    M[:3, :3] = integrals.mass * np.eye(3)
+    M[3:, 3:] = np.trace(I) * np.eye(3) - I
+    s1, s2, s3 = integrals.first_moment
+    M[3:, :3] = [[0.0, -s3, s2], [s3, 0.0, -s1], [-s2, s1, 0.0]]
+    M[:3, 3:] = M[3:, :3].T
+    shared = np.linalg.solve(np.linalg.cholesky(M), C)
+    share = 1.0 - float(np.linalg.norm(shared, 2)) ** 2 if C.size else 1.0
+    if share < SMALLEST_FRAME_SHARE:
+        raise InputError(
+            f"its modes move it almost rigidly: {share:.2g} of its inertia is left to the free frame",
+            source=name,
+            key="reduced",
+            expected=f"{SMALLEST_FRAME_SHARE} or more: reduce it with mean-axis modes, or hold its frame",
+        )
+
+
+def _marker_shapes(reduced: ReducedBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Return a function from a body-frame point to (undeformed position, 3 nf mode shape entries)."""
+
+    def shapes(point: NDArray[np.float64]) -> NDArray[np.float64]:
+        node = reduced.nearest_node(point)
+        return np.concatenate([reduced.nodes[node], reduced.mode_shapes[:, node, :].T.ravel()])
+
+    return shapes

@@ -1,0 +1,129 @@
+"""Rigid bodies of a scene become arrays: principal axes, markers, drives; what is refused of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
+from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidIndex
+from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
+from heavylift.solver.markers import BodyMarkers, pack_markers
+from heavylift.solver.scene.bodies import Driven, Fixed, Free, RigidBody
+
+__all__ = ["pack_rigid_bodies", "principal_frame"]
+
+
+def pack_rigid_bodies(
+    bodies: Sequence[RigidBody],
+    first_number: int,
+    first_dof: int,
+    first_column: int,
+    markers: Sequence[BodyMarkers],
+    sensors: Sequence[BodyMarkers],
+) -> RigidBodies:
+    """Make the kind from what the user said.
+
+    Raises
+    ------
+    InputError
+        If a mass is not positive, or an inertia is not that of a body (triangle rule).
+    """
+    table = records(RigidIndex, len(bodies))
+    frame = records(RigidFrame, len(bodies))
+    constants: list[NDArray[np.float64]] = []
+    column = first_column
+    for row, body in enumerate(bodies):
+        moments, axes = _principal_axes(body)
+        one = frame[row]
+        one.mass, one.inverse_mass = body.mass, 1.0 / body.mass
+        one.principal_inertia[:], one.inverse_inertia[:] = moments, 1.0 / moments
+        one.centre[:], one.axes[:] = body.centre_of_mass, quaternion_from_matrix(axes)
+        one.arc = 0.125
+        motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
+        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row, 0
+        if isinstance(body.motion, Driven):
+            constants.append(pack_drive(body.motion, body.position, body.orientation))
+        R = rotation_matrix(body.orientation)
+        arm = R @ body.centre_of_mass
+        one.position[:] = body.position + arm
+        one.orientation[:] = quaternion_from_matrix(R @ axes)
+        if isinstance(body.motion, Free):
+            one.velocity[:] = body.velocity + np.cross(R @ body.angular_velocity, arm)
+            one.spin[:] = axes.T @ body.angular_velocity
+        column += 13 if isinstance(body.motion, Free) else 19
+    to_principal = [
+        _marker_data(rotation_matrix(frame[row].axes), body.centre_of_mass) for row, body in enumerate(bodies)
+    ]
+    turned = [
+        BodyMarkers(
+            entry.numbers,
+            tuple(
+                rotation_matrix(frame[row].axes).T @ vector if direction else vector
+                for vector, direction in zip(entry.vectors, entry.directions, strict=True)
+            ),
+            entry.directions,
+            entry.levels,
+        )
+        for row, entry in enumerate(markers)
+    ]
+    for row, body in enumerate(bodies):
+        arms = [
+            float(np.linalg.norm(vector - body.centre_of_mass))
+            for vector, direction in zip(markers[row].vectors, markers[row].directions, strict=True)
+            if not direction
+        ]
+        gyration = math.sqrt(frame[row].principal_inertia.max() / body.mass)
+        frame[row].reach = max([gyration, *arms])
+    marker_index = pack_markers(turned, to_principal, constants)
+    sensor_index = pack_markers(sensors, to_principal, constants)
+    return RigidBodies(
+        table=table,
+        constants=np.concatenate([np.zeros(0), *constants]),
+        frame=frame,
+        markers=marker_index,
+        sensors=sensor_index,
+        driven=bool((table["motion"] == DRIVEN).any()),
+    )
+
+
+def principal_frame(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centre of mass [m] and principal axes, as columns, of a body in its own frame, as the kind has them."""
+    axes = rotation_matrix(quaternion_from_matrix(_principal_axes(body)[1]))
+    return np.asarray(body.centre_of_mass, dtype=np.float64), axes
+
+
+def _principal_axes(body: RigidBody) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Principal inertias [kg m2] and right-handed axes (columns, body frame)."""
+    if not body.mass > 0.0:
+        raise InputError(f"mass {body.mass} kg", source=body.name, key="mass", expected="a positive mass")
+    tensor = np.asarray(body.inertia, dtype=np.float64)
+    if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0.0):
+        raise InputError("not symmetric", source=body.name, key="inertia", expected="a symmetric tensor")
+    moments, axes = np.linalg.eigh(tensor)
+    if moments[0] <= 0.0 or moments[0] + moments[1] < moments[2] * (1.0 - 1e-12):
+        raise InputError(
+            f"principal inertias {moments} kg m2",
+            source=body.name,
+            key="inertia",
+            expected="positive ones, none larger than the sum of the others",
+        )
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    return moments, axes
+
+
+def _marker_data(
+    axes: NDArray[np.float64], centre: NDArray[np.float64]
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Return a function from a body-frame point to its principal coordinates."""
+
+    def principal(point: NDArray[np.float64]) -> NDArray[np.float64]:
+        return axes.T @ (np.asarray(point) - centre)
+
+    return principal
