@@ -7,6 +7,9 @@ from heavylift.solver.layout import Layout
 __all__ = ["explicit_limit", "mesh_warning"]
 
 
+LARGEST_RINGING = 0.05
+"""Energy of what rings over the largest of the motion that is worth a warning."""
+
 LARGEST_LOSS = 0.02
 """Energy that a scene with meshes loses without dampers, relative to the largest in motion, that is worth a warning."""
 
@@ -34,6 +37,13 @@ def mesh_warning(layout: Layout, loss: float) -> str:
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
             name = layout.body_names[line.number]
+            if numbers.largest_ringing > LARGEST_RINGING * numbers.largest_motion:
+                share = numbers.largest_ringing / numbers.largest_motion
+                parts.append(
+                    f"{name!r} rings: velocities at the ends of steps change their sign from step to step, with up to"
+                    f" {share:.1%} of the largest energy of its motion; recorded velocities and kinetic energies have"
+                    " it, its path and the forces on it have not: take a smaller step, or more damping"
+                )
             if numbers.changed_over:
                 parts.append(
                     f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"

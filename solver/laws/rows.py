@@ -27,7 +27,6 @@ __all__ = [
     "put_law",
     "put_residual",
     "put_stick",
-    "rate_at_end",
     "row_rate",
 ]
 
@@ -56,30 +55,6 @@ def row_rate(system: RowArrays, first: int, last: int, velocity: NDArray[np.floa
         for k in range(system.attachments[i].width):
             u += system.panels[panel + k * lanes] * velocity[dof + k]
     return u
-
-
-@kernel(inline=True, internal=True)
-def rate_at_end(mean: float, growth: float, end: float) -> float:
-    """Rate at the end of a step, for the record.
-
-    The end velocities of a mode that the step does not resolve change their sign with every step, while hardly anything
-    moves: a damper that sees them records a force that nothing feels. The mean rates of the last two steps, extended by
-    half a step, are free of that and of second order. Where the rate jumps the end velocity is nearer than they are, so
-    the smaller change counts, and none if they differ in sign.
-
-    Parameters
-    ----------
-    mean
-        Of the last step [m/s].
-    growth
-        Half its difference from that of the step before [m/s].
-    end
-        Rate by the velocities at the end [m/s].
-    """
-    change = end - mean
-    if change * growth <= 0.0:
-        return mean
-    return mean + (growth if abs(growth) < abs(change) else change)
 
 
 @kernel(inline=True, internal=True)

@@ -34,7 +34,8 @@ from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace, path_length
-from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, rate_at_end, row_rate
+from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 
 __all__ = ["PlaceMarkers", "RopeEntry", "RopeState", "Ropes", "WinchRow"]
@@ -343,7 +344,7 @@ def record_ropes(
             if kind.table[i].damping > 0.0:
                 stretching = _path_rate(kind, i, work)
                 if not state.fresh:
-                    stretching = rate_at_end(state.rate, state.growth, stretching)
+                    stretching = steady_rate(state.rate, state.growth, stretching)
                 stretching += winch_state(kind, i, time)[1]
                 tension = max(0.0, tension + kind.table[i].damping * stretching)
         row[column] = tension

@@ -17,8 +17,12 @@ from heavylift.solver.bodies.ancf.step import is_iterated
 from heavylift.solver.bodies.ancf.substitution import copy_strains, node_span
 from heavylift.solver.interface import Workspace, advance
 from heavylift.solver.kinds import implement
+from heavylift.solver.ringing import steady_rate
 
 __all__ = ["add_mesh_work", "find_drift"]
+
+MEMORY = 1.0 / 64.0
+"""Weight of a step in the mean energy of what rings: a single impact is none."""
 
 DECAY = 1.0 / 256.0
 """Part of an old drift that a step takes away: slow against everything that a step resolves."""
@@ -89,17 +93,34 @@ def _advance_shape_strains(kind: Meshes, body: int) -> None:
         kind.strain[i] = kind.shape_strain[i] + keep * offset
 
 
+@kernel(internal=True)
+def _find_steady_velocity(kind: Meshes, body: int, step: float) -> None:
+    """End velocities without ringing, and the energy of what rings at the nodes."""
+    v, middle, mean, steady = kind.velocity, kind.mid_velocity, kind.mean_velocity, kind.steady_velocity
+    numbers = kind.body[body]
+    part = step / (step + numbers.last_step)
+    first, last = node_span(kind, body)
+    for i in range(first, last):
+        steady[i] = steady_rate(middle[i], part * (middle[i] - mean[i]), v[i])
+        mean[i] = middle[i]
+    numbers.last_step = step
+    ringing = motion = 0.0
+    for node in range(first, last, len(kind.shape[1])):
+        mass = 0.5 * kind.nodal_mass[node]
+        for k in range(node, node + 3):
+            ringing += mass * (v[k] - steady[k]) ** 2
+            motion += mass * steady[k] ** 2
+    numbers.ringing += MEMORY * (ringing - numbers.ringing)
+    numbers.motion += MEMORY * (motion - numbers.motion)
+    numbers.largest_ringing = max(numbers.largest_ringing, numbers.ringing)
+    numbers.largest_motion = max(numbers.largest_motion, numbers.motion)
+
+
 @implement(advance, Meshes)
 @kernel(internal=True)
 def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """``q += h vb``, ``v := 2 vb - v``, strains."""
-    q, v, acceleration, middle = (
-        kind.position,
-        kind.velocity,
-        kind.mean_acceleration,
-        kind.mid_velocity,
-    )
-    rate = 2.0 / step
+    q, v, middle = kind.position, kind.velocity, kind.mid_velocity
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         iterated, scheme = is_iterated(kind, body), kind.table[body].scheme
@@ -110,8 +131,8 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
             add_strain_rates(kind, body, kind.mid_position, middle, kind.strain, step)
         for i in range(first, last):
             q[i] += step * middle[i]
-            acceleration[i] = rate * (middle[i] - v[i])
             v[i] = 2.0 * middle[i] - v[i]
+        _find_steady_velocity(kind, body, step)
         if scheme == EXPLICIT:
             find_strains(kind, body, kind.position, kind.strain)
         elif iterated:

@@ -62,7 +62,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 
-__all__ = ["add_gravity", "is_iterated", "solve_free", "write_free_bases"]
+__all__ = ["add_gravity", "forget_mean_velocity", "is_iterated", "solve_free", "write_free_bases"]
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
 
@@ -120,33 +120,48 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
             right[node + a + 2] += weight[node + a] * z
 
 
+@kernel(internal=True)
+def forget_mean_velocity(kind: Meshes, body: int) -> None:
+    """After a jump of the velocities, and before the first step: they are steady as they are."""
+    first, last = node_span(kind, body)
+    kind.body[body].last_step = 0.0
+    for i in range(first, last):
+        kind.mean_velocity[i] = kind.steady_velocity[i] = kind.velocity[i]
+
+
 @implement(start, Meshes)
 @kernel(internal=True)
 def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
     """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
     for body in range(kind.table.shape[0]):
+        forget_mean_velocity(kind, body)
         find_strains(kind, body, kind.position, kind.strain)
         if kind.table[body].scheme == EXPLICIT:
             start_power_iteration(kind, body)
             find_step_limit(kind, body, FIRST_ROUNDS)
 
 
+@kernel(inline=True, internal=True)
+def _growth_to_middle(kind: Meshes, body: int, step: float) -> float:
+    """Half this step over half the last one, in which velocities have grown from mean to steady ones."""
+    before = kind.body[body].last_step
+    return step / before if before > 0.0 else 0.0
+
+
 @implement(predict, Meshes)
 @kernel(internal=True)
 def predict_meshes(kind: Meshes, time: float, step: float) -> None:
-    """Midpoint along straight lines; predicted midpoint velocity for rates of markers."""
+    """Midpoint along straight lines, free of ringing; predicted midpoint velocity for rates of markers."""
     half = 0.5 * step
-    q, v, a, mid_q, mid_v = (
-        kind.position,
-        kind.velocity,
-        kind.mean_acceleration,
-        kind.mid_position,
-        kind.mid_velocity,
-    )
-    for i in range(kind.position.shape[0]):
-        mid_q[i] = q[i] + half * v[i]
-        mid_v[i] = v[i] + half * a[i]
+    q, steady, mean = kind.position, kind.steady_velocity, kind.mean_velocity
     for body in range(kind.table.shape[0]):
+        growth = _growth_to_middle(kind, body, step)
+        # the leapfrog of the explicit scheme goes on with its own velocities: it does not ring below its limit
+        ahead = kind.velocity if kind.table[body].scheme == EXPLICIT else steady
+        first, last = node_span(kind, body)
+        for i in range(first, last):
+            kind.mid_position[i] = q[i] + half * ahead[i]
+            kind.mid_velocity[i] = steady[i] + growth * (steady[i] - mean[i])
         kind.body[body].time = time + half
         if kind.body[body].changed_over and kind.body[body].change_time >= time:
             kind.body[body].changed_over = False  # in a step that was taken back
@@ -236,14 +251,15 @@ def finish_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
     """Largest distance of a midpoint velocity from its prediction, as a displacement [m] over the step."""
     lanes = len(kind.shape[1])
-    v, a, found = kind.velocity, kind.mean_acceleration, kind.mid_velocity
+    steady, mean, found = kind.steady_velocity, kind.mean_velocity, kind.mid_velocity
     for body in range(kind.table.shape[0]):
+        growth = _growth_to_middle(kind, body, step)
         first, last = node_span(kind, body)
         largest = 0.0
         for node in range(first, last, lanes):
             total = 0.0
             for k in range(node, node + 3):
-                total += (found[k] - v[k] - 0.5 * step * a[k]) ** 2
+                total += (found[k] - steady[k] - growth * (steady[k] - mean[k])) ** 2
             largest = max(largest, total)
         error = step * math.sqrt(largest)
         if not error <= work.control.error:
