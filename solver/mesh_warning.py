@@ -10,26 +10,16 @@ __all__ = ["explicit_limit", "mesh_warning"]
 LARGEST_RINGING = 0.05
 """Energy of what rings over the largest of the motion that is worth a warning."""
 
-LARGEST_LOSS = 0.02
-"""Energy that a scene with meshes loses without dampers, relative to the largest in motion, that is worth a warning."""
 
-
-def mesh_warning(layout: Layout, loss: float) -> str:
+def mesh_warning(layout: Layout) -> str:
     """Meshes whose carried strains drifted too far, as a sentence; empty if none.
 
     Parameters
     ----------
     layout
         Packed scene after a run. Scenes without meshes import nothing for this.
-    loss
-        Largest loss of the energy balance relative to the largest kinetic and elastic energy.
     """
     parts = []
-    meshes = any("strain" in kind._fields for kind in layout.bodies)
-    if meshes and loss > LARGEST_LOSS:
-        parts.append(
-            f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step"
-        )
     for kind in layout.bodies:
         if "strain" not in kind._fields:
             continue

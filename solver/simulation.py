@@ -376,7 +376,7 @@ class Simulation:
     @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
-        found = self._watch.warning or mesh_warning(self._layout, self._watch.relative_loss)
+        found = "; ".join(filter(None, (self._watch.warning, mesh_warning(self._layout))))
         if found:
             return found
         if self.integrator == "accurate":

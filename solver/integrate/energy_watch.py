@@ -1,4 +1,4 @@
-"""Whether a run keeps its balance of energy: gains tell of steps that are too large."""
+"""Whether a run keeps its balance of energy: gains and losses tell of steps that are too large."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from heavylift.solver.scene.channels import Channel
 
 __all__ = ["EnergyWatch"]
 
-LARGEST_GAIN = 0.02
-"""Gain of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning."""
+LARGEST_CHANGE = 0.02
+"""Of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning: it holds what
+dampers, friction and drives take and give, so what it gains or loses is made by the steps."""
 
 SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
 """Least scale of the energy [J], and relative to the largest potential energy."""
@@ -55,16 +56,19 @@ class EnergyWatch:
         self.scale = max(self.scale, float((energy("kinetic") + energy("elastic")).max()), floor)
 
     @property
-    def relative_loss(self) -> float:
-        """Loss relative to the scale."""
-        return self.loss / self.scale if self.scale > 0.0 else 0.0
-
-    @property
     def warning(self) -> str:
-        """A sentence if the balance gained too much, else empty."""
-        if not self.gain > LARGEST_GAIN * self.scale:
+        """A sentence if the balance gained or lost too much, else empty."""
+        grown, lost = self.gain > LARGEST_CHANGE * self.scale, self.loss > LARGEST_CHANGE * self.scale
+        if not grown and not lost:
             return ""
-        return (
-            f"energy grew by {self.gain:.3g} J beyond the work done, {self.gain / self.scale:.1%} of the"
-            " largest kinetic and elastic energy: take a smaller step, or damping in stops and ropes"
-        )
+        parts = []
+        if grown:
+            parts.append(
+                f"energy grew by {self.gain:.3g} J ({self.gain / self.scale:.1%}) beyond the work done"
+            )
+        if lost:
+            parts.append(
+                f"{self.loss:.3g} J of energy ({self.loss / self.scale:.1%}) were lost that nothing dissipates"
+            )
+        cure = "a smaller step or tolerance" + (", or damping in stops and ropes" if grown else "")
+        return f"{' and '.join(parts)}, of the largest kinetic and elastic energy: take {cure}"
