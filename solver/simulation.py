@@ -18,8 +18,8 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
-from heavylift.solver.integrate.energy_watch import EnergyWatch
 from heavylift.solver.integrate.loop import start_scene, write_record
+from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.mesh_warning import mesh_warning
@@ -179,7 +179,7 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._watch = EnergyWatch(self.channels)
+        self._watch = RunWatch(self.channels)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
