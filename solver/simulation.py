@@ -18,8 +18,8 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
-from heavylift.solver.integrate.energy_watch import EnergyWatch
 from heavylift.solver.integrate.loop import start_scene, write_record
+from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.scene import Scene
@@ -178,7 +178,7 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._watch = EnergyWatch(self.channels)
+        self._watch = RunWatch(self.channels)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -375,7 +375,7 @@ class Simulation:
     @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
-        found = self._watch.warning or mesh_warning(self._layout, self._watch.relative_loss)
+        found = "; ".join(filter(None, (self._watch.warning, mesh_warning(self._layout))))
         if found:
             return found
         if self.integrator == "accurate":
