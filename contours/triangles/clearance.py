@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.numerics.arrays import Floats1
     from heavylift.numerics.records import Records
+    from heavylift.numerics.vectors import Vector
 
 __all__ = [
     "Clearance",
@@ -60,9 +61,6 @@ class WaitingNodes(Record):
     node_a: int
     node_b: int
     squared_gap: float
-
-
-Vector = tuple[float, float, float]
 
 
 class Clearance(NamedTuple):

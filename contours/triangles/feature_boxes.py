@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_layout import BoundingBox
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.numerics.records import Records
+    from heavylift.numerics.vectors import Vector
 
 __all__ = ["apart", "box_around", "box_of", "grown", "middle_of", "stored_box"]
 
-Vector = tuple[float, float, float]
 Box = tuple[float, float, float, float, float, float]
 
 

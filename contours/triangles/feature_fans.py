@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from heavylift.contours.triangles.feature_gap import fixed_point
 from heavylift.contours.triangles.feature_regions import SLACK
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,8 +28,6 @@ NEAR_PART = 0.5
 
 INSIDE = -1e-9
 """Weight of a corner from which on a point counts as inside a triangle."""
-
-Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record
 from heavylift.numerics.records import Vector as VectorField
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -55,8 +55,6 @@ VERTEX_VERTEX = 5
 
 PARALLEL = 1e-6
 """Sine of the angle between two edges below which their common normal says nothing."""
-
-Vector = tuple[float, float, float]
 
 
 class FeatureTouch(Record):

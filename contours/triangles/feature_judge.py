@@ -23,7 +23,7 @@ from heavylift.contours.triangles.feature_fans import NEAR_PART, fan_is_crossed,
 from heavylift.contours.triangles.feature_gap import beyond_face, fixed_point, turned, turned_back
 from heavylift.contours.triangles.feature_regions import SLACK, vertex_is_nearest, vertex_neighbour_sum
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,7 +44,6 @@ ON_BORDER = 1e-9
 LEVEL = 1e-6
 """Cosine below which a neighbourhood tells no side."""
 
-Vector = tuple[float, float, float]
 Verdict = tuple[int, float, float, float]
 
 

@@ -20,7 +20,7 @@ from heavylift.contours.triangles.feature_judge import (
 )
 from heavylift.contours.triangles.feature_regions import SLACK, edge_inward_sum, edge_is_nearest
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from heavylift.numerics.records import Records
 
 __all__ = ["judge_edges"]
-
-Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)

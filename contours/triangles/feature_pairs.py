@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.pair_list import PairLists
     from heavylift.contours.triangles.surface_layout import RelativeMotion
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
+    from heavylift.numerics.vectors import Vector
 
 __all__ = ["POSITION_DIFFERENCE", "SWEPT", "contacts_of_pairs", "find_contacts"]
 
@@ -57,7 +58,6 @@ GROWTH = 10.0
 """Of that, and no more than the reach: by which faces are larger for vertices. One that rests on a floor, a little too
 low, must not slip through under a wall that stands on it."""
 
-Vector = tuple[float, float, float]
 Box = tuple[float, float, float, float, float, float]
 
 

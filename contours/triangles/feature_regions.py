@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from heavylift.numerics.vectors import Vector
+
 __all__ = ["SLACK", "edge_inward_sum", "edge_is_nearest", "vertex_is_nearest", "vertex_neighbour_sum"]
 
 SLACK = 0.02
 """Sine of the angle by which a neighbour may be nearer. Flat faces that rest on each other must not lose a corner to
 the tilt that their compliance gives them."""
-
-Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)

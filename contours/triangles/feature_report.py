@@ -16,7 +16,7 @@ from heavylift.contours.triangles.feature_judge import HIT, dot, minus
 from heavylift.numerics.arrays import Arrays, Floats2, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records, records
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,8 +33,6 @@ SAME = 1e-6
 
 AT_END = 1e-7
 """Part of an edge within which a place counts as the end."""
-
-Vector = tuple[float, float, float]
 
 
 class FoundContact(Record):

@@ -24,13 +24,12 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_layout import Edge, RelativeMotion, RelativePose
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.numerics.records import Records
+    from heavylift.numerics.vectors import Vector
 
 __all__ = ["rounded_contacts"]
 
 STRICTLY = -1e-6
 """Slack of regions whose borders belong to a neighbour: faces to their edges, edges to their vertices."""
-
-Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)

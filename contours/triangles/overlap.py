@@ -19,7 +19,7 @@ from heavylift.contours.triangles.surface_tree import tree_depth
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -36,8 +36,6 @@ TOUCHING = 1e-9
 
 ALONG = 1e-6
 """Sine of the angle between edges below which their product is no axis."""
-
-Vector = tuple[float, float, float]
 
 
 class Overlap(NamedTuple):

@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.jit import in_python, kernel
-from heavylift.numerics.vectors import cross, subtract
+from heavylift.numerics.vectors import Vector, cross, subtract
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,8 +29,6 @@ MEMORY = 1.05
 
 FLAT = 1e-6
 """Height over length below which a patch is a line; over the size of coordinates, below which it is a point."""
-
-Vector = tuple[float, float, float]
 
 
 def patch_scratch_size(most: int) -> int:

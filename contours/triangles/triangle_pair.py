@@ -11,15 +11,13 @@ from typing import TYPE_CHECKING
 from heavylift.contours.triangles.feature_judge import between, dot, minus
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross
+from heavylift.numerics.vectors import Vector, cross
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 __all__ = ["triangle_distance"]
-
-Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)

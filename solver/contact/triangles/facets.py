@@ -18,7 +18,7 @@ from heavylift.contours.triangles.feature_gap import (
 from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import cross, rotate_back, subtract
+from heavylift.numerics.vectors import Vector, cross, rotate_back, subtract
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import put_surface_rows
 from heavylift.solver.contact.kind import ContactRows
@@ -28,8 +28,6 @@ from heavylift.solver.contact.triangles.kind import SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 
 __all__ = ["refit_facets", "take_slots", "touch_facets"]
-
-Vector = tuple[float, float, float]
 
 
 @kernel(internal=True)
