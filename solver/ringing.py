@@ -6,9 +6,9 @@ middle, and with it the path, has hardly anything of it. Energy is kept, so this
 
 So nothing that happens in a step, and nothing that is recorded of a force, may be taken from the end velocities alone.
 The *steady* end velocity extends the mean velocities of the last two steps by half a step: it is of second order where
-the motion is resolved, and has little of the ringing. Where a velocity jumps, as in an impact, the velocity of the end
-itself is nearer, so the smaller of both changes counts, and none if they differ in sign (the minmod limiter of
-A. Harten, J. Comput. Phys. 49, 1983).
+the motion is resolved, and has little of the ringing. Where a velocity has jumped, as in an impact, the velocity of the
+end itself is nearer: it counts where it has changed by less than half of what the extension says, and no change at all
+where the two differ in sign (a limiter, as of A. Harten, J. Comput. Phys. 49, 1983).
 
 A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with it:
 this drives the ringing, in shells by a percent a step, until it has as much energy as the motion.
@@ -37,4 +37,4 @@ def steady_rate(mean: float, growth: float, end: float) -> float:
     change = end - mean
     if change * growth <= 0.0:
         return mean
-    return mean + (growth if abs(growth) < abs(change) else change)
+    return mean + (growth if abs(growth) < 2.0 * abs(change) else change)

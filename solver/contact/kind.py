@@ -187,8 +187,8 @@ class ContactState(Record):
         Normal and first tangent in the world.
     force, touched
         Force on what touches [N]; touched point [m].
-    impulse, loss, impacts
-        Sum of normal impulses [N s]; energy lost [J]; number of impacts.
+    impulse, impact_impulse, loss, impacts
+        Sum of normal impulses [N s], and of those of impacts alone; energy lost [J]; number of impacts.
     slip_path, slip_speed
         Of the slip [m], [m/s].
     normal_force, friction_force
@@ -240,6 +240,7 @@ class ContactState(Record):
     force: Vector
     touched: Vector
     impulse: float
+    impact_impulse: float
     loss: float
     impacts: int
     slip_path: float
