@@ -87,7 +87,7 @@ class PairSide(Record):
 
 
 class GoneContacts(Record):
-    """Sums over contacts of a pair that are gone, as of a contact: impulses [N s], energy [J], number, slip path [m]."""
+    """Sums over contacts of a pair that are gone, as of a contact: impulses, energy, number, slip path."""
 
     impulse: float
     impact_impulse: float
