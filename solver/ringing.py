@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 
-__all__ = ["steady_rate"]
+__all__ = ["alternating", "steady_rate"]
 
 
 @kernel(inline=True, internal=True)
@@ -37,4 +37,15 @@ def steady_rate(mean: float, growth: float, end: float) -> float:
     change = end - mean
     if change * growth <= 0.0:
         return mean
-    return mean + (growth if abs(growth) < 2.0 * abs(change) else change)
+    return mean + (growth if abs(growth) < abs(change) else change)
+
+
+@kernel(inline=True, internal=True)
+def alternating(deviation: float, before: float) -> float:
+    """The part of a deviation that changes its sign with every step, from those of this step and the one before.
+
+    What a step resolves deviates too, by the square of the step, but keeps its sign for half of its period.
+    """
+    if deviation * before >= 0.0:
+        return 0.0
+    return deviation if abs(deviation) < abs(before) else -before

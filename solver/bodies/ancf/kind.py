@@ -56,7 +56,8 @@ NODAL_VECTORS = (
     "position",
     "velocity",
     "mean_velocity",
-    "steady_velocity",
+    "deviation",
+    "ringing",
     "mid_position",
     "mid_velocity",
     "right_hand_side",
@@ -430,9 +431,9 @@ class Meshes(BodyKind):
     position, velocity
         Nodal vectors, as all others to `forward_solution`: over all nodes and base nodes, and the moving points behind
         them. Carried coordinates and their rates.
-    mean_velocity, steady_velocity
-        Of the last step: mean rates of the coordinates, and those at its end without ringing
-        (`heavylift.solver.ringing`).
+    mean_velocity, deviation, ringing
+        Of the last step: mean rates of the coordinates; distance of the velocities at its end from those that the mean
+        rates extend to; the part of this that changes its sign with every step (`heavylift.solver.ringing`).
     mid_position
         Predicted midpoint, or the present state where forces are evaluated.
     mid_velocity
@@ -493,7 +494,8 @@ class Meshes(BodyKind):
         "position",
         "velocity",
         "mean_velocity",
-        "steady_velocity",
+        "deviation",
+        "ringing",
         "trial_position",
         "strain",
     )
@@ -505,7 +507,8 @@ class Meshes(BodyKind):
     position: Floats1
     velocity: Floats1
     mean_velocity: Floats1
-    steady_velocity: Floats1
+    deviation: Floats1
+    ringing: Floats1
     mid_position: Floats1
     mid_velocity: Floats1
     right_hand_side: Floats1
@@ -605,7 +608,8 @@ class Meshes(BodyKind):
             change = velocity[line.dof : line.dof + count] - before
             if np.any(change):
                 self.velocity[own] += self._spread(body, change)
-            self.mean_velocity[own] = self.steady_velocity[own] = self.velocity[own]
+            self.mean_velocity[own] = self.velocity[own]
+            self.deviation[own] = self.ringing[own] = 0.0
             self.body[body].last_step = 0.0
 
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
