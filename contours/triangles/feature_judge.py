@@ -173,7 +173,6 @@ def corners_of(surfaces: CollisionSurfaces, face: int) -> tuple[Vector, Vector, 
     return fixed_point(points, corners[0]), fixed_point(points, corners[1]), fixed_point(points, corners[2])
 
 
-# nine parameters: a vertex and a face, the path of the vertex, and what the swept test says of it, have no other place
 @kernel(internal=True)
 def judge_vertex(
     # model
@@ -324,7 +323,6 @@ def side_of_vertex(
     return -1.0 if along < 0.0 else 1.0
 
 
-# nine parameters, as for a vertex
 @kernel(internal=True)
 def edge_is_behind(
     # model
@@ -380,7 +378,6 @@ def edge_is_behind(
     return False
 
 
-# ten parameters: both ends of the edge of B, at both ends of the interval
 @kernel(internal=True)
 def judge_edges(
     # model

@@ -121,7 +121,6 @@ def find_contacts(
     )
 
 
-# nine parameters: it is called from Python
 @kernel(internal=True)
 def contacts_of_pairs(
     # model

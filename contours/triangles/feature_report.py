@@ -133,7 +133,6 @@ def normal_of(
     return scaled(side / math.sqrt(dot(n, n)), n)
 
 
-# nine parameters: a contact is two features with a verdict, and the list is handed on by its length
 @kernel(internal=True)
 def report(
     # model
