@@ -53,6 +53,7 @@ __all__ = [
     "NEITHER",
     "Meeting",
     "Verdict",
+    "centroid",
     "corners_of",
     "inside_face",
     "judge_edges",
@@ -173,6 +174,13 @@ def corners_of(surfaces: CollisionSurfaces, face: int) -> tuple[Vector, Vector, 
     return fixed_point(points, corners[0]), fixed_point(points, corners[1]), fixed_point(points, corners[2])
 
 
+@kernel(inline=True, internal=True)
+def centroid(corners: tuple[Vector, Vector, Vector]) -> Vector:
+    """Middle of a triangle [m]."""
+    a, b, c = corners
+    return (a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0
+
+
 @kernel(internal=True)
 def judge_vertex(
     # model
@@ -260,8 +268,7 @@ def vertex_is_behind(
 ) -> bool:
     """Whether a vertex at x, in the direction d from the face, has come through a triangle next to it."""
     points, vertex_first = surfaces.points, surfaces.vertex_first
-    a, b, c = corners_of(surfaces, face)
-    middle = ((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0)
+    middle = centroid(corners_of(surfaces, face))
     for i in range(3):
         corner = surfaces.triangles[face].corners[i]
         if not fan_rises(surfaces, corner, d):

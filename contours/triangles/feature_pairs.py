@@ -24,6 +24,7 @@ from heavylift.contours.triangles.feature_judge import (
     NEITHER,
     Meeting,
     Verdict,
+    centroid,
     corners_of,
     judge_edges,
     judge_vertex,
@@ -238,7 +239,7 @@ def grown(a: Vector, b: Vector, c: Vector, length: float) -> tuple[Vector, Vecto
     """Corners of a triangle, each away from the middle by a length [m]."""
     if length == 0.0:
         return a, b, c
-    middle = ((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0)
+    middle = centroid((a, b, c))
     return away(a, middle, length), away(b, middle, length), away(c, middle, length)
 
 
