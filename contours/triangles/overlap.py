@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_point
-from heavylift.contours.triangles.feature_judge import between, dot, inside_face, minus, turn
+from heavylift.contours.triangles.feature_judge import inside_face
 from heavylift.contours.triangles.surface_layout import IS_FACE, pose_of
 from heavylift.contours.triangles.surface_tree import tree_depth
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.vectors import Vector, cross
+from heavylift.numerics.vectors import Vector, between, cross, dot, rotate, subtract
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -96,7 +96,7 @@ def _far_apart(
 @kernel(inline=True, internal=True)
 def _through(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> tuple[bool, Vector]:
     """Whether the edge from p to q goes through a face, and where."""
-    sp, sq = dot(n, minus(p, a)), dot(n, minus(q, a))
+    sp, sq = dot(n, subtract(p, a)), dot(n, subtract(q, a))
     if sp * sq >= 0.0:
         return False, p
     place = between(p, q, sp / (sp - sq))
@@ -119,9 +119,9 @@ def _shared(a: Vector, b: Vector, c: Vector, n: Vector, p: Vector, q: Vector, r:
     """Shortest way [m] by which one triangle comes clear of another: along a normal, or across two edges."""
     least = min(_shared_along(n, a, b, c, p, q, r), _shared_along(m, a, b, c, p, q, r))
     for i in range(3):
-        e = minus(b, a) if i == 0 else (minus(c, b) if i == 1 else minus(a, c))
+        e = subtract(b, a) if i == 0 else (subtract(c, b) if i == 1 else subtract(a, c))
         for j in range(3):
-            f = minus(q, p) if j == 0 else (minus(r, q) if j == 1 else minus(p, r))
+            f = subtract(q, p) if j == 0 else (subtract(r, q) if j == 1 else subtract(p, r))
             axis = cross(e, f)
             if dot(axis, axis) > ALONG * ALONG * dot(e, e) * dot(f, f):
                 least = min(least, _shared_along(axis, a, b, c, p, q, r))
@@ -231,7 +231,7 @@ def _compare(
     q = moved_point(points, rows[tb].corners[1], pose)
     r = moved_point(points, rows[tb].corners[2], pose)
     n = fixed_point(normals, ta)
-    m = turn(fixed_point(normals, tb), pose, False)
+    m = rotate(pose.rotation, fixed_point(normals, tb))
     through, place = False, a
     if rows[tb].flags & IS_FACE and rows[ta].flags & IS_FACE:
         for k in range(3):

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.contours.triangles.feature_judge import between, dot, minus
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, cross
+from heavylift.numerics.vectors import Vector, between, cross, dot, subtract
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,10 +51,10 @@ def triangle_distance(
         Nearest points [m] of the first and of the second if they are nearer than `best`, else as before; shape (6,).
     """
     reach = best - rounding
-    sp, sq, sr = dot(n, minus(p, a)), dot(n, minus(q, a)), dot(n, minus(r, a))
+    sp, sq, sr = dot(n, subtract(p, a)), dot(n, subtract(q, a)), dot(n, subtract(r, a))
     if min(sp, sq, sr) >= reach or max(sp, sq, sr) <= -reach:
         return best
-    sa, sb, sc = dot(m, minus(a, p)), dot(m, minus(b, p)), dot(m, minus(c, p))
+    sa, sb, sc = dot(m, subtract(a, p)), dot(m, subtract(b, p)), dot(m, subtract(c, p))
     if min(sa, sb, sc) >= reach or max(sa, sb, sc) <= -reach:
         return best
     # all heights over a segment are zero, and it may go through a face
@@ -110,8 +109,8 @@ def triangle_distance(
 @kernel(internal=True)
 def _line_goes_through(e: Vector, f: Vector, a: Vector, b: Vector, c: Vector) -> bool:
     """Whether the line through two points goes through a triangle or its border."""
-    along = minus(f, e)
-    a, b, c = minus(a, e), minus(b, e), minus(c, e)
+    along = subtract(f, e)
+    a, b, c = subtract(a, e), subtract(b, e), subtract(c, e)
     x = dot(along, cross(a, b))
     y = dot(along, cross(b, c))
     z = dot(along, cross(c, a))
