@@ -99,15 +99,15 @@ _PREFIXED = {
     "rad": (1.0, Dimension(0, 0, 0, 1)),
 }
 
+_MOMENTS = {"m": -3, "": 0, "k": 3, "M": 6, "G": 9}
+
 _PLAIN = {
     "1": (1.0, Dimension()),
     "%": (1e-2, Dimension()),
     "percent": (1e-2, Dimension()),
-    **dict.fromkeys(("t", "ton", "tons", "tonne", "tonnes"), (1e3, Dimension(0, 1))),
-    **dict.fromkeys(("tf", "ton_force", "tonne_force"), (9806.65, Dimension(1, 1, -2))),
-    **{
-        f"{prefix}Nm": (scale, Dimension(2, 1, -2)) for prefix, scale in {"": 1.0, "k": 1e3, "M": 1e6}.items()
-    },
+    **dict.fromkeys(("t", "te", "ton", "tons", "tonne", "tonnes"), (1e3, Dimension(0, 1))),
+    **dict.fromkeys(("tf", "tonf", "ton_force", "tonne_force"), (9806.65, Dimension(1, 1, -2))),
+    **{f"{prefix}Nm": (10.0**power, Dimension(2, 1, -2)) for prefix, power in _MOMENTS.items()},
     "min": (60.0, Dimension(0, 0, 1)),
     "h": (3600.0, Dimension(0, 0, 1)),
     "bar": (1e5, Dimension(-1, 1, -2)),

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Seams", "find_seams"]
 
-TOLERANCE = 1e-5
-"""Distance over the extension of the surface at which things touch: CAD files have six digits."""
+TOLERANCE, MOST = 1e-5, 1e-4
+"""Distance at which things touch, over the extension of the surfaces, and at most [m]: CAD files have six digits, and
+plates that lie on each other are thicker."""
 
 CHUNK = 2_000_000
 """Pairs of boxes that are looked at together."""
@@ -70,7 +71,7 @@ def find_seams(
     if not len(borders) or not len(corners):
         return Seams(none, none, none, none)
     used = points[corners]
-    tolerance = TOLERANCE * float(np.ptp(used.reshape(-1, 3), axis=0).max())
+    tolerance = min(TOLERANCE * float(np.ptp(used.reshape(-1, 3), axis=0).max()), MOST)
     lower, upper = used.min(axis=1) - tolerance, used.max(axis=1) + tolerance
     vertices = np.unique(ends[borders])
     at, faces = _touching(points[vertices], points[vertices], lower, upper)

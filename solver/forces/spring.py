@@ -196,11 +196,13 @@ class SpringState(Record):
     loss
         Energy lost in the damper of a row [J].
     rate, growth
-        Of a row: rate in the last step [m/s] or [rad/s], and half its difference from that of the step before.
+        Of a row: rate in the last step [m/s] or [rad/s], and what it grows by in half a step.
     start_energy
         Of a force: energy stored at the start [J].
     started
         Whether that is known; of a row, whether a step has been made.
+    paced
+        Of a row: whether two have been made, so that `growth` is known.
     """
 
     value: float
@@ -209,6 +211,7 @@ class SpringState(Record):
     growth: float
     start_energy: float
     started: bool
+    paced: bool
 
 
 class Springs(Arrays):
@@ -299,8 +302,8 @@ def update_springs(kind: Springs, time: float, step: float, work: Workspace, sys
         if block >= 0:
             state, u = kind.state[i], row_rate(system, 2 * block, 2 * block + 2, work.velocity)
             state.loss += step * kind.table[i].damping * u * u
-            state.growth = 0.5 * (u - state.rate) if state.started else 0.0
-            state.rate, state.started = u, True
+            state.growth = step / (step + work.control.last_step) * (u - state.rate)
+            state.rate, state.paced, state.started = u, state.started, True
 
 
 @implement(record_joints, Springs)
@@ -317,7 +320,7 @@ def record_springs(
         q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
         e = _elongation(kind, i, q)
         rate = end_rate(spring, work)
-        if spring.block >= 0 and state.started:
+        if spring.block >= 0 and state.paced:
             rate = steady_rate(state.rate, state.growth, rate)
         row[spring.column] = spring_load(kind.curves, spring, e, rate)
         if spring.coordinate == DISTANCE:

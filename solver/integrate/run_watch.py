@@ -19,6 +19,9 @@ LARGEST_OPENING = 1e-5
 """Violation [m or rad] of a rigid row of a joint that is worth a warning: errors of the motion are some thirty times
 that where light bodies carry heavy ones."""
 
+LARGEST_SHARE = 1e-6
+"""The same, of the length of the largest body."""
+
 SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
 """Least scale of the energy [J], and relative to the largest potential energy."""
 
@@ -30,6 +33,8 @@ class RunWatch:
     ----------
     channels
         Of the records.
+    size
+        Length of the largest body [m].
 
     Attributes
     ----------
@@ -40,10 +45,27 @@ class RunWatch:
         [m or rad].
     """
 
-    def __init__(self, channels: Sequence[Channel]) -> None:
+    def __init__(self, channels: Sequence[Channel], size: float = 0.0) -> None:
         self._column = {channel.name: channel.column for channel in channels}
         self._first: float | None = None
         self.gain = self.loss = self.scale = self.opening = 0.0
+        self._allowed = max(LARGEST_OPENING, LARGEST_SHARE * size)
+
+    @property
+    def begun(self) -> bool:
+        """Whether it has seen the first record, to which it compares the others."""
+        return self._first is not None
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """What a continuation needs, shape (5,)."""
+        first = np.nan if self._first is None else self._first
+        return np.array([first, self.gain, self.loss, self.scale, self.opening])
+
+    @state.setter
+    def state(self, values: NDArray[np.float64]) -> None:
+        first, self.gain, self.loss, self.scale, self.opening = (float(value) for value in values)
+        self._first = None if np.isnan(first) else first
 
     def add(self, records: NDArray[np.float64]) -> None:
         """Look at more records, shape (rows, columns)."""
@@ -67,9 +89,9 @@ class RunWatch:
     def warning(self) -> str:
         """A sentence if the balance gained or lost too much, or a joint opened, else empty."""
         opened = ""
-        if self.opening > LARGEST_OPENING:
+        if self.opening > self._allowed:
             opened = (
-                f"a joint was open by {self.opening:.3g} m or rad (monitor.violation), more than {LARGEST_OPENING:g}:"
+                f"a joint was open by {self.opening:.3g} m or rad (monitor.violation), more than {self._allowed:g}:"
                 " its bodies turn too far in a step, or are too light for what they carry; take a smaller step, or"
                 " integrator 'accurate'"
             )

@@ -84,6 +84,8 @@ class ScalarLawState(Record):
     ----------
     fresh
         Whether no step has been made yet.
+    paced
+        Whether two have been made, so that `growth` is known.
     value
         Carried value [m] or [rad].
     loss
@@ -99,6 +101,7 @@ class ScalarLawState(Record):
     """
 
     fresh: bool
+    paced: bool
     value: float
     loss: float
     rate: float
@@ -256,8 +259,8 @@ def update_scalar_laws(
         state.value += step * u
         if kind.table[i].law != FRICTION and _law(kind, i, 0.0, step)[0] * state.drift <= 0.0:
             state.value += RETURN * state.drift
-        state.growth = 0.0 if state.fresh else 0.5 * (u - state.rate)
-        state.rate = u
+        state.growth = step / (step + work.control.last_step) * (u - state.rate)
+        state.rate, state.paced = u, not state.fresh
         state.fresh = False
 
 
@@ -275,7 +278,7 @@ def record_scalar_laws(
         if law.law == SPRING:
             e = q - law.rest
             rate = end_rate(law, work)
-            if not state.fresh:
+            if state.paced:
                 rate = steady_rate(state.rate, state.growth, rate)
             row[law.column] = spring_load(kind.curves, law, e, rate)
             if law.coordinate == DISTANCE:

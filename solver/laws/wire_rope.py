@@ -204,6 +204,8 @@ class RopeState(Record):
     ----------
     fresh
         Whether no step has been made yet.
+    paced
+        Whether two have been made, so that `growth` is known.
     stretched
         Path length as carried [m].
     rest
@@ -217,6 +219,7 @@ class RopeState(Record):
     """
 
     fresh: bool
+    paced: bool
     stretched: float
     rest: float
     rate: float
@@ -408,8 +411,8 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
         state.loss += (tension - elastic) * (e1 - e0)
         state.stretched += step * u + RETURN * min(0.0, state.drift)
         state.rest = l1
-        state.growth = 0.0 if state.fresh else 0.5 * (u - state.rate)
-        state.rate = u
+        state.growth = step / (step + work.control.last_step) * (u - state.rate)
+        state.rate, state.paced = u, not state.fresh
         state.fresh = False
 
 
@@ -445,7 +448,7 @@ def record_ropes(
             work.sums.elastic += 0.5 * k * e * e
             if kind.table[i].damping > 0.0:
                 stretching = _path_rate(kind, i, work)
-                if not state.fresh:
+                if state.paced:
                     stretching = steady_rate(state.rate, state.growth, stretching)
                 stretching += winch_state(kind, i, time)[1]
                 tension = max(0.0, tension + kind.table[i].damping * stretching)

@@ -102,3 +102,10 @@ def test_a_closed_surface_has_no_borders():
     normals = np.zeros((len(one.triangles), 3))
     seams = find_seams(one.points, one.triangles, normals, np.zeros((0, 2), dtype=np.int64), none)
     assert all(len(part) == 0 for part in seams)
+
+
+def test_a_sheet_on_a_large_deck_is_no_part_of_it():
+    """0.3 mm above a deck of 100 m, and 20 mm above one of 3 km."""
+    for size, height in ((100.0, 3e-4), (3000.0, 0.02)):
+        packed = pack_surfaces([plate(-size, size, -size, size), plate(0.0, 1.0, z=height)], [0, 0])
+        assert len(inward(packed, (0.0, -1.0, height), (0.0, 1.0, height))) == 1

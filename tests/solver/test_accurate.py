@@ -338,3 +338,16 @@ def test_energy_that_steps_lose_is_told() -> None:
     simulation.advance(400)
     assert "J of energy (6" in simulation.warning
     assert "were lost that nothing dissipates" in simulation.warning
+
+
+def test_what_was_lost_before_a_stop_is_told_after_it() -> None:
+    """The watch begins with the start, however rare the records are, and goes on with a state."""
+    whole = Simulation(_gyroscope(), 0.01, record_every=400)
+    whole.advance(400)
+    first = Simulation(_gyroscope(), 0.01, record_every=100)
+    first.advance(300)
+    second = Simulation(_gyroscope(), 0.01, record_every=100)
+    second.restore(first.state())
+    second.advance(100)
+    for simulation in (whole, second):
+        assert "J of energy (61.8%) were lost" in simulation.warning
