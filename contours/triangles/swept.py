@@ -339,7 +339,7 @@ def advance_vertex_face(
         c1 = cx + t * cvx
         c2 = cy + t * cvy
         c3 = cz + t * cvz
-        distance, u, v = point_triangle(0.0, 0.0, 0.0, a1, a2, a3, b1, b2, b3, c1, c2, c3)
+        distance, u, v = point_triangle((0.0, 0.0, 0.0), (a1, a2, a3), (b1, b2, b3), (c1, c2, c3))
         if distance <= tolerance:
             return TOUCHING, t
         w = 1.0 - u - v
@@ -484,7 +484,7 @@ def advance_edges(
         q1 = qx + t * qvx
         q2 = qy + t * qvy
         q3 = qz + t * qvz
-        distance, s, r = segment_segment(0.0, 0.0, 0.0, dx, dy, dz, p1, p2, p3, q1, q2, q3)
+        distance, s, r = segment_segment((0.0, 0.0, 0.0), (dx, dy, dz), (p1, p2, p3), (q1, q2, q3))
         if distance <= tolerance:
             return TOUCHING, t
         e1 = q1 - p1
@@ -776,10 +776,10 @@ def swept_face_vertex(
         if outcome == ONE_ROOT:
             t = 0.5 * (low + high)
             distance, _, _ = point_triangle(
-                0.0, 0.0, 0.0,
-                w0x + t * ax, w0y + t * ay, w0z + t * az,
-                p0x + t * bx, p0y + t * by, p0z + t * bz,
-                q0x + t * cx, q0y + t * cy, q0z + t * cz,
+                (0.0, 0.0, 0.0),
+                (w0x + t * ax, w0y + t * ay, w0z + t * az),
+                (p0x + t * bx, p0y + t * by, p0z + t * bz),
+                (q0x + t * cx, q0y + t * cy, q0z + t * cz),
             )  # fmt: skip
             if distance <= tolerance:
                 return True, t
@@ -894,9 +894,9 @@ def swept_edges(
         if outcome == ONE_ROOT:
             t = 0.5 * (low + high)
             distance, _, _ = segment_segment(
-                0.0, 0.0, 0.0, dx, dy, dz,
-                w0x + t * px, w0y + t * py, w0z + t * pz,
-                r0x + t * qx, r0y + t * qy, r0z + t * qz,
+                (0.0, 0.0, 0.0), (dx, dy, dz),
+                (w0x + t * px, w0y + t * py, w0z + t * pz),
+                (r0x + t * qx, r0y + t * qy, r0z + t * qz),
             )  # fmt: skip
             if distance <= tolerance:
                 return True, t
