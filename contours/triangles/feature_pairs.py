@@ -292,9 +292,7 @@ def vertices_on_face(
             )  # fmt: skip
         else:
             p, q, r = grown(a, b, c, growth(meeting))
-            hit, time = swept_vertex_face(
-                x0[0], x0[1], x0[2], x1[0], x1[1], x1[2], p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2]
-            )
+            hit, time = swept_vertex_face(x0, x1, p, q, r)
         vertex = triangles[tb].corners[i]
         verdict = unjudged(hit, time)
         if meeting.judged:
@@ -338,10 +336,7 @@ def face_on_vertices(
         else:
             a0, b0, c0 = grown(a0, b0, c0, growth(meeting))
             a1, b1, c1 = grown(a1, b1, c1, growth(meeting))
-            hit, time = swept_face_vertex(
-                x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], b0[0], b0[1], b0[2], b1[0], b1[1],
-                b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2],
-            )  # fmt: skip
+            hit, time = swept_face_vertex(x, a0, a1, b0, b1, c0, c1)
         verdict = unjudged(hit, time)
         if meeting.judged:
             x0, x1 = to_axes_of_b(x, meeting.motion.start), to_axes_of_b(x, meeting.motion.end)
@@ -398,10 +393,7 @@ def edges_on_edges(
                     SECOND_EDGE_SWEEPS,
                 )  # fmt: skip
             else:
-                hit, time = swept_edges(
-                    a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], p0[0], p0[1], p0[2], p1[0], p1[1], p1[2], q0[0],
-                    q0[1], q0[2], q1[0], q1[1], q1[2],
-                )  # fmt: skip
+                hit, time = swept_edges(a0, a1, p0, p1, q0, q1)
             verdict, at = unjudged(hit, time), UNIQUE
             if meeting.judged:
                 verdict, along_a, along_b = judge_edges(

@@ -136,14 +136,14 @@ def _rounded_distance(
     best, place = math.inf, a
     for i in range(3):
         x = p if i == 0 else (q if i == 1 else r)
-        d, u, v = point_triangle(x[0], x[1], x[2], a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2])
+        d, u, v = point_triangle(x, a, b, c)
         if d < best:
             best = d
             foot = between(a, b, u)
             foot = (foot[0] + v * (c[0] - a[0]), foot[1] + v * (c[1] - a[1]), foot[2] + v * (c[2] - a[2]))
             place = between(x, foot, 0.5)
         x = a if i == 0 else (b if i == 1 else c)
-        d, u, v = point_triangle(x[0], x[1], x[2], p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2])
+        d, u, v = point_triangle(x, p, q, r)
         if d < best:
             best = d
             foot = between(p, q, u)
@@ -152,9 +152,7 @@ def _rounded_distance(
         e0, e1 = (a, b) if i == 0 else ((b, c) if i == 1 else (c, a))
         for j in range(3):
             f0, f1 = (p, q) if j == 0 else ((q, r) if j == 1 else (r, p))
-            d, s, t = segment_segment(
-                e0[0], e0[1], e0[2], e1[0], e1[1], e1[2], f0[0], f0[1], f0[2], f1[0], f1[1], f1[2]
-            )
+            d, s, t = segment_segment(e0, e1, f0, f1)
             if d < best:
                 best = d
                 place = between(between(e0, e1, s), between(f0, f1, t), 0.5)
