@@ -24,12 +24,12 @@ from heavylift.contours.splines.convex import (
 )
 from heavylift.contours.splines.evaluate import SCRATCH, Evaluation, surface_point
 from heavylift.contours.splines.packed_contour import PackedContour
-from heavylift.contours.splines.samples import sample_grid, sample_points
-from heavylift.contours.splines.search import closest_on_surface
-from heavylift.contours.splines.search_circle import ring_on_surface, start_ring
-from heavylift.contours.splines.search_circle_cold import RING_ANGLES, ring_cold
-from heavylift.contours.splines.search_cold import closest_point_cold, closest_shape_cold
-from heavylift.contours.splines.search_shape import closest_shape_on_surface
+from heavylift.contours.splines.sample_packing import pack_samples
+from heavylift.contours.splines.samples import sample_points
+from heavylift.contours.splines.search import closest_on_surface, open_window
+from heavylift.contours.splines.search_circle import ring_cold, ring_on_surface, start_ring
+from heavylift.contours.splines.search_cold import closest_point_cold
+from heavylift.contours.splines.search_shape import closest_shape_cold, closest_shape_on_surface
 from heavylift.contours.splines.search_step import CONVERGED, ContourSearch, start_search
 from heavylift.contours.splines.spaces import clamped_space
 from heavylift.numerics.jit import kernel
@@ -58,23 +58,22 @@ def evaluate(contour, knots, weights, net, starts, scratch, points, normals, out
 def warm_points(contour, knots, weights, net, points, starts, scratch, result, found):
     failed = 0
     for i in range(points.shape[0]):
+        open_window(result)
         start_search(contour, starts[i, 0], starts[i, 1], result)
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        status = closest_on_surface(contour, knots, weights, net, x, y, z, -1, -1, scratch, result)
+        at = (points[i, 0], points[i, 1], points[i, 2])
+        status = closest_on_surface(contour, knots, weights, net, at, scratch, result)
         failed += status != CONVERGED
         found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
 @kernel
-def cold_points(
-    contour, knots, weights, net, points, su, sv, samples, reach, distances, scratch, result, found
-):
+def cold_points(contour, knots, weights, net, points, samples, scratch, result, found):
     failed = 0
     for i in range(points.shape[0]):
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        at = (points[i, 0], points[i, 1], points[i, 2])
         status = closest_point_cold(
-            contour, knots, weights, net, x, y, z, su, sv, samples, reach, 0.0, distances, scratch, result
+            contour, knots, weights, net, at, samples, samples.grids[0], scratch, result
         )
         failed += status != CONVERGED
         found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
@@ -87,37 +86,22 @@ def warm_shapes(contour, knots, weights, net, kind, shape, points, starts, scrat
     for i in range(points.shape[0]):
         for k in range(3):
             shape.centre[k] = points[i, k]
+        open_window(result)
         start_search(contour, starts[i, 0], starts[i, 1], result)
-        status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, -1, -1, scratch, result)
+        status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, scratch, result)
         failed += status != CONVERGED
         found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
     return failed
 
 
 @kernel
-def cold_shapes(
-    contour,
-    knots,
-    weights,
-    net,
-    kind,
-    shape,
-    points,
-    su,
-    sv,
-    samples,
-    reach,
-    distances,
-    scratch,
-    result,
-    found,
-):
+def cold_shapes(contour, knots, weights, net, kind, shape, points, samples, scratch, result, found):
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
             shape.centre[k] = points[i, k]
         status = closest_shape_cold(
-            contour, knots, weights, net, kind, shape, su, sv, samples, reach, 0.0, distances, scratch, result
+            contour, knots, weights, net, kind, shape, samples, samples.grids[0], scratch, result
         )
         failed += status != CONVERGED
         found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.iterations
@@ -130,8 +114,9 @@ def warm_rings(contour, knots, weights, net, shape, points, starts, scratch, res
     for i in range(points.shape[0]):
         for k in range(3):
             shape.centre[k] = points[i, k]
+        open_window(result)
         start_ring(contour, starts[i, 0], starts[i, 1], starts[i, 2], result)
-        status = ring_on_surface(contour, knots, weights, net, shape, -1, -1, scratch, result)
+        status = ring_on_surface(contour, knots, weights, net, shape, scratch, result)
         failed += status != CONVERGED
         found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.ring.evaluations
         found[i, 3] = result.ring.angle
@@ -139,43 +124,12 @@ def warm_rings(contour, knots, weights, net, shape, points, starts, scratch, res
 
 
 @kernel
-def cold_rings(
-    contour,
-    knots,
-    weights,
-    net,
-    shape,
-    points,
-    su,
-    sv,
-    samples,
-    reach,
-    distances,
-    angles,
-    scratch,
-    result,
-    found,
-):
+def cold_rings(contour, knots, weights, net, shape, points, samples, scratch, result, found):
     failed = 0
     for i in range(points.shape[0]):
         for k in range(3):
             shape.centre[k] = points[i, k]
-        status = ring_cold(
-            contour,
-            knots,
-            weights,
-            net,
-            shape,
-            su,
-            sv,
-            samples,
-            reach,
-            0.0,
-            distances,
-            angles,
-            scratch,
-            result,
-        )
+        status = ring_cold(contour, knots, weights, net, shape, samples, samples.grids[0], scratch, result)
         failed += status != CONVERGED
         found[i, 0], found[i, 1], found[i, 2] = result.u, result.v, result.ring.evaluations
         found[i, 3] = result.ring.angle
@@ -206,7 +160,8 @@ def main() -> None:
     x, y = np.meshgrid(np.linspace(0.0, 1.0, su.count), np.linspace(0.0, 0.5, sv.count), indexing="ij")
     net = np.stack([x, y, 0.05 * np.sin(9.0 * x) * np.cos(7.0 * y)], -1).reshape(-1, 3)
     along, across = (3, su.count, False, 0), (3, sv.count, False, su.knots.size)
-    contour = records(PackedContour, [(along, across, 0, -1)])[0]
+    table = records(PackedContour, [(along, across, 0, -1)])
+    contour = table[0]
     arrays = contour, np.concatenate([su.knots, sv.knots]), np.zeros(0), np.ascontiguousarray(net)
     scratch, result = np.zeros(SCRATCH), ContourSearch.one()
     feet = 0.05 + 0.9 * generator.random((COUNT, 2))
@@ -233,24 +188,13 @@ def main() -> None:
             failed,
         )
 
-    grid = sample_grid(spaces)
-    samples, across = np.zeros((3, grid.count)), np.zeros((4, su.count * grid.v.size))
-    values = (
-        contour,
-        arrays[2],
-        arrays[3],
-        grid.first_u,
-        grid.first_v,
-        grid.basis_u,
-        grid.basis_v,
-        across,
-        samples,
-    )
-    reach = sample_points(*values)
-    line(f"positions of {grid.count} samples", median_time(lambda: sample_points(*values), 1), None, 0)
-    tail = (grid.u, grid.v, samples, reach, np.zeros(grid.count))
-    failed = cold_points(*arrays, points, *tail, scratch, result, found)
-    time_taken = median_time(lambda: cold_points(*arrays, points, *tail, scratch, result, found), COUNT)
+    samples = pack_samples([spaces], table, arrays[2], arrays[3], [False])
+    grid = samples.grids[0]
+    values = (contour, arrays[2], arrays[3], samples, grid)
+    count = grid.count_u * grid.count_v
+    line(f"positions of {count} samples", median_time(lambda: sample_points(*values), 1), None, 0)
+    failed = cold_points(*arrays, points, samples, scratch, result, found)
+    time_taken = median_time(lambda: cold_points(*arrays, points, samples, scratch, result, found), COUNT)
     line("point, cold", time_taken, found, failed)
 
     tilt = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
@@ -263,7 +207,7 @@ def main() -> None:
     ):
         shape = shape_row(kind, sizes, 0.0 if kind == ELLIPSOID else 0.02)
         shape.axes[:] = tilt
-        args = (*arrays, kind, shape, above, *tail, scratch, result, found)
+        args = (*arrays, kind, shape, above, samples, scratch, result, found)
         failed = cold_shapes(*args)
         starts = found[:, :2] + 1e-3 / np.sqrt(2.0) * generator.standard_normal((COUNT, 2))
         cold = median_time(lambda args=args: cold_shapes(*args), COUNT)
@@ -276,7 +220,7 @@ def main() -> None:
 
     shape = shape_row(RING, (0.06,))
     shape.axes[:] = tilt
-    args = (*arrays, shape, above, *tail, np.zeros(4 * RING_ANGLES), scratch, result, found)
+    args = (*arrays, shape, above, samples, scratch, result, found)
     failed = cold_rings(*args)
     starts = found[:, [0, 1, 3]] + 1e-3 * generator.standard_normal((COUNT, 3))
     line("ring, cold", median_time(lambda: cold_rings(*args), COUNT), found, failed)

@@ -26,7 +26,7 @@ from heavylift.contours.splines.evaluate import SCRATCH, Evaluation
 from heavylift.contours.splines.face_grid import face_grid
 from heavylift.contours.splines.modal_sums import modal_data
 from heavylift.contours.splines.neutral import NeutralContour, neutral_surface, packed
-from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.sample_packing import pack_samples
 from heavylift.contours.splines.search_step import ContourSearch
 from heavylift.modal import bases
 from heavylift.modal.eigen import eigenmodes
@@ -177,31 +177,8 @@ def search_times(surface: NeutralContour, generator: np.random.Generator) -> lis
     points += generator.uniform(-0.02, 0.05, (count, 1)) * normals
     starts = feet + 1e-3 * generator.standard_normal((count, 2))
     warm = (*arrays, points, starts, scratch, result, found)
-    grid = sample_grid(surface.spaces)
-    samples, across = np.zeros((3, grid.count)), np.zeros((4, surface.spaces[0].count * grid.v.size))
-    reach = sample_points(
-        table[0],
-        weights,
-        net,
-        grid.first_u,
-        grid.first_v,
-        grid.basis_u,
-        grid.basis_v,
-        across,
-        samples,
-    )
-    cold = (
-        *arrays,
-        points,
-        grid.u,
-        grid.v,
-        samples,
-        reach,
-        np.zeros(grid.count),
-        scratch,
-        result,
-        found,
-    )
+    samples = pack_samples([surface.spaces], table, weights, net, [False])
+    cold = (*arrays, points, samples, scratch, result, found)
     return [
         nurbs.measured(contact_search.warm_points, warm, count),
         nurbs.measured(contact_search.cold_points, cold, count),

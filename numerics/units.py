@@ -99,12 +99,15 @@ _PREFIXED = {
     "rad": (1.0, Dimension(0, 0, 0, 1)),
 }
 
+_MOMENTS = {"m": -3, "": 0, "k": 3, "M": 6, "G": 9}
+
 _PLAIN = {
     "1": (1.0, Dimension()),
     "%": (1e-2, Dimension()),
     "percent": (1e-2, Dimension()),
-    "t": (1e3, Dimension(0, 1)),
-    "tonne": (1e3, Dimension(0, 1)),
+    **dict.fromkeys(("t", "te", "ton", "tons", "tonne", "tonnes"), (1e3, Dimension(0, 1))),
+    **dict.fromkeys(("tf", "tonf", "ton_force", "tonne_force"), (9806.65, Dimension(1, 1, -2))),
+    **{f"{prefix}Nm": (10.0**power, Dimension(2, 1, -2)) for prefix, power in _MOMENTS.items()},
     "min": (60.0, Dimension(0, 0, 1)),
     "h": (3600.0, Dimension(0, 0, 1)),
     "bar": (1e5, Dimension(-1, 1, -2)),
@@ -123,6 +126,21 @@ UNITS: dict[str, tuple[float, Dimension]] = _PLAIN | {
     for prefix, scale in _PREFIXES.items()
 }
 """Factor to SI and dimension of the units known without pint."""
+
+_OF_COUNTRIES = {
+    "ton": "ton or tonne (1000 kg), short_ton (2000 lb) or long_ton (2240 lb)",
+    "metric_ton": "t",
+    "force_ton": "ton_force (1000 kgf), or kip",
+    "hundredweight": "short_hundredweight (100 lb) or long_hundredweight (112 lb)",
+    "mile": "nautical_mile, or km",
+    "gallon": "imperial_gallon, litre, or m^3",
+    "quart": "imperial_quart, litre, or m^3",
+    "pint": "imperial_pint, litre, or m^3",
+    "fluid_ounce": "imperial_fluid_ounce, or m^3",
+    "barrel": "oil_barrel, or m^3",
+}
+"""Units, by their names in pint, that differ between countries or trades, or read as something else with a prefix
+(mt would be a kilogram): what to write in their place."""
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*\Z")
 _TOKEN = re.compile(r"\s*(\*\*|[*/·^()]|[+-]?\d+\.?\d*|[^\W\d]\w*|%)")
@@ -256,6 +274,9 @@ def _named_unit(name: str, text: str) -> tuple[float, Dimension]:
     except (pint.errors.PintError, AttributeError, TypeError, ValueError):
         whole = "" if name == text else f" in {text!r}"
         raise InputError(f"{name!r}{whole} is not a unit", expected='a unit such as "kg/m^3"') from None
+    prefix, unit, _ = min(_registry().parse_unit_name(name))  # without prefix, if it can be read so
+    if unit in _OF_COUNTRIES and (unit != "metric_ton" or prefix) and not name.startswith(("short_", "US_")):
+        raise InputError(f"{name!r} may mean several units", expected=_OF_COUNTRIES[unit])
     names = {"meter": 0, "kilogram": 1, "second": 2, "radian": 3}
     exponents = [0.0, 0.0, 0.0, 0.0]
     for unit, power in base.unit_items():

@@ -18,8 +18,8 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
-from heavylift.solver.integrate.energy_watch import EnergyWatch
 from heavylift.solver.integrate.loop import start_scene, write_record
+from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.scene import Scene
@@ -178,7 +178,7 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._watch = EnergyWatch(self.channels)
+        self._watch = RunWatch(self.channels, self._size())
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -325,6 +325,8 @@ class Simulation:
         records = np.empty((last // every - first // every, self.column_count))
         if self.outcome is not Outcome.COMPLETED or steps <= 0:
             return np.empty(0), records[:0]
+        if not self._watch.begun:
+            self._watch.add(self.record()[np.newaxis])
         before = self.state()
         begin = clock.thread_time()
         done = self._call(first, last, every, records)
@@ -375,7 +377,7 @@ class Simulation:
     @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
-        found = self._watch.warning or mesh_warning(self._layout, self._watch.relative_loss)
+        found = "; ".join(filter(None, (self._watch.warning, mesh_warning(self._layout))))
         if found:
             return found
         if self.integrator == "accurate":
@@ -393,6 +395,7 @@ class Simulation:
         arrays = {name: array.copy() for name, array in self._arrays()}
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
         arrays["cpu_seconds"] = np.array(self.cpu_seconds)
+        arrays["watch"] = self._watch.state
         arrays["scene"] = self._scene_digest.copy()
         return arrays
 
@@ -407,7 +410,13 @@ class Simulation:
         self._start()  # what is derived from the start state and not carried
         shapes = {name: array.shape for name, array in self._arrays()}
         own = self._scene_digest
-        for name, shape in {**shapes, "step_index": (), "cpu_seconds": (), "scene": own.shape}.items():
+        for name, shape in {
+            **shapes,
+            "step_index": (),
+            "cpu_seconds": (),
+            "watch": (5,),
+            "scene": own.shape,
+        }.items():
             foreign = name == "scene" and name in state and not np.array_equal(state[name], own)
             if name not in state or np.shape(state[name]) != shape or foreign:
                 raise InputError(
@@ -420,6 +429,7 @@ class Simulation:
             array[...] = state[name]
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
+        self._watch.state = state["watch"]
         self.outcome, self.message = Outcome.COMPLETED, ""
         self._layout.work.status.words[:] = 0.0
         self._started = True
@@ -427,6 +437,16 @@ class Simulation:
             from heavylift.solver.contact.check_start import forget_trials
 
             forget_trials(self._layout)
+
+    def _size(self) -> float:
+        """Length of the largest body [m]: reach of a frame, extension of a mesh."""
+        sizes = [0.0]
+        for kind in self._layout.bodies:
+            if "frame" in kind._fields:
+                sizes.append(float(kind.frame["reach"].max(initial=0.0)))
+            elif "strain" in kind._fields:
+                sizes.append(float(kind.body["size"].max(initial=0.0)))
+        return max(sizes)
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.

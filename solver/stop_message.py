@@ -82,26 +82,19 @@ def _contact_remedy(layout: Layout, contact: int) -> str:
     return "a smaller step, or a contour whose control points are not crowded"
 
 
-LARGEST_LOSS = 0.02
-"""Energy that a scene with meshes loses without dampers, relative to the largest in motion, that is worth a warning."""
+LARGEST_RINGING = 0.05
+"""Energy of what rings over the largest of the motion that is worth a warning."""
 
 
-def mesh_warning(layout: Layout, loss: float) -> str:
-    """Meshes whose carried strains drifted too far, as a sentence; empty if none.
+def mesh_warning(layout: Layout) -> str:
+    """Meshes that ring, or whose carried strains drifted too far, as a sentence; empty if none.
 
     Parameters
     ----------
     layout
         Packed scene after a run. Scenes without meshes import nothing for this.
-    loss
-        Largest loss of the energy balance relative to the largest kinetic and elastic energy.
     """
     parts = []
-    meshes = any("strain" in kind._fields for kind in layout.bodies)
-    if meshes and loss > LARGEST_LOSS:
-        parts.append(
-            f"the balance of energy lost {loss:.1%} of the largest energy in motion: take a smaller step"
-        )
     for kind in layout.bodies:
         if "strain" not in kind._fields:
             continue
@@ -109,6 +102,13 @@ def mesh_warning(layout: Layout, loss: float) -> str:
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
             name = layout.body_names[line.number]
+            if numbers.largest_ringing > LARGEST_RINGING * numbers.largest_motion:
+                share = numbers.largest_ringing / numbers.largest_motion
+                parts.append(
+                    f"{name!r} rings: velocities at the ends of steps change their sign from step to step, with up to"
+                    f" {share:.1%} of the largest energy of its motion; recorded velocities and kinetic energies have"
+                    " it, its path and the forces on it have not: take a smaller step, or more damping"
+                )
             if numbers.changed_over:
                 parts.append(
                     f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"

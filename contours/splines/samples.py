@@ -1,146 +1,102 @@
-"""A grid of points on a contour, a few on every polynomial piece, from which a search begins when nothing is known."""
+"""A grid of points on every contour, a few on each polynomial piece, from which a search begins that knows nothing."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from heavylift.contours.splines.basis import find_span, write_basis
-from heavylift.contours.splines.layout import LARGEST_DEGREE
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
+from heavylift.numerics.records import Record, Records
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.splines.packed_contour import PackedContour
-    from heavylift.contours.splines.spaces import SplineSpace
-    from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 
-__all__ = ["SampleGrid", "sample_grid", "sample_points"]
+__all__ = ["RING_ANGLES", "SampleGrid", "Samples", "sample_points"]
 
-_WIDE = LARGEST_DEGREE + 1
+RING_ANGLES = 24
+"""Around a ring, at which the gap is looked up first."""
 
 
-@dataclass(frozen=True, eq=False)
-class SampleGrid:
-    """Parameters of a grid and the basis functions there, computed once for a contour.
+class SampleGrid(Record):
+    """Samples of one contour: number ``i * count_v + j`` is that of parameters i in u and j in v.
 
     Attributes
     ----------
-    u, v
-        Parameters, shapes (a,) and (b,); of a curve ``v = (0,)``.
-    first_u, first_v
-        First non-zero function at each, int64, shapes (a,) and (b,).
-    basis_u, basis_v
-        Values of the non-zero functions, shapes (a, LARGEST_DEGREE + 1) and (b, LARGEST_DEGREE + 1).
+    first_u, count_u, first_v, count_v
+        First parameter in u and in v, and how many; of a curve ``v = (0,)``.
+    points
+        First of three rows of positions.
+    reach
+        Of a sample [m]: three quarters of its largest distance to the next one in u plus that in v, of which it
+        represents one half.
     """
 
-    u: NDArray[np.float64]
-    v: NDArray[np.float64]
-    first_u: NDArray[np.int64]
-    first_v: NDArray[np.int64]
-    basis_u: NDArray[np.float64]
-    basis_v: NDArray[np.float64]
-
-    @property
-    def count(self) -> int:
-        """Samples of the grid; number ``i * b + j`` is that of ``u[i], v[j]``."""
-        return self.u.size * self.v.size
+    first_u: int
+    count_u: int
+    first_v: int
+    count_v: int
+    points: int
+    reach: float
 
 
-@entry
-def _write_values(
-    knots: Floats1,
-    degree: int,
-    functions: int,
-    parameters: Floats1,
-    scratch: Floats1,
-    first: Ints1,
-    basis: Floats2,
-) -> None:
-    """Non-zero functions at some parameters."""
-    for i in range(parameters.size):
-        span = find_span(knots, 0, degree, functions, parameters[i])
-        write_basis(knots, 0, degree, span, parameters[i], scratch, 0)
-        first[i] = span - degree
-        for k in range(degree + 1):
-            basis[i, k] = scratch[k]
+class Samples(Arrays):
+    """Grids of all contours, and scratch of the searches from them.
 
-
-def sample_grid(spaces: tuple[SplineSpace, ...], per_piece: int = 2) -> SampleGrid:
-    """Grid on a curve (one space) or a surface (two).
-
-    Parameters
+    Attributes
     ----------
-    spaces
-        Spline spaces of the directions.
-    per_piece
-        Samples on every polynomial piece in each direction.
+    grids
+        Of each contour.
+    parameters, first, basis
+        Of all grids one after another, u before v: parameter, first function that is not zero, values of the functions,
+        shapes (a,), (a,) and (a, LARGEST_DEGREE + 1).
+    points
+        Positions [m], three rows a contour as wide as the largest grid, one coordinate a row so that distances are
+        computed side by side. Contours that deform share the first three.
+    across, distances, angles
+        Scratch: sums along v, distances of samples, and gap and parameters at RING_ANGLES angles of a ring.
     """
-    parameters, firsts, values = [], [], []
-    for space in spaces:
-        at = space.samples(per_piece)
-        first = np.zeros(at.size, dtype=np.int64)
-        basis = np.zeros((at.size, _WIDE))
-        _write_values(space.knots, space.degree, space.functions, at, np.zeros(3 * _WIDE), first, basis)
-        parameters.append(at)
-        firsts.append(first)
-        values.append(basis)
-    if len(spaces) == 1:
-        constant = np.zeros((1, _WIDE))
-        constant[0, 0] = 1.0
-        parameters.append(np.zeros(1))
-        firsts.append(np.zeros(1, dtype=np.int64))
-        values.append(constant)
-    return SampleGrid(parameters[0], parameters[1], firsts[0], firsts[1], values[0], values[1])
+
+    grids: Records[SampleGrid]
+    parameters: Floats1
+    first: Ints1
+    basis: Floats2
+    points: Floats2
+    across: Floats2
+    distances: Floats1
+    angles: Floats1
 
 
 @entry
 def sample_points(
-    contour: PackedContour,
-    weights: Floats1,
-    net: Floats2,
-    first_u: Ints1,
-    first_v: Ints1,
-    basis_u: Floats2,
-    basis_v: Floats2,
-    across: Floats2,
-    points: Floats2,
-) -> float:
-    """Positions of the samples for control points that have moved; again whenever a flexible body has.
+    contour: PackedContour, weights: Floats1, net: Floats2, samples: Samples, grid: SampleGrid
+) -> None:
+    """Positions and reach of samples for control points that have moved; again whenever a flexible body has.
 
     Parameters
     ----------
     contour, weights, net
         Packed contour, rational weights, control points [m], all of them formed.
-    first_u, first_v, basis_u, basis_v
-        Of a `SampleGrid` of a x b samples.
-    across
-        Scratch, shape (4, count_u * b).
-    points
-        Out, one coordinate a row so that distances are computed side by side [m], shape (3, a * b).
-
-    Returns
-    -------
-    float
-        Reach of a sample [m]: three quarters of its largest distance to the next one in u plus that in v, of which it
-        represents one half.
+    samples, grid
+        All samples, and the grid of this contour.
     """
     count_u, count_v = contour.u.count, contour.v.count
     wide_u, wide_v = contour.u.degree + 1, contour.v.degree + 1
     first_weight, first_control = contour.first_weight, contour.first_control
-    a, b = first_u.size, first_v.size
+    a, b = grid.count_u, grid.count_v
+    of_u, of_v = grid.first_u, grid.first_v
+    first, basis, across = samples.first, samples.basis, samples.across
+    points = samples.points[grid.points : grid.points + 3]
     for i in range(count_u):
         for j in range(b):
             px = py = pz = total = 0.0
             for k in range(wide_v):
-                column = first_v[j] + k
+                column = first[of_v + j] + k
                 local = i * count_v + (column - count_v if column >= count_v else column)
-                w = basis_v[j, k]
+                w = basis[of_v + j, k]
                 if first_weight >= 0:
                     w *= weights[first_weight + local]
                 px += w * net[first_control + local, 0]
@@ -153,9 +109,9 @@ def sample_points(
         for j in range(b):
             px = py = pz = total = 0.0
             for k in range(wide_u):
-                row = first_u[i] + k
+                row = first[of_u + i] + k
                 at = (row - count_u if row >= count_u else row) * b + j
-                w = basis_u[i, k]
+                w = basis[of_u + i, k]
                 px += w * across[0, at]
                 py += w * across[1, at]
                 pz += w * across[2, at]
@@ -171,7 +127,7 @@ def sample_points(
                 step_u = max(step_u, _apart(points, at, at + b))
             if j + 1 < b:
                 step_v = max(step_v, _apart(points, at, at + 1))
-    return 0.75 * (math.sqrt(step_u) + math.sqrt(step_v))
+    grid.reach = 0.75 * (math.sqrt(step_u) + math.sqrt(step_v))
 
 
 @kernel(inline=True, internal=True)

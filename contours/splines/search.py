@@ -2,18 +2,18 @@
 
 "Deformable bodies with complex geometries ... sliding contacts" (2014), section 3.3.
 
-The point is given in the axes of the contour's control points. A search begins with `start_search` and is then called
-until it returns something else than `NEED_SPAN`::
+The point is given in the axes of the contour's control points. A search begins with `start_search`, its window with
+`set_window`, and it is called until it returns something else than `NEED_SPAN`::
 
+    set_window(contour, knots, u, v, result)
     start_search(contour, u, v, result)
-    status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
+    status = NEED_SPAN
     while status == NEED_SPAN:
-        span_u, span_v = result.span_u, result.span_v
-        ...                                     # form the control points of these spans in `net`
-        status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
+        ...                                     # form the control points of `result.span_u, result.span_v` in `net`
+        status = closest_on_surface(contour, knots, weights, net, point, scratch, result)
 
-With a window of -1 all control points count as formed, and `NEED_SPAN` is never returned. The first call of a search
-may have the window of an earlier one, as long as its control points still hold.
+After `open_window` all control points count as formed, and `NEED_SPAN` is never returned. A search may begin with the
+window of an earlier one, as long as its control points still hold.
 """
 
 from __future__ import annotations
@@ -33,33 +33,54 @@ from heavylift.numerics.jit import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.contours.splines.packed_contour import PackedContour
+    from heavylift.contours.splines.packed_contour import PackedContour, PackedDirection
     from heavylift.contours.splines.search_step import ContourSearch
 
-__all__ = ["ROUNDING", "closest_on_curve", "closest_on_surface", "leaves_window", "signed_gap"]
+__all__ = [
+    "ROUNDING",
+    "closest_on_curve",
+    "closest_on_surface",
+    "leaves_window",
+    "open_window",
+    "set_window",
+    "signed_gap",
+]
 
 ROUNDING = 8.9e-16
 """Of a difference of two positions, relative to their size: four roundings."""
 
 
 @kernel(inline=True, internal=True)
-def leaves_window(
-    contour: PackedContour, knots: NDArray, span_u: int, span_v: int, result: ContourSearch
-) -> bool:
+def _span(direction: PackedDirection, knots: NDArray, t: float) -> int:
+    """Knot span of a parameter; 0 across a curve."""
+    if direction.degree == 0:
+        return 0
+    functions = direction.count + (direction.degree if direction.closed else 0)
+    return find_span(knots, direction.first_knot, direction.degree, functions, t)
+
+
+@kernel(inline=True, internal=True)
+def set_window(contour: PackedContour, knots: NDArray, u: float, v: float, result: ContourSearch) -> None:
+    """Take the knot spans of parameters as those whose control points are formed, or now will be."""
+    result.span_u = _span(contour.u, knots, u)
+    result.span_v = _span(contour.v, knots, v)
+
+
+@kernel(inline=True, internal=True)
+def open_window(result: ContourSearch) -> None:
+    """Take all control points as formed."""
+    result.span_u = -1
+    result.span_v = -1
+
+
+@kernel(inline=True, internal=True)
+def leaves_window(contour: PackedContour, knots: NDArray, result: ContourSearch) -> bool:
     """Whether the trial point lies outside of the knot spans that are formed; writes those that it needs."""
+    span_u, span_v = result.span_u, result.span_v
     if span_u < 0:
         return False
-    functions = contour.u.count + (contour.u.degree if contour.u.closed else 0)
-    wanted_u = find_span(knots, contour.u.first_knot, contour.u.degree, functions, result.trial_u)
-    wanted_v = span_v
-    if contour.v.degree > 0:
-        functions = contour.v.count + (contour.v.degree if contour.v.closed else 0)
-        wanted_v = find_span(knots, contour.v.first_knot, contour.v.degree, functions, result.trial_v)
-    if wanted_u == span_u and wanted_v == span_v:
-        return False
-    result.span_u = wanted_u
-    result.span_v = wanted_v
-    return True
+    set_window(contour, knots, result.trial_u, result.trial_v, result)
+    return result.span_u != span_u or result.span_v != span_v
 
 
 @kernel(internal=True)
@@ -68,11 +89,7 @@ def closest_on_surface(
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    x: float,
-    y: float,
-    z: float,
-    span_u: int,
-    span_v: int,
+    point: tuple[float, float, float],
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
@@ -82,14 +99,12 @@ def closest_on_surface(
     ----------
     contour, knots, weights, net
         Packed contour, knots, rational weights, control points [m].
-    x, y, z
+    point
         The point [m].
-    span_u, span_v
-        Knot spans whose control points are formed; -1 for all.
     scratch
         For the evaluation.
     result
-        State and result, begun by `start_search`.
+        State and result, begun by `start_search`; its window is that of the control points that are formed.
 
     Returns
     -------
@@ -101,8 +116,9 @@ def closest_on_surface(
     With ``r = S - x``: ``f = r.r / 2``, gradient ``r.S_u``, second derivatives ``S_u.S_v + r.S_uv``: Piegl and Tiller,
     The NURBS Book, section 6.1, there without globalisation.
     """
+    x, y, z = point
     while True:
-        if leaves_window(contour, knots, span_u, span_v, result):
+        if leaves_window(contour, knots, result):
             return NEED_SPAN
         surface_point(contour, knots, weights, net, result.trial_u, result.trial_v, scratch, result)
         s1, s2, s3 = result.position[0], result.position[1], result.position[2]
@@ -133,16 +149,14 @@ def closest_on_curve(
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    x: float,
-    y: float,
-    z: float,
-    span_u: int,
+    point: tuple[float, float, float],
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
     """Go on with the search for the closest point of a curve; as `closest_on_surface` with ``v = 0``."""
+    x, y, z = point
     while True:
-        if leaves_window(contour, knots, span_u, 0, result):
+        if leaves_window(contour, knots, result):
             return NEED_SPAN
         curve_point(contour, knots, weights, net, result.trial_u, scratch, result)
         s1, s2, s3 = result.position[0], result.position[1], result.position[2]

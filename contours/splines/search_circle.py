@@ -11,7 +11,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from heavylift.contours.splines.samples import RING_ANGLES
 from heavylift.contours.splines.search import ROUNDING, closest_on_surface, signed_gap
+from heavylift.contours.splines.search_cold import (
+    AGAIN,
+    NO_START,
+    begin_starts,
+    closest_point_cold,
+    next_start,
+)
 from heavylift.contours.splines.search_step import (
     ABOVE_U,
     ABOVE_V,
@@ -21,6 +29,7 @@ from heavylift.contours.splines.search_step import (
     CONVERGED,
     DEGENERATE,
     NOT_CONVERGED,
+    NOT_FINITE,
     TOLERANCE,
     start_search,
 )
@@ -31,9 +40,10 @@ if TYPE_CHECKING:
 
     from heavylift.contours.splines.convex import Primitive
     from heavylift.contours.splines.packed_contour import PackedContour
+    from heavylift.contours.splines.samples import SampleGrid, Samples
     from heavylift.contours.splines.search_step import ContourSearch
 
-__all__ = ["ring_gap_slopes", "ring_on_surface", "ring_point", "start_ring"]
+__all__ = ["ring_cold", "ring_gap_slopes", "ring_on_surface", "ring_point", "start_ring"]
 
 _LARGEST_ANGLES = 60
 _FIRST_REGION = 0.3
@@ -160,8 +170,6 @@ def ring_on_surface(
     weights: NDArray,
     net: NDArray,
     shape: Primitive,
-    span_u: int,
-    span_v: int,
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
@@ -171,7 +179,7 @@ def ring_on_surface(
     ----------
     shape
         Row of the ring, its centre and axes in those of the contour.
-    contour, knots, weights, net, span_u, span_v, scratch, result
+    contour, knots, weights, net, scratch, result
         As of `heavylift.contours.splines.search.closest_on_surface`; begun by `start_ring`.
 
     Returns
@@ -187,7 +195,7 @@ def ring_on_surface(
         x = shape.centre[0] + r1
         y = shape.centre[1] + r2
         z = shape.centre[2] + r3
-        status = closest_on_surface(contour, knots, weights, net, x, y, z, span_u, span_v, scratch, result)
+        status = closest_on_surface(contour, knots, weights, net, (x, y, z), scratch, result)
         if status != CONVERGED:
             return status
         ring.evaluations += result.iterations
@@ -248,3 +256,56 @@ def ring_on_surface(
         if not ring.curvature > 1e-9 * shape.sizes[0]:
             result.flags |= DEGENERATE
         return CONVERGED
+
+
+@kernel(internal=True)
+def ring_cold(
+    contour: PackedContour,
+    knots: NDArray,
+    weights: NDArray,
+    net: NDArray,
+    shape: Primitive,
+    samples: Samples,
+    grid: SampleGrid,
+    scratch: NDArray,
+    result: ContourSearch,
+) -> int:
+    """Least signed gap of a ring to a surface, without a start: from the angles where the gap is least.
+
+    Parameters
+    ----------
+    shape
+        Row of the ring.
+    contour, knots, weights, net, samples, grid, scratch, result
+        As of `closest_point_cold`.
+
+    Returns
+    -------
+    Status as there. `other_distance` is the gap of a second minimum along the ring, `other_u`, `other_v` its place.
+    """
+    n, angles = RING_ANGLES, samples.angles
+    turn = 2.0 * math.pi / n
+    for k in range(n):
+        r1, r2, r3, _, _, _ = ring_point(shape, turn * k)
+        point = (shape.centre[0] + r1, shape.centre[1] + r2, shape.centre[2] + r3)
+        status = closest_point_cold(contour, knots, weights, net, point, samples, grid, scratch, result)
+        if status != CONVERGED:
+            return status
+        gap = ring_gap_slopes(shape, turn * k, result)[0] - shape.radius
+        angles[k] = gap * abs(gap)
+        angles[n + k] = result.u
+        angles[2 * n + k] = result.v
+    # the gap changes by no more than the way along the ring
+    begin_starts(n, 1, True, False, 0.5 * turn * shape.sizes[0], result)
+    starts = result.starts
+    starts.of_ring = True
+    status = NOT_FINITE
+    k = next_start(contour, angles, status, result)
+    while k != NO_START:
+        if k == AGAIN:
+            start_ring(contour, starts.best_u, starts.best_v, starts.best_angle, result)
+        else:
+            start_ring(contour, angles[n + k], angles[2 * n + k], turn * k, result)
+        status = ring_on_surface(contour, knots, weights, net, shape, scratch, result)
+        k = next_start(contour, angles, status, result)
+    return status

@@ -1,7 +1,17 @@
-"""Search from nothing: from the samples of a grid to the nearest of several local minima.
+"""Search from nothing: from samples to the nearest of several local minima.
 
-Every sample of a grid that is nearer than its neighbours begins a search, unless its distance less its reach is above
-the least distance found so far: the nearest sample always, the others rarely. All control points must be formed.
+Every sample that is nearer than its neighbours begins a search, unless its distance less its reach is above the least
+distance found so far: the nearest sample always, the others rarely. All control points must be formed. The caller
+computes the distances of the samples and makes the searches::
+
+    begin_starts(..., result)
+    status = NOT_FINITE
+    k = next_start(contour, squares, status, result)
+    while k != NO_START:
+        ...                                     # search from sample k, or from `result.starts.best_u, ...` if AGAIN
+        k = next_start(contour, squares, status, result)
+
+What is left is the status and result of the last search, which ended in the least minimum.
 """
 
 from __future__ import annotations
@@ -9,76 +19,49 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.splines.convex import core_distance
-from heavylift.contours.splines.search import closest_on_curve, closest_on_surface
-from heavylift.contours.splines.search_shape import (
-    closest_shape_on_curve,
-    closest_shape_on_surface,
-    into_shape,
-)
+from heavylift.contours.splines.search import closest_on_curve, closest_on_surface, open_window
 from heavylift.contours.splines.search_step import CONVERGED, NOT_FINITE, TWIN, start_search
 from heavylift.numerics.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.contours.splines.convex import Primitive
     from heavylift.contours.splines.packed_contour import PackedContour
-    from heavylift.contours.splines.search_step import ContourSearch
+    from heavylift.contours.splines.samples import SampleGrid, Samples
+    from heavylift.contours.splines.search_step import ContourSearch, SampleStarts
 
-__all__ = ["closest_point_cold", "closest_shape_cold", "nearest_sample"]
+__all__ = [
+    "AGAIN",
+    "NO_START",
+    "begin_at_samples",
+    "begin_starts",
+    "closest_point_cold",
+    "distances_to_point",
+    "nearest_sample",
+    "next_start",
+    "start_at_sample",
+]
+
+NO_START, AGAIN = -1, -2
+"""Of `next_start`: the search is done; the last search begins at the best minimum."""
 
 _LARGEST_STARTS = 16
 _SAME = 1e-6
-"""Of parameters: minima nearer than this are one."""
+"""Of parameters, and of angles of a ring [rad]: minima nearer than this are one."""
 
 
 @kernel(internal=True, reassociate=True)
-def _distances_to_point(
-    points: NDArray, count: int, x: float, y: float, z: float, distances: NDArray
-) -> None:
-    """Squared distances of all samples."""
-    for k in range(count):
-        dx = points[0, k] - x
-        dy = points[1, k] - y
-        dz = points[2, k] - z
+def distances_to_point(samples: Samples, grid: SampleGrid, point: tuple[float, float, float]) -> None:
+    """Squared distances of all samples of a grid."""
+    x, y, z = point
+    at = grid.points
+    px, py, pz = samples.points[at], samples.points[at + 1], samples.points[at + 2]
+    distances = samples.distances
+    for k in range(grid.count_u * grid.count_v):
+        dx = px[k] - x
+        dy = py[k] - y
+        dz = pz[k] - z
         distances[k] = dx * dx + dy * dy + dz * dz
-
-
-@kernel(internal=True)
-def _distances_to_shape(
-    kind: int, shape: Primitive, points: NDArray, count: int, margin: float, distances: NDArray
-) -> None:
-    """Squared distances, shifted, of samples to the core of a primitive.
-
-    Of samples that are farther than the best by more than `margin`, only a bound of that from the ball about the core.
-    """
-    _distances_to_point(points, count, shape.centre[0], shape.centre[1], shape.centre[2], distances)
-    nearest = nearest_sample(distances, count)
-    if nearest < 0:
-        return
-    p, q, r = shape.sizes[0], shape.sizes[1], shape.sizes[2]
-    ball = math.sqrt(p * p + q * q + r * r) - shape.shift
-    x, y, z = into_shape(
-        shape,
-        points[0, nearest] - shape.centre[0],
-        points[1, nearest] - shape.centre[1],
-        points[2, nearest] - shape.centre[2],
-    )
-    within = core_distance(kind, shape, x, y, z)[0] + margin
-    for k in range(count):
-        bound = math.sqrt(distances[k]) - ball
-        if bound > within:
-            distances[k] = bound * bound
-        else:
-            x, y, z = into_shape(
-                shape,
-                points[0, k] - shape.centre[0],
-                points[1, k] - shape.centre[1],
-                points[2, k] - shape.centre[2],
-            )
-            value = core_distance(kind, shape, x, y, z)[0]
-            distances[k] = value * value
 
 
 @kernel(internal=True)
@@ -94,20 +77,22 @@ def nearest_sample(distances: NDArray, count: int) -> int:
 
 
 @kernel(internal=True)
-def _is_least(distances: NDArray, i: int, j: int, a: int, b: int, closed_u: bool, closed_v: bool) -> bool:
+def _is_least(distances: NDArray, own: int, starts: SampleStarts) -> bool:
     """Whether a sample is nearer than its eight neighbours; of equal ones the first is."""
-    own = i * b + j
+    a, b = starts.rows, starts.columns
+    i = own // b
+    j = own - i * b
     d = distances[own]
     for di in range(-1, 2):
         row = i + di
         if row < 0 or row >= a:
-            if not closed_u:
+            if not starts.closed_rows:
                 continue
             row += a if row < 0 else -a
         for dj in range(-1, 2):
             column = j + dj
             if column < 0 or column >= b:
-                if not closed_v:
+                if not starts.closed_columns:
                     continue
                 column += b if column < 0 else -b
             k = row * b + column
@@ -117,60 +102,28 @@ def _is_least(distances: NDArray, i: int, j: int, a: int, b: int, closed_u: bool
 
 
 @kernel(inline=True, internal=True)
-def _same_place(contour: PackedContour, u: float, v: float, u2: float, v2: float) -> bool:
-    """Whether parameters agree, also across a seam."""
-    du = abs(u - u2)
-    dv = abs(v - v2)
-    if contour.u.closed:
-        du = min(du, 1.0 - du)
-    if contour.v.closed:
-        dv = min(dv, 1.0 - dv)
-    return du < _SAME and dv < _SAME
-
-
-@kernel(inline=True, internal=True)
-def _begin_starts(result: ContourSearch) -> None:
-    """Begin to go through the samples."""
+def begin_starts(
+    rows: int, columns: int, closed_rows: bool, closed_columns: bool, reach: float, result: ContourSearch
+) -> None:
+    """Begin to go through the samples of a grid; angles of a ring are a column that is closed."""
     starts = result.starts
+    starts.rows, starts.columns = rows, columns
+    starts.closed_rows, starts.closed_columns = closed_rows, closed_columns
+    starts.of_ring = False
+    starts.reach = reach
     starts.next = -1
     starts.count = 0
     starts.best = math.inf
     starts.second = math.inf
 
 
-@kernel(internal=True)
-def _next_start(
-    contour: PackedContour,
-    distances: NDArray,
-    a: int,
-    b: int,
-    reach: float,
-    separation: float,
-    result: ContourSearch,
-) -> int:
-    """Number of the sample from which to search next, -1 if no other can lead to a nearer minimum.
-
-    The nearest sample comes first; of the others those that are nearer than their neighbours, if the least distance
-    found so far is not below what their reach allows.
-    """
-    starts = result.starts
-    if starts.next < 0:
-        nearest = nearest_sample(distances, a * b)
-        starts.nearest = nearest
-        starts.next = 0
-        return nearest
-    if starts.count >= _LARGEST_STARTS:
-        return -1
-    closed_u, closed_v = contour.u.closed, contour.v.closed
-    nearest = starts.nearest
-    within = (starts.best + separation + reach) ** 2
-    for k in range(starts.next, a * b):
-        if distances[k] <= within and k != nearest:
-            i = k // b
-            if _is_least(distances, i, k - i * b, a, b, closed_u, closed_v):
-                starts.next = k + 1
-                return k
-    return -1
+@kernel(inline=True, internal=True)
+def _apart(a: float, b: float, closed: bool, turn: float) -> bool:
+    """Whether parameters differ, also across a seam."""
+    way = abs(a - b)
+    if closed:
+        way = abs(way - turn * round(way / turn))
+    return way >= _SAME
 
 
 @kernel(internal=True)
@@ -179,28 +132,97 @@ def _keep_minimum(contour: PackedContour, status: int, result: ContourSearch) ->
     starts = result.starts
     starts.count += 1
     u, v, best = starts.best_u, starts.best_v, starts.best
-    first = best == math.inf
-    if status != CONVERGED and not first:
+    angle = result.ring.angle if starts.of_ring else 0.0
+    if best != math.inf and (
+        status != CONVERGED
+        or not (
+            _apart(u, result.u, contour.u.closed, 1.0)
+            or _apart(v, result.v, contour.v.closed, 1.0)
+            or _apart(angle, starts.best_angle, True, 2.0 * math.pi)
+        )
+    ):
         return
-    distance = math.sqrt(result.squared_distance)
-    if not first and _same_place(contour, u, v, result.u, result.v):
-        return
+    distance = result.ring.gap if starts.of_ring else math.sqrt(result.squared_distance)
     if distance < best:
         starts.second_u, starts.second_v, starts.second = u, v, best
         starts.best_u, starts.best_v, starts.best = result.u, result.v, distance
+        starts.best_angle = angle
     elif distance < starts.second:
         starts.second_u, starts.second_v, starts.second = result.u, result.v, distance
 
 
-@kernel(inline=True, internal=True)
-def _finish(separation: float, result: ContourSearch) -> None:
-    """Write the second minimum."""
+@kernel(internal=True)
+def next_start(contour: PackedContour, squares: NDArray, status: int, result: ContourSearch) -> int:
+    """Take the minimum of the last search and choose the sample from which to search next.
+
+    The nearest sample comes first; of the others those that are nearer than their neighbours, if the least distance
+    found so far is not below what their reach allows.
+
+    Parameters
+    ----------
+    contour
+        The packed contour.
+    squares
+        Distances of all samples, squared, those that are negative with their sign [m^2].
+    status, result
+        Of the last search; begun by `begin_starts`.
+
+    Returns
+    -------
+    Number of a sample, AGAIN or NO_START. At the end `other_u`, `other_v`, `other_distance` (not squared) are a second
+    minimum if one was met, at infinity if not; of rings the distance is the gap.
+    """
     starts = result.starts
+    count = starts.rows * starts.columns
+    if starts.next < 0:
+        starts.nearest = nearest_sample(squares, count)
+        starts.next = 0
+        return starts.nearest
+    if starts.next <= count:
+        _keep_minimum(contour, status, result)
+        within = starts.best + result.separation + starts.reach
+        within *= abs(within)
+        if starts.count < _LARGEST_STARTS:
+            for k in range(starts.next, count):
+                if squares[k] <= within and k != starts.nearest and _is_least(squares, k, starts):
+                    starts.next = k + 1
+                    return k
+        starts.next = count + 1
+        if (
+            result.u != starts.best_u
+            or result.v != starts.best_v
+            or (starts.of_ring and result.ring.angle != starts.best_angle)
+        ):
+            return AGAIN
     result.other_u = starts.second_u
     result.other_v = starts.second_v
     result.other_distance = starts.second
-    if starts.second <= starts.best + separation:
+    if starts.second <= starts.best + result.separation:
         result.flags |= TWIN
+    return NO_START
+
+
+@kernel(internal=True)
+def begin_at_samples(contour: PackedContour, grid: SampleGrid, result: ContourSearch) -> None:
+    """Begin to go through the samples of a contour whose `distances` are known."""
+    open_window(result)
+    begin_starts(grid.count_u, grid.count_v, contour.u.closed, contour.v.closed, grid.reach, result)
+
+
+@kernel(internal=True)
+def start_at_sample(
+    contour: PackedContour, samples: Samples, grid: SampleGrid, status: int, result: ContourSearch
+) -> bool:
+    """Take the minimum of the last search and begin the next one, if there is one; see `next_start`."""
+    k = next_start(contour, samples.distances, status, result)
+    if k == NO_START:
+        return False
+    u, v = result.starts.best_u, result.starts.best_v
+    if k != AGAIN:
+        u = samples.parameters[grid.first_u + k // grid.count_v]
+        v = samples.parameters[grid.first_v + k % grid.count_v]
+    start_search(contour, u, v, result)
+    return True
 
 
 @kernel(internal=True)
@@ -209,15 +231,9 @@ def closest_point_cold(
     knots: NDArray,
     weights: NDArray,
     net: NDArray,
-    x: float,
-    y: float,
-    z: float,
-    sample_u: NDArray,
-    sample_v: NDArray,
-    points: NDArray,
-    reach: float,
-    separation: float,
-    distances: NDArray,
+    point: tuple[float, float, float],
+    samples: Samples,
+    grid: SampleGrid,
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
@@ -227,98 +243,23 @@ def closest_point_cold(
     ----------
     contour, knots, weights, net
         Packed contour, knots, rational weights, control points [m], all of them formed.
-    x, y, z
+    point
         The point [m].
-    sample_u, sample_v
-        Parameters of a grid of a x b samples.
-    points, reach
-        Their positions [m], shape (3, a * b), and the reach of one [m], from `heavylift.contours.splines.samples`.
-    separation
-        A second minimum that is farther by less than this [m] is reported by TWIN.
-    distances
-        Scratch, shape (a * b,).
+    samples, grid
+        All samples, and the grid of this contour, placed by `sample_points`.
     scratch, result
-        As of the warm search; no `start_search` is needed.
+        As of the warm search; no `start_search` is needed, and the window is open afterwards.
 
     Returns
     -------
-    Status as of the warm search, without `NEED_SPAN`. `other_u`, `other_v`, `other_distance` (not squared) are a second
-    minimum if one was met, at infinity if not.
+    Status as of the warm search, without `NEED_SPAN`. `other_u`, `other_v`, `other_distance` as of `next_start`.
     """
-    a, b = sample_u.size, sample_v.size
-    _distances_to_point(points, a * b, x, y, z, distances)
-    _begin_starts(result)
-    k = _next_start(contour, distances, a, b, reach, separation, result)
-    if k < 0:
-        return NOT_FINITE
-    u, v = sample_u[k // b], sample_v[k % b]
-    status = CONVERGED
-    while True:
-        start_search(contour, u, v, result)
+    distances_to_point(samples, grid, point)
+    begin_at_samples(contour, grid, result)
+    status = NOT_FINITE
+    while start_at_sample(contour, samples, grid, status, result):
         if contour.v.degree == 0:
-            status = closest_on_curve(contour, knots, weights, net, x, y, z, -1, scratch, result)
+            status = closest_on_curve(contour, knots, weights, net, point, scratch, result)
         else:
-            status = closest_on_surface(contour, knots, weights, net, x, y, z, -1, -1, scratch, result)
-        if k < 0:
-            break
-        _keep_minimum(contour, status, result)
-        k = _next_start(contour, distances, a, b, reach, separation, result)
-        if k < 0:
-            u, v = result.starts.best_u, result.starts.best_v
-            if result.u == u and result.v == v:
-                break
-        else:
-            u, v = sample_u[k // b], sample_v[k % b]
-    _finish(separation, result)
-    return status
-
-
-@kernel(internal=True)
-def closest_shape_cold(
-    contour: PackedContour,
-    knots: NDArray,
-    weights: NDArray,
-    net: NDArray,
-    kind: int,
-    shape: Primitive,
-    sample_u: NDArray,
-    sample_v: NDArray,
-    points: NDArray,
-    reach: float,
-    separation: float,
-    distances: NDArray,
-    scratch: NDArray,
-    result: ContourSearch,
-) -> int:
-    """Closest or deepest point of a surface or a curve to a primitive, without a start; see `closest_point_cold`.
-
-    A ring against a surface has `ring_cold`. `other_distance` is that to the core, shifted as `squared_distance` is.
-    """
-    a, b = sample_u.size, sample_v.size
-    _distances_to_shape(kind, shape, points, a * b, separation + reach, distances)
-    _begin_starts(result)
-    k = _next_start(contour, distances, a, b, reach, separation, result)
-    if k < 0:
-        return NOT_FINITE
-    u, v = sample_u[k // b], sample_v[k % b]
-    status = CONVERGED
-    while True:
-        start_search(contour, u, v, result)
-        if contour.v.degree == 0:
-            status = closest_shape_on_curve(contour, knots, weights, net, kind, shape, -1, scratch, result)
-        else:
-            status = closest_shape_on_surface(
-                contour, knots, weights, net, kind, shape, -1, -1, scratch, result
-            )
-        if k < 0:
-            break
-        _keep_minimum(contour, status, result)
-        k = _next_start(contour, distances, a, b, reach, separation, result)
-        if k < 0:
-            u, v = result.starts.best_u, result.starts.best_v
-            if result.u == u and result.v == v:
-                break
-        else:
-            u, v = sample_u[k // b], sample_v[k % b]
-    _finish(separation, result)
+            status = closest_on_surface(contour, knots, weights, net, point, scratch, result)
     return status

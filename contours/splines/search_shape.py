@@ -16,17 +16,39 @@ from typing import TYPE_CHECKING
 from heavylift.contours.splines.convex import ELLIPSOID, core_distance
 from heavylift.contours.splines.evaluate import curve_point, surface_point
 from heavylift.contours.splines.search import ROUNDING, leaves_window
-from heavylift.contours.splines.search_step import BEHIND, CONVERGED, DEEP, EVALUATE, NEED_SPAN, step_search
+from heavylift.contours.splines.search_cold import (
+    begin_at_samples,
+    distances_to_point,
+    nearest_sample,
+    start_at_sample,
+)
+from heavylift.contours.splines.search_step import (
+    BEHIND,
+    CONVERGED,
+    DEEP,
+    EVALUATE,
+    NEED_SPAN,
+    NOT_FINITE,
+    step_search,
+)
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import vector
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.contours.splines.convex import Primitive
     from heavylift.contours.splines.packed_contour import PackedContour
+    from heavylift.contours.splines.samples import SampleGrid, Samples
     from heavylift.contours.splines.search_step import ContourSearch
 
-__all__ = ["closest_shape_on_curve", "closest_shape_on_surface", "into_shape", "shape_gap"]
+__all__ = [
+    "closest_shape_cold",
+    "closest_shape_on_curve",
+    "closest_shape_on_surface",
+    "into_shape",
+    "shape_gap",
+]
 
 
 @kernel(inline=True, internal=True)
@@ -71,8 +93,6 @@ def closest_shape_on_surface(
     net: NDArray,
     kind: int,
     shape: Primitive,
-    span_u: int,
-    span_v: int,
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
@@ -82,7 +102,7 @@ def closest_shape_on_surface(
     ----------
     kind, shape
         Kind and record of the primitive, its centre and axes in those of the contour.
-    contour, knots, weights, net, span_u, span_v, scratch, result
+    contour, knots, weights, net, scratch, result
         As of `heavylift.contours.splines.search.closest_on_surface`.
 
     Returns
@@ -92,7 +112,7 @@ def closest_shape_on_surface(
     minus the radius.
     """
     while True:
-        if leaves_window(contour, knots, span_u, span_v, result):
+        if leaves_window(contour, knots, result):
             return NEED_SPAN
         surface_point(contour, knots, weights, net, result.trial_u, result.trial_v, scratch, result)
         a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
@@ -146,7 +166,6 @@ def closest_shape_on_curve(
     net: NDArray,
     kind: int,
     shape: Primitive,
-    span_u: int,
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
@@ -155,7 +174,7 @@ def closest_shape_on_curve(
     As `closest_shape_on_surface` with ``v = 0``. Of a ring it is the closest distance of two curves.
     """
     while True:
-        if leaves_window(contour, knots, span_u, 0, result):
+        if leaves_window(contour, knots, result):
             return NEED_SPAN
         curve_point(contour, knots, weights, net, result.trial_u, scratch, result)
         a1, a2, a3 = result.tangent_u[0], result.tangent_u[1], result.tangent_u[2]
@@ -214,3 +233,70 @@ def shape_gap(
     n3 = a[0] * b[1] - a[1] * b[0]
     side = (m1 * n1 + m2 * n2 + m3 * n3) / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
     return gap, m1, m2, m3, s1 - gap * m1, s2 - gap * m2, s3 - gap * m3, side
+
+
+@kernel(internal=True)
+def _distances_to_shape(
+    kind: int, shape: Primitive, samples: Samples, grid: SampleGrid, separation: float
+) -> None:
+    """Squared distances, shifted, of samples to the core of a primitive.
+
+    Of samples that are farther than the best by more than their reach and the separation, only a bound of that from the
+    ball about the core.
+    """
+    distances_to_point(samples, grid, vector(shape.centre))
+    points, distances = samples.points[grid.points : grid.points + 3], samples.distances
+    count = grid.count_u * grid.count_v
+    nearest = nearest_sample(distances, count)
+    if nearest < 0:
+        return
+    p, q, r = shape.sizes[0], shape.sizes[1], shape.sizes[2]
+    ball = math.sqrt(p * p + q * q + r * r) - shape.shift
+    x, y, z = into_shape(
+        shape,
+        points[0, nearest] - shape.centre[0],
+        points[1, nearest] - shape.centre[1],
+        points[2, nearest] - shape.centre[2],
+    )
+    within = core_distance(kind, shape, x, y, z)[0] + separation + grid.reach
+    for k in range(count):
+        bound = math.sqrt(distances[k]) - ball
+        if bound > within:
+            distances[k] = bound * bound
+        else:
+            x, y, z = into_shape(
+                shape,
+                points[0, k] - shape.centre[0],
+                points[1, k] - shape.centre[1],
+                points[2, k] - shape.centre[2],
+            )
+            value = core_distance(kind, shape, x, y, z)[0]
+            distances[k] = value * value
+
+
+@kernel(internal=True)
+def closest_shape_cold(
+    contour: PackedContour,
+    knots: NDArray,
+    weights: NDArray,
+    net: NDArray,
+    kind: int,
+    shape: Primitive,
+    samples: Samples,
+    grid: SampleGrid,
+    scratch: NDArray,
+    result: ContourSearch,
+) -> int:
+    """Closest or deepest point of a surface or a curve to a primitive, without a start; see `closest_point_cold`.
+
+    A ring against a surface has `ring_cold`. `other_distance` is that to the core, shifted as `squared_distance` is.
+    """
+    _distances_to_shape(kind, shape, samples, grid, result.separation)
+    begin_at_samples(contour, grid, result)
+    status = NOT_FINITE
+    while start_at_sample(contour, samples, grid, status, result):
+        if contour.v.degree == 0:
+            status = closest_shape_on_curve(contour, knots, weights, net, kind, shape, scratch, result)
+        else:
+            status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, scratch, result)
+    return status

@@ -95,20 +95,35 @@ class SampleStarts(Record):
 
     Attributes
     ----------
-    best_u, best_v, best
-        Parameters and distance [m] of the nearest minimum so far.
+    rows, columns
+        Of the grid.
+    closed_rows, closed_columns
+        Whether its first row, or column, is next to the last one.
+    of_ring
+        Whether the samples are angles of a ring, and its gap is what is least.
+    reach
+        Distance within which a minimum may be nearer than the sample that leads to it [m].
+    best_u, best_v, best_angle, best
+        Parameters, angle of a ring [rad] and distance [m] of the nearest minimum so far.
     second_u, second_v, second
-        Those of the next one.
+        Parameters and distance of the next one.
     nearest
         Number of the nearest sample.
     next
-        Number of the sample from which to go on; -1 before the first.
+        Number of the sample from which to go on; -1 before the first, above all when none is left.
     count
         Searches so far.
     """
 
+    rows: int
+    columns: int
+    closed_rows: bool
+    closed_columns: bool
+    of_ring: bool
+    reach: float
     best_u: float
     best_v: float
+    best_angle: float
     best: float
     second_u: float
     second_v: float
@@ -132,7 +147,9 @@ class ContourSearch(Evaluation):
     iterations
         Evaluations so far.
     span_u, span_v
-        Knot spans that are wanted.
+        Knot spans whose control points are formed, or are to be formed before the search goes on; -1 if all are.
+    separation
+        Given by the caller: a second minimum that is farther by less than this [m] is reported by TWIN.
     other_u, other_v, other_distance
         Parameters and distance [m] of a second minimum.
     trial_u, trial_v
@@ -164,6 +181,7 @@ class ContourSearch(Evaluation):
     iterations: int
     span_u: int
     span_v: int
+    separation: float
     other_u: float
     other_v: float
     other_distance: float
@@ -209,7 +227,7 @@ _SMALLEST_CURVATURE = 1e-9
 
 @kernel(inline=True, internal=True)
 def start_search(contour: PackedContour, u: float, v: float, result: ContourSearch) -> None:
-    """Begin a new search at some parameters, brought into the patch; ``v = 0`` of a curve."""
+    """Begin a new search at some parameters, brought into the patch; ``v = 0`` of a curve. The window stays."""
     result.trial_u = wrap(u, contour.u.closed)
     result.trial_v = wrap(v, contour.v.closed)
     result.stage = _START

@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_point
-from heavylift.contours.triangles.feature_judge import turn
+from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_point, to_axes_of_b
 from heavylift.contours.triangles.surface_layout import pose_of
 from heavylift.contours.triangles.surface_tree import tree_depth
 from heavylift.contours.triangles.triangle_pair import triangle_distance
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Record, records
+from heavylift.numerics.vectors import rotate
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.contours.triangles.surface_layout import BoundingBox, RelativePose, TreeNode, Triangle
+    from heavylift.contours.triangles.surface_layout import BoundingBox, RelativePose
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.numerics.arrays import Floats1
     from heavylift.numerics.records import Records
@@ -164,12 +164,7 @@ def clearance(
     for attempt in range(2):
         if distance == math.inf:
             distance = _search(
-                surfaces.nodes,
-                surfaces.boxes,
-                surfaces.points,
-                surfaces.triangles,
-                surfaces.triangle_boxes,
-                surfaces.normals,
+                surfaces,
                 surfaces.surfaces[surface_a].root,
                 surfaces.surfaces[surface_b].root,
                 pose,
@@ -193,12 +188,7 @@ def clearance(
 @kernel(internal=True)
 def _search(
     # model
-    nodes: Records[TreeNode],
-    boxes: Records[BoundingBox],
-    points: NDArray[np.float64],
-    triangles: Records[Triangle],
-    triangle_boxes: Records[BoundingBox],
-    normals: NDArray[np.float64],
+    surfaces: CollisionSurfaces,
     root_a: int,
     root_b: int,
     # state
@@ -211,6 +201,7 @@ def _search(
     out: NDArray[np.float64],
 ) -> float:
     """Smallest distance of the triangles of two surfaces [m]; infinite if it is not below the limit."""
+    nodes, boxes = surfaces.nodes, surfaces.boxes
     best = limit
     top = _push(stack, 0, root_a, root_b, 0.0)
     while top > 0:
@@ -222,20 +213,7 @@ def _search(
             continue  # boxes that are turned against each other are smaller in their own axes
         left_a, left_b = nodes[node_a].left, nodes[node_b].left
         if left_a < 0 and left_b < 0:
-            best = _leaves(
-                points,
-                triangles,
-                triangle_boxes,
-                normals,
-                nodes[node_a].first,
-                nodes[node_a].count,
-                nodes[node_b].first,
-                nodes[node_b].count,
-                pose,
-                best,
-                rounding,
-                out,
-            )
+            best = _leaves(surfaces, node_a, node_b, pose, best, rounding, out)
             continue
         if left_a >= 0 and (left_b < 0 or _size(boxes, node_a) >= _size(boxes, node_b)):
             near_a, near_b, far_a, far_b = left_a, node_b, left_a + 1, node_b
@@ -282,13 +260,12 @@ def _squared_gap(boxes: Records[BoundingBox], node_a: int, node_b: int, pose: Re
     half = boxes[node_b].half
     hx, hy, hz = half[0], half[1], half[2]
     R = pose.rotation
-    centre = boxes[node_b].centre
     hx, hy, hz = (
         abs(R[0]) * hx + abs(R[1]) * hy + abs(R[2]) * hz,
         abs(R[3]) * hx + abs(R[4]) * hy + abs(R[5]) * hz,
         abs(R[6]) * hx + abs(R[7]) * hy + abs(R[8]) * hz,
     )
-    return _squared_gap_to(boxes, node_a, moved((centre[0], centre[1], centre[2]), pose), (hx, hy, hz))
+    return _squared_gap_to(boxes, node_a, moved(boxes[node_b].centre, pose), (hx, hy, hz))
 
 
 @kernel(inline=True, internal=True)
@@ -296,14 +273,13 @@ def _squared_gap_in_b(boxes: Records[BoundingBox], node_a: int, node_b: int, pos
     """Squared distance of a box of B from the box along the axes of B around one of A [m^2]."""
     half = boxes[node_a].half
     hx, hy, hz = half[0], half[1], half[2]
-    R, place, shift = pose.rotation, boxes[node_a].centre, pose.origin
-    centre = (place[0] - shift[0], place[1] - shift[1], place[2] - shift[2])
+    R = pose.rotation
     around = (
         abs(R[0]) * hx + abs(R[3]) * hy + abs(R[6]) * hz,
         abs(R[1]) * hx + abs(R[4]) * hy + abs(R[7]) * hz,
         abs(R[2]) * hx + abs(R[5]) * hy + abs(R[8]) * hz,
     )
-    return _squared_gap_to(boxes, node_b, turn(centre, pose, True), around)
+    return _squared_gap_to(boxes, node_b, to_axes_of_b(boxes[node_a].centre, pose), around)
 
 
 @kernel(inline=True, internal=True)
@@ -319,14 +295,9 @@ def _squared_gap_to(boxes: Records[BoundingBox], row: int, centre: Vector, half:
 @kernel(internal=True)
 def _leaves(
     # model
-    points: NDArray[np.float64],
-    triangles: Records[Triangle],
-    triangle_boxes: Records[BoundingBox],
-    normals: NDArray[np.float64],
-    first_a: int,
-    count_a: int,
-    first_b: int,
-    count_b: int,
+    surfaces: CollisionSurfaces,
+    node_a: int,
+    node_b: int,
     # state
     pose: RelativePose,
     best: float,
@@ -334,19 +305,22 @@ def _leaves(
     # out
     out: NDArray[np.float64],
 ) -> float:
-    """Smallest distance [m] of some triangles of A from some of B, or the best so far."""
-    for tb in range(first_b, first_b + count_b):
+    """Smallest distance [m] of the triangles of a leaf of A from those of one of B, or the best so far."""
+    points, triangles, normals = surfaces.points, surfaces.triangles, surfaces.normals
+    first_a, first_b = surfaces.nodes[node_a].first, surfaces.nodes[node_b].first
+    end_a, end_b = first_a + surfaces.nodes[node_a].count, first_b + surfaces.nodes[node_b].count
+    for tb in range(first_b, end_b):
         p = moved_point(points, triangles[tb].corners[0], pose)
         q = moved_point(points, triangles[tb].corners[1], pose)
         r = moved_point(points, triangles[tb].corners[2], pose)
-        m = turn(fixed_point(normals, tb), pose, False)
+        m = rotate(pose.rotation, fixed_point(normals, tb))
         low_x, high_x = min(p[0], q[0], r[0]), max(p[0], q[0], r[0])
         low_y, high_y = min(p[1], q[1], r[1]), max(p[1], q[1], r[1])
         low_z, high_z = min(p[2], q[2], r[2]), max(p[2], q[2], r[2])
         centre = (0.5 * (low_x + high_x), 0.5 * (low_y + high_y), 0.5 * (low_z + high_z))
         half = (0.5 * (high_x - low_x), 0.5 * (high_y - low_y), 0.5 * (high_z - low_z))
-        for ta in range(first_a, first_a + count_a):
-            if _squared_gap_to(triangle_boxes, ta, centre, half) < _square(best - rounding):
+        for ta in range(first_a, end_a):
+            if _squared_gap_to(surfaces.triangle_boxes, ta, centre, half) < _square(best - rounding):
                 a = fixed_point(points, triangles[ta].corners[0])
                 b = fixed_point(points, triangles[ta].corners[1])
                 c = fixed_point(points, triangles[ta].corners[2])

@@ -15,7 +15,19 @@ from typing import TYPE_CHECKING
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record
 from heavylift.numerics.records import Vector as VectorField
-from heavylift.numerics.vectors import Vector, cross
+from heavylift.numerics.vectors import (
+    Three,
+    Vector,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    rotate,
+    rotate_back,
+    scaled,
+    subtract,
+    vector,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -83,15 +95,9 @@ def fixed_point(points: NDArray[np.float64], row: int) -> Vector:
 
 
 @kernel(inline=True, internal=True)
-def moved(p: Vector, pose: RelativePose) -> Vector:
+def moved(p: Three, pose: RelativePose) -> Vector:
     """Point of B [m] in the axes of A: ``R x + p``."""
-    x, y, z = p
-    R, shift = pose.rotation, pose.origin
-    return (
-        R[0] * x + R[1] * y + R[2] * z + shift[0],
-        R[3] * x + R[4] * y + R[5] * z + shift[1],
-        R[6] * x + R[7] * y + R[8] * z + shift[2],
-    )
+    return add(rotate(pose.rotation, p), pose.origin)
 
 
 @kernel(inline=True, internal=True)
@@ -101,17 +107,9 @@ def moved_point(points: NDArray[np.float64], row: int, pose: RelativePose) -> Ve
 
 
 @kernel(inline=True, internal=True)
-def turned(x: float, y: float, z: float, pose: RelativePose) -> Vector:
-    """Direction of B in the axes of A."""
-    R = pose.rotation
-    return R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z, R[6] * x + R[7] * y + R[8] * z
-
-
-@kernel(inline=True, internal=True)
-def turned_back(x: float, y: float, z: float, pose: RelativePose) -> Vector:
-    """Direction of A in the axes of B."""
-    R = pose.rotation
-    return R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z, R[2] * x + R[5] * y + R[8] * z
+def to_axes_of_b(p: Three, pose: RelativePose) -> Vector:
+    """Point of A [m] in the axes of B: ``R^T (x - p)``."""
+    return rotate_back(pose.rotation, subtract(p, pose.origin))
 
 
 @kernel(inline=True, internal=True)
@@ -134,18 +132,17 @@ def fill(out: FeatureTouch, n: Vector, a: Vector, b: Vector) -> None:
 @kernel(inline=True, internal=True)
 def foot_on_line(p: Vector, a: Vector, b: Vector) -> Vector:
     """Point of the line through a and b [m] that is nearest to p."""
-    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    u = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy + (p[2] - a[2]) * dz) / (dx * dx + dy * dy + dz * dz)
-    return a[0] + u * dx, a[1] + u * dy, a[2] + u * dz
+    d = subtract(b, a)
+    return add_scaled(a, dot(subtract(p, a), d) / dot(d, d), d)
 
 
 @kernel(inline=True, internal=True)
 def gap_between(a: Vector, b: Vector, radius: float, out: FeatureTouch) -> float:
     """Gap [m] of two points, and the direction between them; where they coincide, any."""
-    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+    d = subtract(b, a)
+    distance = math.sqrt(dot(d, d))
     if distance > 0.0:
-        fill(out, (dx / distance, dy / distance, dz / distance), a, b)
+        fill(out, (d[0] / distance, d[1] / distance, d[2] / distance), a, b)
     else:
         fill(out, (0.0, 0.0, 1.0), a, b)
     return distance - radius
@@ -156,29 +153,18 @@ def gap_of_edges(
     a0: Vector, a1: Vector, b0: Vector, b1: Vector, radius: float, side: float, out: FeatureTouch
 ) -> float:
     """Gap [m] of the lines along two edges; of parallel ones from the middle of the second."""
-    ax, ay, az = a1[0] - a0[0], a1[1] - a0[1], a1[2] - a0[2]
-    bx, by, bz = b1[0] - b0[0], b1[1] - b0[1], b1[2] - b0[2]
-    rx, ry, rz = b0[0] - a0[0], b0[1] - a0[1], b0[2] - a0[2]
-    cx, cy, cz = cross((ax, ay, az), (bx, by, bz))
-    square = cx * cx + cy * cy + cz * cz
-    lengths = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz)
-    if square <= PARALLEL * PARALLEL * lengths:
-        middle = (0.5 * (b0[0] + b1[0]), 0.5 * (b0[1] + b1[1]), 0.5 * (b0[2] + b1[2]))
+    a, b, r = subtract(a1, a0), subtract(b1, b0), subtract(b0, a0)
+    c = cross(a, b)
+    square = dot(c, c)
+    if square <= PARALLEL * PARALLEL * (dot(a, a) * dot(b, b)):
+        middle = scaled(0.5, add(b0, b1))
         return gap_between(foot_on_line(middle, a0, a1), middle, radius, out)
-    factor = side / math.sqrt(square)
-    nx, ny, nz = factor * cx, factor * cy, factor * cz
+    n = scaled(side / math.sqrt(square), c)
     # r x d_B and r x d_A, both along the common normal, give the places along the edges
-    ux, uy, uz = cross((rx, ry, rz), (bx, by, bz))
-    vx, vy, vz = cross((rx, ry, rz), (ax, ay, az))
-    u = (ux * cx + uy * cy + uz * cz) / square
-    v = (vx * cx + vy * cy + vz * cz) / square
-    fill(
-        out,
-        (nx, ny, nz),
-        (a0[0] + u * ax, a0[1] + u * ay, a0[2] + u * az),
-        (b0[0] + v * bx, b0[1] + v * by, b0[2] + v * bz),
-    )
-    return nx * rx + ny * ry + nz * rz - radius
+    u = dot(cross(r, b), c) / square
+    v = dot(cross(r, a), c) / square
+    fill(out, n, add_scaled(a0, u, a), add_scaled(b0, v, b))
+    return dot(n, r) - radius
 
 
 @kernel(inline=True, internal=True)
@@ -210,8 +196,8 @@ def contact_gap(
     side
         1 or -1: sign of the product of the separation with the normal of the face, or with the vector product of both
         edges (that of A first), when the features were last clear of each other. Without meaning for the other kinds.
-    pose, at
-        Rotation (9, row by row) and position [m] (3) of B in the axes of A begin at place `at`.
+    pose
+        Of B in the axes of A.
     out
         Written, but for `beyond`.
 
@@ -225,18 +211,15 @@ def contact_gap(
         n = fixed_point(surfaces.normals, feature_a)
         a = fixed_point(points, triangles[feature_a].corners[0])
         b = moved_point(points, feature_b, pose)
-        s = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])
-        foot = (b[0] - s * n[0], b[1] - s * n[1], b[2] - s * n[2])
-        fill(out, (side * n[0], side * n[1], side * n[2]), foot, b)
+        s = dot(n, subtract(b, a))
+        fill(out, scaled(side, n), add_scaled(b, -s, n), b)
         return side * s - radius
     if kind == FACE_VERTEX:
-        own = fixed_point(surfaces.normals, feature_b)
-        n = turned(own[0], own[1], own[2], pose)
+        n = rotate(pose.rotation, fixed_point(surfaces.normals, feature_b))
         b = moved_point(points, triangles[feature_b].corners[0], pose)
         a = fixed_point(points, feature_a)
-        s = n[0] * (b[0] - a[0]) + n[1] * (b[1] - a[1]) + n[2] * (b[2] - a[2])
-        foot = (a[0] + s * n[0], a[1] + s * n[1], a[2] + s * n[2])
-        fill(out, (side * n[0], side * n[1], side * n[2]), a, foot)
+        s = dot(n, subtract(b, a))
+        fill(out, scaled(side, n), a, add_scaled(a, s, n))
         return side * s - radius
     if kind == EDGE_EDGE:
         return gap_of_edges(
@@ -264,10 +247,8 @@ def contact_gap(
 @kernel(inline=True, internal=True)
 def beyond_side(p: Vector, a: Vector, b: Vector, n: Vector) -> float:
     """How far [m] a point lies on the outer side of the edge from a to b of a face that n sees turn left."""
-    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    ox, oy, oz = cross((dx, dy, dz), n)
-    outside = (p[0] - a[0]) * ox + (p[1] - a[1]) * oy + (p[2] - a[2]) * oz
-    return outside / math.sqrt(dx * dx + dy * dy + dz * dz)
+    d = subtract(b, a)
+    return dot(subtract(p, a), cross(d, n)) / math.sqrt(dot(d, d))
 
 
 @kernel(inline=True, internal=True)
@@ -279,9 +260,9 @@ def beyond_face(p: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> float:
 @kernel(inline=True, internal=True)
 def beyond_ends(p: Vector, a: Vector, b: Vector) -> float:
     """How far [m] a point of the line through a and b lies beyond the nearer end; negative between them."""
-    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    length = math.sqrt(dx * dx + dy * dy + dz * dz)
-    s = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy + (p[2] - a[2]) * dz) / length
+    d = subtract(b, a)
+    length = math.sqrt(dot(d, d))
+    s = dot(subtract(p, a), d) / length
     return max(-s, s - length)
 
 
@@ -298,10 +279,9 @@ def overshoot(
 ) -> float:
     """How far [m] the nearest points that `contact_gap` left in `out` lie outside of their face or edges."""
     points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
-    a = (out.point_a[0], out.point_a[1], out.point_a[2])
-    q, shift = out.point_b, pose.origin
-    x, y, z = turned_back(q[0] - shift[0], q[1] - shift[1], q[2] - shift[2], pose)
-    b = (x, y, z)  # in its own axes, where its face and edges stand still
+    a = vector(out.point_a)
+    # in its own axes, where its face and edges stand still
+    b = to_axes_of_b(out.point_b, pose)
     if kind in (VERTEX_FACE, FACE_VERTEX):
         face = feature_a if kind == VERTEX_FACE else feature_b
         return beyond_face(

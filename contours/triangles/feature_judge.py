@@ -1,4 +1,4 @@
-"""Whether a vertex and a face are a contact: hit during the interval or near at its end, with the side.
+"""Whether a vertex and a face, or two edges, are a contact: hit during the interval or near at its end; on which side.
 
 What is near but cannot push is left out by the regions of `feature_regions`. A hit may be left out too, without
 anything passing through: let a vertex hit the inside of a face while a neighbour of the vertex lies further along the
@@ -17,21 +17,50 @@ face. So contacts are found again after they slid from one face to the next.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from heavylift.contours.triangles.feature_fans import NEAR_PART, fan_is_crossed, fan_rises
-from heavylift.contours.triangles.feature_gap import beyond_face, fixed_point, turned, turned_back
-from heavylift.contours.triangles.feature_regions import SLACK, vertex_is_nearest, vertex_neighbour_sum
+from heavylift.contours.triangles.feature_gap import PARALLEL, beyond_face, fixed_point
+from heavylift.contours.triangles.feature_regions import (
+    NEAR_PART,
+    SLACK,
+    edge_inward_sum,
+    edge_is_nearest,
+    fan_is_crossed,
+    fan_rises,
+    vertex_is_nearest,
+    vertex_neighbour_sum,
+)
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, cross
+from heavylift.numerics.vectors import (
+    Vector,
+    add_scaled,
+    between,
+    cross,
+    dot,
+    rotate,
+    rotate_back,
+    scaled,
+    subtract,
+)
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from heavylift.contours.triangles.surface_layout import RelativeMotion, RelativePose
+    from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 
-__all__ = ["HIT", "NEAR", "NEITHER", "judge_vertex"]
+__all__ = [
+    "HIT",
+    "NEAR",
+    "NEITHER",
+    "Meeting",
+    "Verdict",
+    "centroid",
+    "corners_of",
+    "inside_face",
+    "judge_edges",
+    "judge_vertex",
+    "no_contact",
+    "turn_at",
+]
 
 NEITHER = 0
 NEAR = 1
@@ -44,32 +73,74 @@ ON_BORDER = 1e-9
 LEVEL = 1e-6
 """Cosine below which a neighbourhood tells no side."""
 
-Verdict = tuple[int, float, float, float]
+
+class Meeting(NamedTuple):
+    """Two surfaces in an interval: what is the same for all of their features.
+
+    Attributes
+    ----------
+    motion
+        Of B in the axes of A, see `find_contacts`.
+    middle_a, middle_b
+        Middles [m] of both surfaces, in their own axes.
+    a_in_b, b_in_a
+        The same in the axes of the other at the start.
+    radius
+        Rounding of both surfaces [m].
+    far
+        Distance [m] up to which a pair counts as near at the end.
+    rounding
+        Distance [m] at the start below which the sign of the distance says nothing; gaps that differ by less are the
+        same.
+    method
+        `SWEPT` or `POSITION_DIFFERENCE`.
+    judged
+        Whether hits are judged; else all that the swept tests report is a contact.
+    """
+
+    motion: RelativeMotion
+    middle_a: Vector
+    middle_b: Vector
+    a_in_b: Vector
+    b_in_a: Vector
+    radius: float
+    far: float
+    rounding: float
+    method: int
+    judged: bool
+
+
+class Verdict(NamedTuple):
+    """Whether two features are a contact.
+
+    Attributes
+    ----------
+    outcome
+        `NEITHER`, `NEAR` or `HIT`.
+    time
+        Of the hit, in [0, 1]; 1 if there is none.
+    side
+        1 or -1: of a vertex along the normal of the face; of the edge of B along the vector product of both.
+    gap
+        At the end [m].
+    """
+
+    outcome: int
+    time: float
+    side: float
+    gap: float
 
 
 @kernel(inline=True, internal=True)
-def dot(a: Vector, b: Vector) -> float:
-    """Product of two vectors."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@kernel(inline=True, internal=True)
-def minus(a: Vector, b: Vector) -> Vector:
-    """Difference of two vectors."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@kernel(inline=True, internal=True)
-def between(a: Vector, b: Vector, t: float) -> Vector:
-    """``a + t (b - a)``."""
-    return a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])
+def no_contact() -> Verdict:
+    """`NEITHER`."""
+    return Verdict(NEITHER, 1.0, 0.0, 0.0)
 
 
 @kernel(inline=True, internal=True)
 def turn(d: Vector, pose: RelativePose, back: bool) -> Vector:
     """``R d`` or ``R^T d``."""
-    x, y, z = d
-    return turned_back(x, y, z, pose) if back else turned(x, y, z, pose)
+    return rotate_back(pose.rotation, d) if back else rotate(pose.rotation, d)
 
 
 @kernel(inline=True, internal=True)
@@ -81,7 +152,7 @@ def turn_at(d: Vector, motion: RelativeMotion, t: float, back: bool) -> Vector:
 @kernel(inline=True, internal=True)
 def inside_face(p: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> bool:
     """Whether the foot of a point on the plane of a face lies in the face or on its border."""
-    ab, bc, ca = minus(b, a), minus(c, b), minus(a, c)
+    ab, bc, ca = subtract(b, a), subtract(c, b), subtract(a, c)
     u = cross(n, ab)
     v = cross(n, bc)
     w = cross(n, ca)
@@ -89,108 +160,89 @@ def inside_face(p: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> bool:
     if twice_area < 0.0:  # corners turn the other way round n
         return False
     least = -ON_BORDER * twice_area
-    return dot(minus(p, a), u) >= least and dot(minus(p, b), v) >= least and dot(minus(p, c), w) >= least
+    return (
+        dot(subtract(p, a), u) >= least
+        and dot(subtract(p, b), v) >= least
+        and dot(subtract(p, c), w) >= least
+    )
+
+
+@kernel(inline=True, internal=True)
+def corners_of(surfaces: CollisionSurfaces, face: int) -> tuple[Vector, Vector, Vector]:
+    """Corners of a face [m], in its own axes."""
+    points, corners = surfaces.points, surfaces.triangles[face].corners
+    return fixed_point(points, corners[0]), fixed_point(points, corners[1]), fixed_point(points, corners[2])
+
+
+@kernel(inline=True, internal=True)
+def centroid(corners: tuple[Vector, Vector, Vector]) -> Vector:
+    """Middle of a triangle [m]."""
+    a, b, c = corners
+    return (a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0
 
 
 @kernel(internal=True)
 def judge_vertex(
     # model
-    points: NDArray[np.float64],
-    vertex_first: NDArray[np.int64],
-    vertex_neighbours: NDArray[np.int64],
+    surfaces: CollisionSurfaces,
     vertex: int,
-    corners: tuple[int, int, int],
-    a: Vector,
-    b: Vector,
-    c: Vector,
-    n: Vector,
-    own_middle: Vector,
-    face_middle: Vector,
+    face: int,
     # motion
-    motion: RelativeMotion,
+    meeting: Meeting,
     face_moves: bool,
     x0: Vector,
     x1: Vector,
     hit: bool,
     time: float,
-    # limits
-    radius: float,
-    far: float,
-    rounding: float,
 ) -> Verdict:
     """Verdict on a vertex and a face.
 
     Parameters
     ----------
-    points, vertex_first, vertex_neighbours
-        Of the packed surfaces.
-    vertex
-        Row of `points`.
-    corners
-        Rows of `points` of the face.
-    a, b, c, n
-        Corners [m] and unit normal of the face, in its own axes, as all that follows.
-    own_middle, face_middle
-        Middles [m] of the surfaces of vertex and face at the start.
-    motion
-        Relative motion, see `find_contacts`.
+    surfaces
+        All surfaces of a scene.
+    vertex, face
+        Rows of its points and triangles.
+    meeting
+        Of both surfaces.
     face_moves
         The face belongs to B and the vertex to A.
     x0, x1
-        The vertex [m] at start and end.
+        The vertex [m] at start and end, in the axes of the face.
     hit, time
         What the swept test says.
-    radius
-        Rounding of both surfaces [m].
-    far
-        Distance [m] up to which a pair counts as near at the end.
-    rounding
-        Distance [m] at the start below which the sign of the distance says nothing.
-
-    Returns
-    -------
-    verdict
-        `NEITHER`, `NEAR` or `HIT`; its time; side of the face that the vertex is on, 1 or -1 along `n`; gap at the
-        end [m].
     """
-    s0 = dot(n, minus(x0, a))
-    s1 = dot(n, minus(x1, a))
-    if not hit and (abs(s1) > far or not inside_face(x1, a, b, c, n)):
-        return NEITHER, 1.0, 0.0, 0.0
+    motion, radius, rounding = meeting.motion, meeting.radius, meeting.rounding
+    a, b, c = corners_of(surfaces, face)
+    n = fixed_point(surfaces.normals, face)
+    s0 = dot(n, subtract(x0, a))
+    s1 = dot(n, subtract(x1, a))
+    if not hit and (abs(s1) > meeting.far or not inside_face(x1, a, b, c, n)):
+        return no_contact()
     if abs(s0) > rounding:
         side = 1.0 if s0 > 0.0 else -1.0
         # one that changed sides without a hit went through a neighbour of this face, or around its border; if
         # around, the next interval sees it from the right side
         if not hit and s0 * s1 < 0.0 and abs(s1) > rounding:
-            return NEITHER, 1.0, 0.0, 0.0
+            return no_contact()
     else:
-        side = side_of_vertex(
-            points, vertex_first, vertex_neighbours, vertex, a, n, own_middle, face_middle, motion, face_moves
-        )
+        side = side_of_vertex(surfaces, vertex, face, meeting, face_moves)
     # towards the face, in the axes of the vertex
-    d = (-side * n[0], -side * n[1], -side * n[2])
-    d = turn_at(d, motion, time if hit else 1.0, not face_moves)
-    if not vertex_is_nearest(points, vertex_first, vertex_neighbours, vertex, d, SLACK):
-        # not in front of the face, but perhaps the point that has come furthest through it
-        if hit or not vertex_is_nearest(
-            points, vertex_first, vertex_neighbours, vertex, (-d[0], -d[1], -d[2]), SLACK
-        ):
-            return NEITHER, 1.0, 0.0, 0.0
-        if not vertex_is_through(
-            points, vertex_first, vertex_neighbours, vertex, a, b, c, n, motion.end, face_moves, x1, s1
-        ) or not vertex_is_through(
-            points, vertex_first, vertex_neighbours, vertex, a, b, c, n, motion.start, face_moves, x0, s0
-        ):
-            return NEITHER, 1.0, 0.0, 0.0
-        return NEAR, 1.0, -side, -side * s1 - radius
     t = time if hit else 1.0
-    if vertex_is_behind(
-        points, vertex_first, vertex_neighbours, vertex, corners, a, b, c, n, side,
-        motion, face_moves, between(x0, x1, t), t, rounding,
-    ):  # fmt: skip
-        return NEITHER, 1.0, 0.0, 0.0
+    d = turn_at(scaled(-side, n), motion, t, not face_moves)
+    if not vertex_is_nearest(surfaces, vertex, d, SLACK):
+        # not in front of the face, but perhaps the point that has come furthest through it
+        if hit or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK):
+            return no_contact()
+        if not vertex_is_through(
+            surfaces, vertex, face, motion.end, face_moves, x1, s1
+        ) or not vertex_is_through(surfaces, vertex, face, motion.start, face_moves, x0, s0):
+            return no_contact()
+        return Verdict(NEAR, 1.0, -side, -side * s1 - radius)
+    if vertex_is_behind(surfaces, vertex, face, scaled(side, n), meeting, face_moves, between(x0, x1, t), t):
+        return no_contact()
     verdict, time = touch_of_rounding(hit, time, side * s0 - radius, side * s1 - radius, radius)
-    return verdict, time, side, side * s1 - radius
+    return Verdict(verdict, time, side, side * s1 - radius)
 
 
 @kernel(inline=True, internal=True)
@@ -204,49 +256,36 @@ def touch_of_rounding(hit: bool, time: float, gap0: float, gap1: float, radius: 
 @kernel(internal=True)
 def vertex_is_behind(
     # model
-    points: NDArray[np.float64],
-    vertex_first: NDArray[np.int64],
-    vertex_neighbours: NDArray[np.int64],
+    surfaces: CollisionSurfaces,
     vertex: int,
-    corners: tuple[int, int, int],
-    a: Vector,
-    b: Vector,
-    c: Vector,
-    n: Vector,
-    side: float,
+    face: int,
+    d: Vector,
     # motion
-    motion: RelativeMotion,
+    meeting: Meeting,
     face_moves: bool,
     x: Vector,
     t: float,
-    rounding: float,
 ) -> bool:
-    """Whether a vertex at x has come through a triangle next to the face (`feature_fans`)."""
-    d = (side * n[0], side * n[1], side * n[2])
-    middle = ((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0, (a[2] + b[2] + c[2]) / 3.0)
-    for corner in corners:
-        if not fan_rises(points, vertex_first, vertex_neighbours, corner, d):
+    """Whether a vertex at x, in the direction d from the face, has come through a triangle next to it."""
+    points, vertex_first = surfaces.points, surfaces.vertex_first
+    middle = centroid(corners_of(surfaces, face))
+    for i in range(3):
+        corner = surfaces.triangles[face].corners[i]
+        if not fan_rises(surfaces, corner, d):
             continue
         for k in range(vertex_first[vertex], vertex_first[vertex + 1]):
-            e = minus(fixed_point(points, vertex_neighbours[k]), fixed_point(points, vertex))
-            e = turn_at(e, motion, t, face_moves)
-            if fan_is_crossed(points, vertex_first, vertex_neighbours, corner, d, x, e, middle, rounding):
+            e = subtract(fixed_point(points, surfaces.vertex_neighbours[k]), fixed_point(points, vertex))
+            e = turn_at(e, meeting.motion, t, face_moves)
+            if fan_is_crossed(surfaces, corner, d, x, e, middle, meeting.rounding):
                 return True
     return False
 
 
 @kernel(internal=True)
 def vertex_is_through(
-    # model
-    points: NDArray[np.float64],
-    vertex_first: NDArray[np.int64],
-    vertex_neighbours: NDArray[np.int64],
+    surfaces: CollisionSurfaces,
     vertex: int,
-    a: Vector,
-    b: Vector,
-    c: Vector,
-    n: Vector,
-    # motion
+    face: int,
     pose: RelativePose,
     face_moves: bool,
     x: Vector,
@@ -256,13 +295,15 @@ def vertex_is_through(
 
     And most of it lies on the other side, so that the vertex has come through from there.
     """
+    points, vertex_first = surfaces.points, surfaces.vertex_first
+    a, b, c = corners_of(surfaces, face)
+    n = fixed_point(surfaces.normals, face)
     for k in range(vertex_first[vertex], vertex_first[vertex + 1]):
-        e = minus(fixed_point(points, vertex_neighbours[k]), fixed_point(points, vertex))
+        e = subtract(fixed_point(points, surfaces.vertex_neighbours[k]), fixed_point(points, vertex))
         e = turn(e, pose, face_moves)
         along = dot(n, e)
         if s * along < 0.0 and abs(s) <= NEAR_PART * abs(along):
-            share = -s / along
-            foot = (x[0] + share * e[0], x[1] + share * e[1], x[2] + share * e[2])
+            foot = add_scaled(x, -s / along, e)
             # nearer to the border than deep, it may as well have come over the border
             if beyond_face(foot, a, b, c, n) <= -abs(s):
                 return True
@@ -271,26 +312,172 @@ def vertex_is_through(
 
 @kernel(internal=True)
 def side_of_vertex(
-    points: NDArray[np.float64],
-    vertex_first: NDArray[np.int64],
-    vertex_neighbours: NDArray[np.int64],
-    vertex: int,
-    a: Vector,
-    n: Vector,
-    own_middle: Vector,
-    face_middle: Vector,
-    motion: RelativeMotion,
-    face_moves: bool,
+    surfaces: CollisionSurfaces, vertex: int, face: int, meeting: Meeting, face_moves: bool
 ) -> float:
     """Side of a vertex that lies in the plane of a face: where its neighbours are.
 
     If they lie in the plane too, where the middle of its surface is, or opposite to the middle of the other one.
     """
-    s = vertex_neighbour_sum(points, vertex_first, vertex_neighbours, vertex)
-    along = dot(n, turn(s, motion.start, face_moves))
+    a = fixed_point(surfaces.points, surfaces.triangles[face].corners[0])
+    n = fixed_point(surfaces.normals, face)
+    s = vertex_neighbour_sum(surfaces, vertex)
+    along = dot(n, turn(s, meeting.motion.start, face_moves))
     if abs(along) <= LEVEL * math.sqrt(dot(s, s)):
-        r = minus(own_middle, a)
+        r = subtract(meeting.a_in_b if face_moves else meeting.b_in_a, a)
         along = dot(n, r)
         if abs(along) <= LEVEL * math.sqrt(dot(r, r)):
-            along = -dot(n, minus(face_middle, a))
+            along = -dot(n, subtract(meeting.middle_b if face_moves else meeting.middle_a, a))
     return -1.0 if along < 0.0 else 1.0
+
+
+@kernel(internal=True)
+def edge_is_behind(
+    # model
+    surfaces: CollisionSurfaces,
+    edge: int,
+    other: int,
+    d: Vector,
+    # motion
+    meeting: Meeting,
+    other_moves: bool,
+    x: Vector,
+    s: float,
+    t: float,
+) -> bool:
+    """Whether an edge whose point x touches another has come through a triangle at an end of that.
+
+    Parameters
+    ----------
+    surfaces, meeting
+        As for `judge_vertex`.
+    edge, other
+        Rows of the edges.
+    d
+        Unit direction from the other edge to the first, in the axes of the other, as `x` [m].
+    other_moves
+        The other edge belongs to B.
+    s
+        Place of x along the first edge, 0 to 1.
+    t
+        When it touches, in [0, 1].
+    """
+    points, edges = surfaces.points, surfaces.edges
+    edge_first, edge_opposite = surfaces.edge_first, surfaces.edge_opposite
+    own = fixed_point(points, edges[edge].ends[0])
+    along = subtract(fixed_point(points, edges[edge].ends[1]), own)
+    for end in range(2):
+        corner = edges[other].ends[end]
+        if not fan_rises(surfaces, corner, d):
+            continue
+        reference = fixed_point(points, edges[other].ends[1 - end])
+        for row in range(edge_first[other], edge_first[other + 1]):
+            reference = between(reference, fixed_point(points, edge_opposite[row]), 0.5)
+        # both parts of the edge lead away from x, and its triangles
+        for row in range(edge_first[edge] - 2, edge_first[edge + 1]):
+            if row < edge_first[edge]:
+                e = scaled(-s if row < edge_first[edge] - 1 else 1.0 - s, along)
+            else:
+                w = subtract(fixed_point(points, edge_opposite[row]), own)
+                e = add_scaled(w, -(dot(w, along) / dot(along, along)), along)
+            e = turn_at(e, meeting.motion, t, other_moves)
+            if fan_is_crossed(surfaces, corner, d, x, e, reference, meeting.rounding):
+                return True
+    return False
+
+
+@kernel(internal=True)
+def judge_edges(
+    # model
+    surfaces: CollisionSurfaces,
+    edge_a: int,
+    edge_b: int,
+    # motion
+    meeting: Meeting,
+    p0: Vector,
+    p1: Vector,
+    q0: Vector,
+    q1: Vector,
+    hit: bool,
+    time: float,
+) -> tuple[Verdict, float, float]:
+    """Verdict on two edges, and the places along both at the end, 0 to 1 between their ends.
+
+    Parameters
+    ----------
+    surfaces, meeting
+        As for `judge_vertex`.
+    edge_a, edge_b
+        Rows of the edges.
+    p0, p1, q0, q1
+        Ends [m] of the edge of B at the start (p) and at the end (q), in the axes of A.
+    hit, time
+        As for `judge_vertex`.
+    """
+    motion, radius, rounding = meeting.motion, meeting.radius, meeting.rounding
+    a0 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[0])
+    a1 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[1])
+    u = subtract(a1, a0)
+    # at the end
+    v1 = subtract(q1, q0)
+    c1 = cross(u, v1)
+    square1 = dot(c1, c1)
+    if square1 <= PARALLEL * PARALLEL * dot(u, u) * dot(v1, v1):
+        return no_contact(), 0.0, 0.0
+    r1 = subtract(q0, a0)
+    length1 = math.sqrt(square1)
+    gap = dot(c1, r1) / length1
+    along_a = dot(cross(r1, v1), c1) / square1
+    along_b = dot(cross(r1, u), c1) / square1
+    c, length, at_a, at_b, t = c1, length1, along_a, along_b, 1.0
+    if hit:
+        t = time
+        p, q = between(p0, q0, t), between(p1, q1, t)
+        v = subtract(q, p)
+        c = cross(u, v)
+        square = dot(c, c)
+        if square <= PARALLEL * PARALLEL * dot(u, u) * dot(v, v):
+            return no_contact(), 0.0, 0.0
+        length = math.sqrt(square)
+        r = subtract(p, a0)
+        at_a = dot(cross(r, v), c) / square
+        at_b = dot(cross(r, u), c) / square
+    elif (
+        abs(gap) > meeting.far
+        or min(along_a, along_b) < -ON_BORDER
+        or max(along_a, along_b) > 1.0 + ON_BORDER
+    ):
+        return no_contact(), 0.0, 0.0
+    n = (c[0] / length, c[1] / length, c[2] / length)
+    # the two places that touch, seen at the start along the common normal of the touch
+    x = between(p0, p1, at_b)
+    y = between(a0, a1, at_a)
+    s0 = dot(n, subtract(x, y))
+    start_gap = abs(s0) - radius
+    if abs(s0) > rounding:
+        side = 1.0 if s0 > 0.0 else -1.0
+        if not hit and s0 * gap < 0.0 and abs(gap) > rounding:
+            return no_contact(), 0.0, 0.0  # as for a vertex
+    else:
+        wa = edge_inward_sum(surfaces, edge_a)
+        wb = rotate(motion.start.rotation, edge_inward_sum(surfaces, edge_b))
+        s0 = dot(n, subtract(wb, wa))
+        if abs(s0) <= LEVEL:
+            s0 = dot(n, subtract(meeting.b_in_a, meeting.middle_a))
+        side = -1.0 if s0 < 0.0 else 1.0
+    d = scaled(side, n)
+    if not edge_is_nearest(surfaces, edge_a, d, SLACK):
+        return no_contact(), 0.0, 0.0
+    back = turn_at(scaled(-1.0, d), motion, t, True)
+    if not edge_is_nearest(surfaces, edge_b, back, SLACK):
+        return no_contact(), 0.0, 0.0
+    x = between(between(p0, q0, t), between(p1, q1, t), at_b)
+    if edge_is_behind(surfaces, edge_b, edge_a, d, meeting, False, x, at_b, t):
+        return no_contact(), 0.0, 0.0
+    y = turn_at(subtract(y, between(motion.start.origin, motion.end.origin, t)), motion, t, True)
+    if edge_is_behind(surfaces, edge_a, edge_b, back, meeting, True, y, at_a, t):
+        return no_contact(), 0.0, 0.0
+    if dot(c, c1) < 0.0:  # turned over between the hit and the end
+        side = -side
+    gap *= side
+    verdict, time = touch_of_rounding(hit, time, start_gap, gap - radius, radius)
+    return Verdict(verdict, time, side, gap - radius), along_a, along_b

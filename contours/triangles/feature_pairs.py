@@ -7,9 +7,9 @@ swept test, and is then judged (`feature_judge`).
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.triangles.feature_boxes import apart, box_around, box_of, grown, middle_of, stored_box
 from heavylift.contours.triangles.feature_gap import (
     EDGE_EDGE,
     FACE_VERTEX,
@@ -17,11 +17,20 @@ from heavylift.contours.triangles.feature_gap import (
     fixed_point,
     moved,
     moved_point,
+    to_axes_of_b,
 )
-from heavylift.contours.triangles.feature_judge import HIT, NEITHER, judge_vertex
-from heavylift.contours.triangles.feature_judge_edges import judge_edges
-from heavylift.contours.triangles.feature_report import report, shared_end
-from heavylift.contours.triangles.feature_rounded import in_axes_of_b, rounded_contacts
+from heavylift.contours.triangles.feature_judge import (
+    HIT,
+    NEITHER,
+    Meeting,
+    Verdict,
+    centroid,
+    corners_of,
+    judge_edges,
+    judge_vertex,
+)
+from heavylift.contours.triangles.feature_report import UNIQUE, report, shared_end
+from heavylift.contours.triangles.feature_rounded import rounded_contacts
 from heavylift.contours.triangles.pair_search import refresh_pairs
 from heavylift.contours.triangles.position_difference import (
     FACE_SWEEPS,
@@ -33,6 +42,7 @@ from heavylift.contours.triangles.position_difference import (
 from heavylift.contours.triangles.surface_layout import IS_FACE, OWNS_A, OWNS_AB
 from heavylift.contours.triangles.swept import swept_edges, swept_face_vertex, swept_vertex_face
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import Vector, add_scaled, dot, subtract, vector
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,9 +50,9 @@ if TYPE_CHECKING:
 
     from heavylift.contours.triangles.feature_report import ContactList
     from heavylift.contours.triangles.pair_list import PairLists
-    from heavylift.contours.triangles.surface_layout import RelativeMotion
+    from heavylift.contours.triangles.surface_layout import BoundingBox, RelativeMotion
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
-    from heavylift.numerics.vectors import Vector
+    from heavylift.numerics.records import Records
 
 __all__ = ["POSITION_DIFFERENCE", "SWEPT", "contacts_of_pairs", "find_contacts"]
 
@@ -59,6 +69,7 @@ GROWTH = 10.0
 low, must not slip through under a wall that stands on it."""
 
 Box = tuple[float, float, float, float, float, float]
+"""Around the path of a feature: lowest coordinates [m], then highest."""
 
 
 @kernel(internal=True)
@@ -81,8 +92,8 @@ def find_contacts(
     surfaces, lists, pair
         All surfaces of a scene, the lists of their pairs, and which of those.
     motion
-        Pose of B in the axes of A: rotation (9, row by row) and position [m] (3) at the start, then at the end.
-        In these axes the points of B move linearly in between. Shape (24,).
+        Poses of B in the axes of A at the start and at the end; in these axes the points of B move linearly in
+        between.
     reach
         Gap [m] at the end up to which features that are not hit are contacts too.
     method
@@ -104,18 +115,10 @@ def find_contacts(
     count = refresh_pairs(surfaces, lists, pair, motion, reach)
     if count <= 0:
         return count
+    listed = lists.table[pair]
+    pairs = lists.pairs[listed.first : listed.first + count]
     return contacts_of_pairs(
-        surfaces,
-        lists.table[pair].surface_a,
-        lists.table[pair].surface_b,
-        lists.pairs,
-        lists.table[pair].first,
-        count,
-        motion,
-        reach,
-        method,
-        True,
-        out,
+        surfaces, listed.surface_a, listed.surface_b, pairs, motion, reach, method, True, out
     )
 
 
@@ -126,8 +129,6 @@ def contacts_of_pairs(
     surface_a: int,
     surface_b: int,
     pairs: NDArray[np.int64],
-    first: int,
-    count: int,
     # motion
     motion: RelativeMotion,
     reach: float,
@@ -140,15 +141,23 @@ def contacts_of_pairs(
     points, triangles, corners = surfaces.points, surfaces.triangles, out.corners
     radius = surfaces.radii[surface_a] + surfaces.radii[surface_b]
     far = reach + radius
-    rounding = ROUNDING * min(surfaces.reaches[surface_a], surfaces.reaches[surface_b])
-    # the middle of either surface in the axes of the other, at the start
     middle_a, middle_b = middle_of(surfaces, surface_a), middle_of(surfaces, surface_b)
-    b_in_a = moved(middle_b, motion.start)
-    a_in_b = in_axes_of_b(middle_a, motion.start)
+    meeting = Meeting(
+        motion,
+        middle_a,
+        middle_b,
+        to_axes_of_b(middle_a, motion.start),
+        moved(middle_b, motion.start),
+        radius,
+        far,
+        ROUNDING * min(surfaces.reaches[surface_a], surfaces.reaches[surface_b]),
+        method,
+        judged,
+    )
     found = 0
     last = -1
     box_b = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for k in range(first, first + count):
+    for k in range(pairs.shape[0]):
         ta, tb = pairs[k, 0], pairs[k, 1]
         if tb != last:
             last = tb
@@ -164,25 +173,94 @@ def contacts_of_pairs(
             continue
         flags_a, flags_b = triangles[ta].flags, triangles[tb].flags
         if flags_a & IS_FACE and flags_b & (7 * OWNS_A):
-            found = vertices_on_face(
-                surfaces, ta, tb, box_a, b_in_a, middle_a, motion, radius, far, rounding, method, judged,
-                found, out,
-            )  # fmt: skip
+            found = vertices_on_face(surfaces, ta, tb, box_a, meeting, found, out)
         if flags_b & IS_FACE and flags_a & (7 * OWNS_A) and found >= 0:
-            found = face_on_vertices(
-                surfaces, ta, tb, box_b, a_in_b, middle_b, motion, radius, far, rounding, method, judged,
-                found, out,
-            )  # fmt: skip
+            found = face_on_vertices(surfaces, ta, tb, box_b, meeting, found, out)
         if flags_a & (7 * OWNS_AB) and flags_b & (7 * OWNS_AB) and found >= 0:
-            found = edges_on_edges(
-                surfaces, ta, tb, box_b, middle_a, b_in_a, motion, radius, far, rounding, method, judged,
-                found, out,
-            )  # fmt: skip
+            found = edges_on_edges(surfaces, ta, tb, box_b, meeting, found, out)
         if radius > 0.0 and judged and found >= 0:
-            found = rounded_contacts(surfaces, ta, tb, motion, radius, far, rounding, found, out)
+            found = rounded_contacts(surfaces, ta, tb, meeting, found, out)
         if found < 0:
             return found
     return found
+
+
+@kernel(inline=True, internal=True)
+def box_of(p: Vector, q: Vector, margin: float) -> Box:
+    """Lowest and highest coordinates [m] of two points, grown by a margin."""
+    return (
+        min(p[0], q[0]) - margin,
+        min(p[1], q[1]) - margin,
+        min(p[2], q[2]) - margin,
+        max(p[0], q[0]) + margin,
+        max(p[1], q[1]) + margin,
+        max(p[2], q[2]) + margin,
+    )
+
+
+@kernel(inline=True, internal=True)
+def box_around(a: Box, b: Box) -> Box:
+    """Box around two boxes."""
+    return (
+        min(a[0], b[0]),
+        min(a[1], b[1]),
+        min(a[2], b[2]),
+        max(a[3], b[3]),
+        max(a[4], b[4]),
+        max(a[5], b[5]),
+    )
+
+
+@kernel(inline=True, internal=True)
+def apart(a: Box, b: Box) -> bool:
+    """Whether two boxes have no point in common."""
+    # no short cuts: six comparisons cost less than a branch that is guessed wrong
+    return (a[0] > b[3]) | (a[3] < b[0]) | (a[1] > b[4]) | (a[4] < b[1]) | (a[2] > b[5]) | (a[5] < b[2])
+
+
+@kernel(inline=True, internal=True)
+def stored_box(boxes: Records[BoundingBox], row: int) -> Box:
+    """Box from centre and half lengths."""
+    centre, half = boxes[row].centre, boxes[row].half
+    x, y, z = centre[0], centre[1], centre[2]
+    u, v, w = half[0], half[1], half[2]
+    return x - u, y - v, z - w, x + u, y + v, z + w
+
+
+@kernel(inline=True, internal=True)
+def middle_of(surfaces: CollisionSurfaces, surface: int) -> Vector:
+    """Middle of the box around a surface [m], in its own axes."""
+    root = surfaces.surfaces[surface].root
+    return vector(surfaces.boxes[root].centre)
+
+
+@kernel(inline=True, internal=True)
+def grown(a: Vector, b: Vector, c: Vector, length: float) -> tuple[Vector, Vector, Vector]:
+    """Corners of a triangle, each away from the middle by a length [m]."""
+    if length == 0.0:
+        return a, b, c
+    middle = centroid((a, b, c))
+    return away(a, middle, length), away(b, middle, length), away(c, middle, length)
+
+
+@kernel(inline=True, internal=True)
+def away(p: Vector, place: Vector, length: float) -> Vector:
+    """Point farther from a place by a length."""
+    d = subtract(p, place)
+    size = math.sqrt(dot(d, d))
+    return add_scaled(p, length / size if size > 0.0 else 0.0, d)
+
+
+@kernel(inline=True, internal=True)
+def growth(meeting: Meeting) -> float:
+    """By how much faces are larger for vertices [m]."""
+    return min(GROWTH * meeting.rounding, meeting.far) if meeting.judged else 0.0
+
+
+@kernel(inline=True, internal=True)
+def unjudged(hit: bool, time: float) -> Verdict:
+    """What a swept test says by itself."""
+    return Verdict(HIT if hit else NEITHER, time, 1.0, 0.0)
 
 
 @kernel(inline=True, internal=True)
@@ -192,54 +270,36 @@ def vertices_on_face(
     ta: int,
     tb: int,
     box_a: Box,
-    b_in_a: Vector,
-    middle_a: Vector,
     # motion
-    motion: RelativeMotion,
-    radius: float,
-    far: float,
-    rounding: float,
-    method: int,
-    judged: bool,
+    meeting: Meeting,
     # list
     found: int,
     out: ContactList,
 ) -> int:
     """Report the vertices that a triangle of B owns and that touch a face of A."""
-    points, triangles = surfaces.points, surfaces.triangles
+    triangles = surfaces.triangles
     for i in range(3):
         if not triangles[tb].flags & (OWNS_A << i):
             continue
         x0, x1 = fixed_point(out.corners, i), fixed_point(out.corners, 3 + i)
-        if apart(box_a, box_of(x0, x1, far)):
+        if apart(box_a, box_of(x0, x1, meeting.far)):
             continue
-        a = fixed_point(points, triangles[ta].corners[0])
-        b = fixed_point(points, triangles[ta].corners[1])
-        c = fixed_point(points, triangles[ta].corners[2])
-        if method == POSITION_DIFFERENCE:
+        a, b, c = corners_of(surfaces, ta)
+        if meeting.method == POSITION_DIFFERENCE:
             hit, time = difference_vertex_face(
                 x0[0], x0[1], x0[2], x1[0], x1[1], x1[2], a[0], a[1], a[2], a[0], a[1], a[2], b[0], b[1],
                 b[2], b[0], b[1], b[2], c[0], c[1], c[2], c[0], c[1], c[2], VERTEX_MOVES,
             )  # fmt: skip
         else:
-            p, q, r = grown(a, b, c, min(GROWTH * rounding, far) if judged else 0.0)
-            hit, time = swept_vertex_face(
-                x0[0], x0[1], x0[2], x1[0], x1[1], x1[2], p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2]
-            )
+            p, q, r = grown(a, b, c, growth(meeting))
+            hit, time = swept_vertex_face(x0, x1, p, q, r)
         vertex = triangles[tb].corners[i]
-        verdict, side, gap = HIT if hit else NEITHER, 1.0, 0.0
-        if judged:
-            verdict, time, side, gap = judge_vertex(
-                points, surfaces.vertex_first, surfaces.vertex_neighbours, vertex,
-                (triangles[ta].corners[0], triangles[ta].corners[1], triangles[ta].corners[2]), a, b, c,
-                fixed_point(surfaces.normals, ta), b_in_a, middle_a, motion, False, x0, x1, hit, time, radius,
-                far, rounding,
-            )  # fmt: skip
-        if verdict != NEITHER:
-            found = report(
-                points, surfaces.edges, surfaces.normals, motion, VERTEX_FACE, ta, vertex,
-                vertex if judged else -1, verdict, time, side, gap, rounding, found, out,
-            )  # fmt: skip
+        verdict = unjudged(hit, time)
+        if meeting.judged:
+            verdict = judge_vertex(surfaces, vertex, ta, meeting, False, x0, x1, hit, time)
+        if verdict.outcome != NEITHER:
+            at = vertex if meeting.judged else UNIQUE
+            found = report(surfaces, meeting, VERTEX_FACE, ta, vertex, at, verdict, found, out)
             if found < 0:
                 return found
     return found
@@ -252,15 +312,8 @@ def face_on_vertices(
     ta: int,
     tb: int,
     box_b: Box,
-    a_in_b: Vector,
-    middle_b: Vector,
     # motion
-    motion: RelativeMotion,
-    radius: float,
-    far: float,
-    rounding: float,
-    method: int,
-    judged: bool,
+    meeting: Meeting,
     # list
     found: int,
     out: ContactList,
@@ -275,34 +328,24 @@ def face_on_vertices(
         a0, a1 = fixed_point(out.corners, 0), fixed_point(out.corners, 3)
         b0, b1 = fixed_point(out.corners, 1), fixed_point(out.corners, 4)
         c0, c1 = fixed_point(out.corners, 2), fixed_point(out.corners, 5)
-        if method == POSITION_DIFFERENCE:
+        if meeting.method == POSITION_DIFFERENCE:
             hit, time = difference_vertex_face(
                 x[0], x[1], x[2], x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], b0[0], b0[1],
                 b0[2], b1[0], b1[1], b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2], FACE_SWEEPS,
             )  # fmt: skip
         else:
-            a0, b0, c0 = grown(a0, b0, c0, min(GROWTH * rounding, far) if judged else 0.0)
-            a1, b1, c1 = grown(a1, b1, c1, min(GROWTH * rounding, far) if judged else 0.0)
-            hit, time = swept_face_vertex(
-                x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], b0[0], b0[1], b0[2], b1[0], b1[1],
-                b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2],
-            )  # fmt: skip
-        verdict, side, gap = HIT if hit else NEITHER, 1.0, 0.0
-        if judged:
-            verdict, time, side, gap = judge_vertex(
-                points, surfaces.vertex_first, surfaces.vertex_neighbours, vertex,
-                (triangles[tb].corners[0], triangles[tb].corners[1], triangles[tb].corners[2]),
-                fixed_point(points, triangles[tb].corners[0]), fixed_point(points, triangles[tb].corners[1]),
-                fixed_point(points, triangles[tb].corners[2]), fixed_point(surfaces.normals, tb), a_in_b,
-                middle_b, motion, True, in_axes_of_b(x, motion.start), in_axes_of_b(x, motion.end), hit, time,
-                radius, far, rounding,
-            )  # fmt: skip
-        if verdict != NEITHER:
+            a0, b0, c0 = grown(a0, b0, c0, growth(meeting))
+            a1, b1, c1 = grown(a1, b1, c1, growth(meeting))
+            hit, time = swept_face_vertex(x, a0, a1, b0, b1, c0, c1)
+        verdict = unjudged(hit, time)
+        if meeting.judged:
+            x0, x1 = to_axes_of_b(x, meeting.motion.start), to_axes_of_b(x, meeting.motion.end)
+            verdict = judge_vertex(surfaces, vertex, tb, meeting, True, x0, x1, hit, time)
+        if verdict.outcome != NEITHER:
+            at = vertex if meeting.judged else UNIQUE
             # the vertex is on a side of the face; the face is on the other of the vertex
-            found = report(
-                points, surfaces.edges, surfaces.normals, motion, FACE_VERTEX, vertex, tb,
-                vertex if judged else -1, verdict, time, -side, gap, rounding, found, out,
-            )  # fmt: skip
+            verdict = Verdict(verdict.outcome, verdict.time, -verdict.side, verdict.gap)
+            found = report(surfaces, meeting, FACE_VERTEX, vertex, tb, at, verdict, found, out)
             if found < 0:
                 return found
     return found
@@ -315,15 +358,8 @@ def edges_on_edges(
     ta: int,
     tb: int,
     box_b: Box,
-    middle_a: Vector,
-    b_in_a: Vector,
     # motion
-    motion: RelativeMotion,
-    radius: float,
-    far: float,
-    rounding: float,
-    method: int,
-    judged: bool,
+    meeting: Meeting,
     # list
     found: int,
     out: ContactList,
@@ -348,32 +384,24 @@ def edges_on_edges(
             end = 2 * j + 1 - start if j < 2 else 2 - start
             p0, p1 = fixed_point(out.corners, start), fixed_point(out.corners, 3 + start)
             q0, q1 = fixed_point(out.corners, end), fixed_point(out.corners, 3 + end)
-            if apart(box, box_around(box_of(p0, p1, far), box_of(q0, q1, far))):
+            if apart(box, box_around(box_of(p0, p1, meeting.far), box_of(q0, q1, meeting.far))):
                 continue
-            if method == POSITION_DIFFERENCE:
+            if meeting.method == POSITION_DIFFERENCE:
                 hit, time = difference_edges(
                     a0[0], a0[1], a0[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], a1[0], a1[1], a1[2], p0[0],
                     p0[1], p0[2], p1[0], p1[1], p1[2], q0[0], q0[1], q0[2], q1[0], q1[1], q1[2],
                     SECOND_EDGE_SWEEPS,
                 )  # fmt: skip
             else:
-                hit, time = swept_edges(
-                    a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], p0[0], p0[1], p0[2], p1[0], p1[1], p1[2], q0[0],
-                    q0[1], q0[2], q1[0], q1[1], q1[2],
-                )  # fmt: skip
-            verdict, side, gap, at = HIT if hit else NEITHER, 1.0, 0.0, -1
-            if judged:
-                verdict, time, side, gap, along_a, along_b = judge_edges(
-                    points, surfaces.vertex_first, surfaces.vertex_neighbours, edges, surfaces.edge_first,
-                    surfaces.edge_inward, surfaces.edge_opposite, edge_a, edge_b, middle_a, b_in_a, motion,
-                    a0, a1, p0, q0, p1, q1, hit, time, radius, far, rounding,
-                )  # fmt: skip
+                hit, time = swept_edges(a0, a1, p0, p1, q0, q1)
+            verdict, at = unjudged(hit, time), UNIQUE
+            if meeting.judged:
+                verdict, along_a, along_b = judge_edges(
+                    surfaces, edge_a, edge_b, meeting, p0, q0, p1, q1, hit, time
+                )
                 at = shared_end(edges, edge_a, edge_b, along_a, along_b)
-            if verdict != NEITHER:
-                found = report(
-                    points, edges, surfaces.normals, motion, EDGE_EDGE, edge_a, edge_b, at, verdict, time,
-                    side, gap, rounding, found, out,
-                )  # fmt: skip
+            if verdict.outcome != NEITHER:
+                found = report(surfaces, meeting, EDGE_EDGE, edge_a, edge_b, at, verdict, found, out)
                 if found < 0:
                     return found
     return found

@@ -11,17 +11,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, fixed_point, turned
-from heavylift.contours.triangles.feature_judge import HIT, dot, minus
+from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, fixed_point
+from heavylift.contours.triangles.feature_judge import HIT
 from heavylift.numerics.arrays import Arrays, Floats2, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records, records
-from heavylift.numerics.vectors import Vector, cross
+from heavylift.numerics.vectors import Vector, cross, dot, rotate, scaled, subtract
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.contours.triangles.feature_judge import Meeting, Verdict
     from heavylift.contours.triangles.surface_layout import Edge, RelativeMotion
+    from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 
 __all__ = ["UNIQUE", "ContactList", "FoundContact", "make_contact_list", "report", "shared_end"]
 
@@ -114,9 +116,7 @@ def meets(edges: Records[Edge], edge: int, other: int, vertex: int) -> bool:
 
 @kernel(internal=True)
 def normal_of(
-    points: NDArray[np.float64],
-    edges: Records[Edge],
-    normals: NDArray[np.float64],
+    surfaces: CollisionSurfaces,
     motion: RelativeMotion,
     kind: int,
     feature_a: int,
@@ -124,38 +124,26 @@ def normal_of(
     side: float,
 ) -> Vector:
     """Unit normal at the end, in axes that are the same for all contacts of a kind."""
-    if kind == EDGE_EDGE:
-        u = minus(
-            fixed_point(points, edges[feature_a].ends[1]), fixed_point(points, edges[feature_a].ends[0])
-        )
-        w = minus(
-            fixed_point(points, edges[feature_b].ends[1]), fixed_point(points, edges[feature_b].ends[0])
-        )
-        v = turned(w[0], w[1], w[2], motion.end)
-        n = cross(u, v)
-        side /= math.sqrt(dot(n, n))
-    else:
-        n = fixed_point(normals, feature_a if kind == VERTEX_FACE else feature_b)
-    return side * n[0], side * n[1], side * n[2]
+    if kind != EDGE_EDGE:
+        return scaled(side, fixed_point(surfaces.normals, feature_a if kind == VERTEX_FACE else feature_b))
+    points, edges = surfaces.points, surfaces.edges
+    u = subtract(fixed_point(points, edges[feature_a].ends[1]), fixed_point(points, edges[feature_a].ends[0]))
+    v = subtract(fixed_point(points, edges[feature_b].ends[1]), fixed_point(points, edges[feature_b].ends[0]))
+    n = cross(u, rotate(motion.end.rotation, v))
+    return scaled(side / math.sqrt(dot(n, n)), n)
 
 
 @kernel(internal=True)
 def report(
     # model
-    points: NDArray[np.float64],
-    edges: Records[Edge],
-    normals: NDArray[np.float64],
-    motion: RelativeMotion,
+    surfaces: CollisionSurfaces,
+    meeting: Meeting,
     # contact
     kind: int,
     feature_a: int,
     feature_b: int,
     vertex: int,
-    verdict: int,
-    time: float,
-    side: float,
-    gap: float,
-    rounding: float,
+    verdict: Verdict,
     # list
     found: int,
     out: ContactList,
@@ -164,16 +152,12 @@ def report(
 
     Parameters
     ----------
-    points, edges, normals
-        Of the packed surfaces.
-    motion
-        Relative motion, see `find_contacts`.
-    kind, feature_a, feature_b, verdict, time, side, gap
+    surfaces, meeting
+        All surfaces of a scene, and those that meet.
+    kind, feature_a, feature_b, verdict
         Of the contact.
     vertex
         Row of points where the contact is, or `UNIQUE`.
-    rounding
-        Gaps [m] that differ by less are the same.
     found, out
         Number of contacts so far, and the list.
 
@@ -188,29 +172,29 @@ def report(
         slots = table.shape[0]
         if found == 0:
             clear(table)
-        n = normal_of(points, edges, normals, motion, kind, feature_a, feature_b, side)
+        n = normal_of(surfaces, meeting.motion, kind, feature_a, feature_b, verdict.side)
         slot = ((vertex * 0x9E3779B1) >> 7) & (slots - 1)
         while True:
             if table[slot] < 0:
                 break
             other = contacts[table[slot]]
             other_a, other_b = other.first, other.second
-            same = kind == other.kind and abs(gap - other.gap) <= rounding
+            same = kind == other.kind and abs(verdict.gap - other.gap) <= meeting.rounding
             if same:
                 if kind == VERTEX_FACE:
                     same = feature_b == other_b
                 elif kind == FACE_VERTEX:
                     same = feature_a == other_a
                 else:
-                    same = meets(edges, feature_a, other_a, vertex) and meets(
-                        edges, feature_b, other_b, vertex
+                    same = meets(surfaces.edges, feature_a, other_a, vertex) and meets(
+                        surfaces.edges, feature_b, other_b, vertex
                     )
             if same:
-                m = normal_of(points, edges, normals, motion, kind, other_a, other_b, other.side)
+                m = normal_of(surfaces, meeting.motion, kind, other_a, other_b, other.side)
                 same = dot(n, m) >= 1.0 - SAME
             if same:
-                if verdict == HIT:
-                    other.time = min(time, other.time)
+                if verdict.outcome == HIT:
+                    other.time = min(verdict.time, other.time)
                     other.hit = 1
                 return found
             slot = (slot + 1) & (slots - 1)
@@ -222,9 +206,9 @@ def report(
         table[slot] = found
     new = contacts[found]
     new.kind, new.first, new.second = kind, feature_a, feature_b
-    new.hit = 1 if verdict == HIT else 0
-    new.time = time if verdict == HIT else 1.0
-    new.side, new.gap = side, gap
+    new.hit = 1 if verdict.outcome == HIT else 0
+    new.time = verdict.time if verdict.outcome == HIT else 1.0
+    new.side, new.gap = verdict.side, verdict.gap
     return found + 1
 
 

@@ -9,22 +9,24 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from heavylift.contours.triangles.feature_gap import EDGE_VERTEX, VERTEX_EDGE, VERTEX_VERTEX, fixed_point
-from heavylift.contours.triangles.feature_judge import HIT, NEAR, NEITHER, between, dot, minus, turn, turn_at
+from heavylift.contours.triangles.feature_gap import (
+    EDGE_VERTEX,
+    VERTEX_EDGE,
+    VERTEX_VERTEX,
+    fixed_point,
+    to_axes_of_b,
+)
+from heavylift.contours.triangles.feature_judge import HIT, NEAR, NEITHER, Verdict, no_contact, turn_at
 from heavylift.contours.triangles.feature_regions import SLACK, edge_is_nearest, vertex_is_nearest
 from heavylift.contours.triangles.feature_report import UNIQUE, report
 from heavylift.contours.triangles.surface_layout import OWNS_A, OWNS_AB
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import Vector, add_scaled, between, dot, scaled, subtract
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from heavylift.contours.triangles.feature_judge import Meeting
     from heavylift.contours.triangles.feature_report import ContactList
-    from heavylift.contours.triangles.surface_layout import Edge, RelativeMotion, RelativePose
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
-    from heavylift.numerics.records import Records
-    from heavylift.numerics.vectors import Vector
 
 __all__ = ["rounded_contacts"]
 
@@ -35,7 +37,7 @@ STRICTLY = -1e-6
 @kernel(internal=True)
 def first_touch(d0: Vector, d1: Vector, radius: float, far: float) -> tuple[int, float]:
     """Whether a separation [m] that moves linearly comes down to a radius, or ends within `far`, and when."""
-    u = minus(d1, d0)
+    u = subtract(d1, d0)
     excess = dot(d0, d0) - radius * radius
     rate = dot(d0, u)
     square = dot(u, u)
@@ -51,95 +53,73 @@ def first_touch(d0: Vector, d1: Vector, radius: float, far: float) -> tuple[int,
 @kernel(inline=True, internal=True)
 def off_line(p: Vector, a: Vector, b: Vector) -> tuple[Vector, float]:
     """Offset [m] of a point from the line through a and b, and the place of its foot: 0 at a, 1 at b."""
-    u = minus(b, a)
-    r = minus(p, a)
+    u = subtract(b, a)
+    r = subtract(p, a)
     s = dot(r, u) / dot(u, u)
-    return (r[0] - s * u[0], r[1] - s * u[1], r[2] - s * u[2]), s
+    return add_scaled(r, -s, u), s
 
 
 @kernel(inline=True, internal=True)
 def unit(d: Vector) -> tuple[Vector, float]:
     """Direction of a vector, and its length."""
     length = math.sqrt(dot(d, d))
-    factor = 1.0 / length if length > 0.0 else 0.0
-    return (factor * d[0], factor * d[1], factor * d[2]), length
+    return scaled(1.0 / length if length > 0.0 else 0.0, d), length
 
 
 @kernel(internal=True)
 def judge_vertex_edge(
     # model
-    points: NDArray[np.float64],
-    edges: Records[Edge],
-    vertex_first: NDArray[np.int64],
-    vertex_neighbours: NDArray[np.int64],
-    edge_first: NDArray[np.int64],
-    edge_inward: NDArray[np.float64],
+    surfaces: CollisionSurfaces,
     vertex: int,
     edge: int,
     # motion
-    motion: RelativeMotion,
+    meeting: Meeting,
     edge_moves: bool,
     x0: Vector,
     x1: Vector,
-    # limits
-    radius: float,
-    far: float,
-) -> tuple[int, float, float]:
-    """Verdict on a vertex (at both ends of the interval in the axes of the edge) and an edge; time; gap [m]."""
-    a, b = fixed_point(points, edges[edge].ends[0]), fixed_point(points, edges[edge].ends[1])
+) -> Verdict:
+    """Verdict on a vertex (at both ends of the interval in the axes of the edge) and an edge."""
+    points, ends, radius = surfaces.points, surfaces.edges[edge].ends, meeting.radius
+    a, b = fixed_point(points, ends[0]), fixed_point(points, ends[1])
     d0, s0 = off_line(x0, a, b)
     d1, s1 = off_line(x1, a, b)
-    verdict, t = first_touch(d0, d1, radius, far)
-    if verdict == NEITHER:
-        return NEITHER, 1.0, 0.0
+    outcome, t = first_touch(d0, d1, radius, meeting.far)
+    if outcome == NEITHER:
+        return no_contact()
     s = s0 + t * (s1 - s0)
     d, length = unit(between(d0, d1, t))
-    if length == 0.0 or s <= 0.0 or s >= 1.0:
-        return NEITHER, 1.0, 0.0
-    if not edge_is_nearest(edge_first, edge_inward, edge, d, STRICTLY):
-        return NEITHER, 1.0, 0.0
-    d = turn_at((-d[0], -d[1], -d[2]), motion, t, not edge_moves)
-    if not vertex_is_nearest(points, vertex_first, vertex_neighbours, vertex, d, SLACK):
-        return NEITHER, 1.0, 0.0
-    return verdict, t, math.sqrt(dot(d1, d1)) - radius
+    if length == 0.0 or s <= 0.0 or s >= 1.0 or not edge_is_nearest(surfaces, edge, d, STRICTLY):
+        return no_contact()
+    d = turn_at(scaled(-1.0, d), meeting.motion, t, not edge_moves)
+    if not vertex_is_nearest(surfaces, vertex, d, SLACK):
+        return no_contact()
+    return Verdict(outcome, t, 1.0, math.sqrt(dot(d1, d1)) - radius)
 
 
 @kernel(internal=True)
 def judge_vertices(
     # model
-    points: NDArray[np.float64],
-    vertex_first: NDArray[np.int64],
-    vertex_neighbours: NDArray[np.int64],
+    surfaces: CollisionSurfaces,
     vertex_a: int,
     vertex_b: int,
     # motion
-    motion: RelativeMotion,
+    meeting: Meeting,
     x0: Vector,
     x1: Vector,
-    # limits
-    radius: float,
-    far: float,
-) -> tuple[int, float, float]:
-    """Verdict on a vertex of A and one of B (at both ends of the interval in the axes of A); time; gap [m]."""
-    a = fixed_point(points, vertex_a)
-    d0, d1 = minus(x0, a), minus(x1, a)
-    verdict, t = first_touch(d0, d1, radius, far)
-    if verdict == NEITHER:
-        return NEITHER, 1.0, 0.0
+) -> Verdict:
+    """Verdict on a vertex of A and one of B (at both ends of the interval in the axes of A)."""
+    a, radius = fixed_point(surfaces.points, vertex_a), meeting.radius
+    d0, d1 = subtract(x0, a), subtract(x1, a)
+    outcome, t = first_touch(d0, d1, radius, meeting.far)
+    if outcome == NEITHER:
+        return no_contact()
     d, length = unit(between(d0, d1, t))
-    if length == 0.0 or not vertex_is_nearest(points, vertex_first, vertex_neighbours, vertex_a, d, STRICTLY):
-        return NEITHER, 1.0, 0.0
-    d = turn_at((-d[0], -d[1], -d[2]), motion, t, True)
-    if not vertex_is_nearest(points, vertex_first, vertex_neighbours, vertex_b, d, STRICTLY):
-        return NEITHER, 1.0, 0.0
-    return verdict, t, math.sqrt(dot(d1, d1)) - radius
-
-
-@kernel(inline=True, internal=True)
-def in_axes_of_b(p: Vector, pose: RelativePose) -> Vector:
-    """Point of A [m] in the axes of B."""
-    shift = pose.origin
-    return turn((p[0] - shift[0], p[1] - shift[1], p[2] - shift[2]), pose, True)
+    if length == 0.0 or not vertex_is_nearest(surfaces, vertex_a, d, STRICTLY):
+        return no_contact()
+    d = turn_at(scaled(-1.0, d), meeting.motion, t, True)
+    if not vertex_is_nearest(surfaces, vertex_b, d, STRICTLY):
+        return no_contact()
+    return Verdict(outcome, t, 1.0, math.sqrt(dot(d1, d1)) - radius)
 
 
 @kernel(inline=True, internal=True)
@@ -149,16 +129,13 @@ def rounded_contacts(
     ta: int,
     tb: int,
     # motion
-    motion: RelativeMotion,
-    radius: float,
-    far: float,
-    rounding: float,
+    meeting: Meeting,
     # list
     found: int,
     out: ContactList,
 ) -> int:
     """Report the contacts of all vertices and edges that two triangles own; see `contacts_of_pairs`."""
-    points, triangles, edges = surfaces.points, surfaces.triangles, surfaces.edges
+    points, triangles, motion = surfaces.points, surfaces.triangles, meeting.motion
     for i in range(3):
         for j in range(3):
             row_a, row_b = triangles[ta].corners[i], triangles[tb].corners[j]
@@ -170,31 +147,19 @@ def rounded_contacts(
             x0 = fixed_point(out.corners, j)
             x1 = fixed_point(out.corners, 3 + j)
             for kind in range(VERTEX_EDGE, VERTEX_VERTEX + 1):
-                verdict, time, gap = NEITHER, 1.0, 0.0
+                verdict = no_contact()
                 feature_a, feature_b = row_a, row_b
                 if kind == VERTEX_EDGE and own_b and own_edge_a:
                     feature_a = edge_a
-                    verdict, time, gap = judge_vertex_edge(
-                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
-                        surfaces.edge_inward, row_b, edge_a, motion, False, x0, x1, radius, far,
-                    )  # fmt: skip
+                    verdict = judge_vertex_edge(surfaces, row_b, edge_a, meeting, False, x0, x1)
                 elif kind == EDGE_VERTEX and own_a and own_edge_b:
                     feature_b = edge_b
-                    y0, y1 = in_axes_of_b(a, motion.start), in_axes_of_b(a, motion.end)
-                    verdict, time, gap = judge_vertex_edge(
-                        points, edges, surfaces.vertex_first, surfaces.vertex_neighbours, surfaces.edge_first,
-                        surfaces.edge_inward, row_a, edge_b, motion, True, y0, y1, radius, far,
-                    )  # fmt: skip
+                    y0, y1 = to_axes_of_b(a, motion.start), to_axes_of_b(a, motion.end)
+                    verdict = judge_vertex_edge(surfaces, row_a, edge_b, meeting, True, y0, y1)
                 elif kind == VERTEX_VERTEX and own_a and own_b:
-                    verdict, time, gap = judge_vertices(
-                        points, surfaces.vertex_first, surfaces.vertex_neighbours, row_a, row_b, motion, x0,
-                        x1, radius, far,
-                    )  # fmt: skip
-                if verdict != NEITHER:
-                    found = report(
-                        points, edges, surfaces.normals, motion, kind, feature_a, feature_b, UNIQUE, verdict,
-                        time, 1.0, gap, rounding, found, out,
-                    )  # fmt: skip
+                    verdict = judge_vertices(surfaces, row_a, row_b, meeting, x0, x1)
+                if verdict.outcome != NEITHER:
+                    found = report(surfaces, meeting, kind, feature_a, feature_b, UNIQUE, verdict, found, out)
                     if found < 0:
                         return found
     return found

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_point
-from heavylift.contours.triangles.feature_judge import between, dot, inside_face, minus, turn
+from heavylift.contours.triangles.feature_judge import inside_face
 from heavylift.contours.triangles.surface_layout import IS_FACE, pose_of
 from heavylift.contours.triangles.surface_tree import tree_depth
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.vectors import Vector, cross
+from heavylift.numerics.vectors import Vector, between, cross, dot, rotate, subtract
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -96,7 +96,7 @@ def _far_apart(
 @kernel(inline=True, internal=True)
 def _through(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> tuple[bool, Vector]:
     """Whether the edge from p to q goes through a face, and where."""
-    sp, sq = dot(n, minus(p, a)), dot(n, minus(q, a))
+    sp, sq = dot(n, subtract(p, a)), dot(n, subtract(q, a))
     if sp * sq >= 0.0:
         return False, p
     place = between(p, q, sp / (sp - sq))
@@ -119,9 +119,9 @@ def _shared(a: Vector, b: Vector, c: Vector, n: Vector, p: Vector, q: Vector, r:
     """Shortest way [m] by which one triangle comes clear of another: along a normal, or across two edges."""
     least = min(_shared_along(n, a, b, c, p, q, r), _shared_along(m, a, b, c, p, q, r))
     for i in range(3):
-        e = minus(b, a) if i == 0 else (minus(c, b) if i == 1 else minus(a, c))
+        e = subtract(b, a) if i == 0 else (subtract(c, b) if i == 1 else subtract(a, c))
         for j in range(3):
-            f = minus(q, p) if j == 0 else (minus(r, q) if j == 1 else minus(p, r))
+            f = subtract(q, p) if j == 0 else (subtract(r, q) if j == 1 else subtract(p, r))
             axis = cross(e, f)
             if dot(axis, axis) > ALONG * ALONG * dot(e, e) * dot(f, f):
                 least = min(least, _shared_along(axis, a, b, c, p, q, r))
@@ -136,14 +136,14 @@ def _rounded_distance(
     best, place = math.inf, a
     for i in range(3):
         x = p if i == 0 else (q if i == 1 else r)
-        d, u, v = point_triangle(x[0], x[1], x[2], a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2])
+        d, u, v = point_triangle(x, a, b, c)
         if d < best:
             best = d
             foot = between(a, b, u)
             foot = (foot[0] + v * (c[0] - a[0]), foot[1] + v * (c[1] - a[1]), foot[2] + v * (c[2] - a[2]))
             place = between(x, foot, 0.5)
         x = a if i == 0 else (b if i == 1 else c)
-        d, u, v = point_triangle(x[0], x[1], x[2], p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2])
+        d, u, v = point_triangle(x, p, q, r)
         if d < best:
             best = d
             foot = between(p, q, u)
@@ -152,9 +152,7 @@ def _rounded_distance(
         e0, e1 = (a, b) if i == 0 else ((b, c) if i == 1 else (c, a))
         for j in range(3):
             f0, f1 = (p, q) if j == 0 else ((q, r) if j == 1 else (r, p))
-            d, s, t = segment_segment(
-                e0[0], e0[1], e0[2], e1[0], e1[1], e1[2], f0[0], f0[1], f0[2], f1[0], f1[1], f1[2]
-            )
+            d, s, t = segment_segment(e0, e1, f0, f1)
             if d < best:
                 best = d
                 place = between(between(e0, e1, s), between(f0, f1, t), 0.5)
@@ -231,7 +229,7 @@ def _compare(
     q = moved_point(points, rows[tb].corners[1], pose)
     r = moved_point(points, rows[tb].corners[2], pose)
     n = fixed_point(normals, ta)
-    m = turn(fixed_point(normals, tb), pose, False)
+    m = rotate(pose.rotation, fixed_point(normals, tb))
     through, place = False, a
     if rows[tb].flags & IS_FACE and rows[ta].flags & IS_FACE:
         for k in range(3):

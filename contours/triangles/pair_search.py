@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from heavylift.contours.triangles.box_sweep import Box
     from heavylift.contours.triangles.pair_list import ListMemory, PairLists
-    from heavylift.contours.triangles.surface_layout import BoundingBox, RelativeMotion, TreeNode, Triangle
+    from heavylift.contours.triangles.surface_layout import BoundingBox, RelativeMotion
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.numerics.records import Records
 
@@ -136,26 +136,7 @@ def refresh_pairs(
         _extend(motion.start.rotation, motion.end.rotation, longer, path.end.rotation)
         _extend(motion.start.origin, motion.end.origin, longer, path.end.origin)
         lists.searches[0] += 1
-        count = _search(
-            surfaces.points,
-            surfaces.triangles,
-            surfaces.nodes,
-            boxes,
-            surfaces.triangle_boxes,
-            root_a,
-            root_b,
-            surfaces.surfaces[b].first_triangle,
-            path,
-            inner + slack,
-            lists.searches[0],
-            lists.pairs,
-            listed.first,
-            listed.capacity,
-            lists.stack,
-            lists.stack_boxes,
-            lists.swept_boxes,
-            lists.swept_marks,
-        )
+        count = _search(surfaces, lists, pair, inner + slack)
         if count >= 0 or share == 0.0:
             break
         share = 0.5 * share if share > LEAST_SHARE else 0.0
@@ -168,29 +149,15 @@ def refresh_pairs(
 
 
 @kernel(internal=True)
-def _search(
-    points: NDArray[np.float64],
-    triangles: Records[Triangle],
-    nodes: Records[TreeNode],
-    boxes: Records[BoundingBox],
-    triangle_boxes: Records[BoundingBox],
-    root_a: int,
-    root_b: int,
-    first_b: int,
-    path: RelativeMotion,
-    distance: float,
-    mark: int,
-    # out
-    pairs: NDArray[np.int64],
-    place: int,
-    capacity: int,
-    # scratch
-    stack: NDArray[np.int64],
-    stack_boxes: Records[BoundingBox],
-    swept_boxes: Records[BoundingBox],
-    swept_marks: NDArray[np.int64],
-) -> int:
+def _search(surfaces: CollisionSurfaces, lists: PairLists, pair: int, distance: float) -> int:
     """List the triangles whose boxes, those of B swept, come within a distance; -1 if there are too many."""
+    nodes, boxes, triangle_boxes = surfaces.nodes, surfaces.boxes, surfaces.triangle_boxes
+    stack, stack_boxes, pairs, path = lists.stack, lists.stack_boxes, lists.pairs, lists.path
+    swept_boxes, swept_marks, mark = lists.swept_boxes, lists.swept_marks, lists.searches[0]
+    place, capacity = lists.table[pair].first, lists.table[pair].capacity
+    root_a = surfaces.surfaces[lists.table[pair].surface_a].root
+    root_b = surfaces.surfaces[lists.table[pair].surface_b].root
+    first_b = surfaces.surfaces[lists.table[pair].surface_b].first_triangle
     count = 0
     root = swept_box(path, box_at(boxes, root_b))
     top = 0
@@ -220,7 +187,9 @@ def _search(
                 local = j - first_b
                 if swept_marks[local] != mark:
                     swept_marks[local] = mark
-                    write_box(swept_boxes, local, swept_triangle(path, points, triangles, j))
+                    write_box(
+                        swept_boxes, local, swept_triangle(path, surfaces.points, surfaces.triangles, j)
+                    )
                 box = box_at(swept_boxes, local)
                 if near(box, box_a, distance):
                     for i in range(first, end):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from heavylift.contours.triangles.seams import find_seams
 from heavylift.contours.triangles.surface_layout import (
     IS_FACE,
     OWNS_A,
@@ -115,13 +116,17 @@ class _Part(NamedTuple):
     reach: float
 
 
-def pack_surfaces(surfaces: Sequence[TriangleSurface]) -> CollisionSurfaces:
+def pack_surfaces(
+    surfaces: Sequence[TriangleSurface], bodies: Sequence[object] | None = None
+) -> CollisionSurfaces:
     """Arrays of all surfaces of a scene, with their trees, edges and neighbours.
 
     Parameters
     ----------
     surfaces
         In the axes of their bodies; there may be none.
+    bodies
+        What tells the body of each: surfaces of one body meet in seams. If absent each has its own.
 
     Notes
     -----
@@ -155,18 +160,36 @@ def pack_surfaces(surfaces: Sequence[TriangleSurface]) -> CollisionSurfaces:
         node += len(part.nodes)
 
     points = _stack([part.points for part in parts], 3)
-    edge_first = _firsts([part.opposite_counts for part in parts])
-    edge_opposite = _stack(opposite, 0, np.int64)
-    owner = np.repeat(np.arange(len(edges)), np.diff(edge_first))
+    normals = _stack([part.normals for part in parts], 3)
+    joined = np.concatenate([part.opposite_counts for part in parts] or [np.zeros(0, dtype=np.int64)])
+    owner = np.repeat(np.arange(len(edges)), joined)
+    is_face: NDArray[np.bool_] = (triangles["flags"] & IS_FACE) != 0
+    of_faces = np.where(is_face[:, np.newaxis], triangles["edges"], -1)
+    lone = of_faces >= 0
+    lone[lone] = joined[of_faces[lone]] == 1
+    edge_rows, vertex_rows = [(owner, _stack(opposite, 0, np.int64))], []
+    counts = _stack([part.neighbour_counts for part in parts], 0, np.int64)
+    vertex_rows.append((np.repeat(np.arange(len(points)), counts), _stack(neighbours, 0, np.int64)))
+    # what is rounded by another radius is not level with it
+    level = [(s if bodies is None else bodies[s], surface.radius) for s, surface in enumerate(surfaces)]
+    group = np.array([level.index(one) for one in level], dtype=np.int64)
+    for one in np.unique(group):
+        of_body = is_face & (group[triangles["surface"]] == one)
+        borders = np.unique(of_faces[of_body][lone[of_body]])
+        seams = find_seams(points, triangles["corners"][of_body], normals[of_body], edges["ends"], borders)
+        edge_rows.append((seams.edges, seams.edge_opposite))
+        vertex_rows.append((seams.vertices, seams.vertex_neighbours))
+    edge_first, owner, edge_opposite = _in_rows(edge_rows, len(edges))
+    vertex_first, _, vertex_neighbours = _in_rows(vertex_rows, len(points))
     return CollisionSurfaces(
         points=points,
         triangles=triangles,
-        normals=_stack([part.normals for part in parts], 3),
+        normals=normals,
         edges=edges,
         edge_first=edge_first,
         edge_inward=_inward(points, edges[owner], edge_opposite),
-        vertex_first=_firsts([part.neighbour_counts for part in parts]),
-        vertex_neighbours=_stack(neighbours, 0, np.int64),
+        vertex_first=vertex_first,
+        vertex_neighbours=vertex_neighbours,
         nodes=nodes,
         boxes=_joined(BoundingBox, [part.boxes for part in parts]),
         surfaces=table,
@@ -284,10 +307,14 @@ def _inward(
     return inward
 
 
-def _firsts(counts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
-    """Where each of some groups begins, and where the last ends."""
-    every = np.concatenate([*counts, np.zeros(0, dtype=np.int64)])
-    return np.concatenate([[0], np.cumsum(every)]).astype(np.int64)
+def _in_rows(
+    parts: list[tuple[NDArray[np.int64], NDArray[np.int64]]], count: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Where the rows of each owner begin and the last end, and owners and values in the order of the owners."""
+    owners, values = (np.concatenate([part[k] for part in parts]) for k in range(2))
+    order = np.argsort(owners, kind="stable")
+    first = np.concatenate([[0], np.cumsum(np.bincount(owners, minlength=count))])
+    return first.astype(np.int64), owners[order], np.ascontiguousarray(values[order])
 
 
 def _joined(record: type[R], parts: list[Records[R]]) -> Records[R]:

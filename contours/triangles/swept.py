@@ -33,6 +33,7 @@ import math
 
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import Vector, add, add_scaled, cross, dot, scaled, subtract
 
 __all__ = ["NEAR", "swept_edges", "swept_face_vertex", "swept_vertex_face"]
 
@@ -209,6 +210,16 @@ PARALLEL = 1e-14
 """Squared sine of the angle between edges below which their vector product is no good direction."""
 
 
+ORIGIN = (0.0, 0.0, 0.0)
+"""Where the feature that stands still, or its first end, is put."""
+
+
+@kernel(inline=True, internal=True)
+def divided(a: Vector, f: float) -> Vector:
+    """``a / f``."""
+    return a[0] / f, a[1] / f, a[2] / f
+
+
 @kernel(inline=True, internal=True)
 def time_to_plane(distance: float, rate: float, step: float) -> float:
     """The smaller of a step and the time in which a distance is used up by a rate of change."""
@@ -217,23 +228,7 @@ def time_to_plane(distance: float, rate: float, step: float) -> float:
 
 @kernel(internal=True)
 def time_to_turning_plane(
-    clearance: float,
-    rest: float,
-    n1: float,
-    n2: float,
-    n3: float,
-    e1: float,
-    e2: float,
-    e3: float,
-    w1: float,
-    w2: float,
-    w3: float,
-    y1: float,
-    y2: float,
-    y3: float,
-    v1: float,
-    v2: float,
-    v3: float,
+    clearance: float, rest: float, n: Vector, e: Vector, w: Vector, y: Vector, v: Vector
 ) -> float:
     """Time for which a point stays in front of a plane that turns with an edge.
 
@@ -243,11 +238,11 @@ def time_to_turning_plane(
         Least distance from the plane [m].
     rest
         Time that matters.
-    n1, n2, n3
+    n
         Unit normal now, perpendicular to the edge.
-    e1, e2, e3, w1, w2, w3
+    e, w
         Direction of the edge and its rate of change.
-    y1, y2, y3, v1, v2, v3
+    y, v
         Point from the other feature, and its rate.
 
     Notes
@@ -255,17 +250,12 @@ def time_to_turning_plane(
     With ``m = n x e / e^2`` the normal is ``(e + t w) x m``: now n, and perpendicular to the edge at all times. The
     distance, times the length of this normal, is quadratic in time.
     """
-    e_e = e1 * e1 + e2 * e2 + e3 * e3
-    m1 = (n2 * e3 - n3 * e2) / e_e
-    m2 = (n3 * e1 - n1 * e3) / e_e
-    m3 = (n1 * e2 - n2 * e1) / e_e
-    r1 = w2 * m3 - w3 * m2
-    r2 = w3 * m1 - w1 * m3
-    r3 = w1 * m2 - w2 * m1
-    longest = 1.0 + rest * math.sqrt(r1 * r1 + r2 * r2 + r3 * r3)
-    c = n1 * y1 + n2 * y2 + n3 * y3 - clearance * longest
-    b = r1 * y1 + r2 * y2 + r3 * y3 + n1 * v1 + n2 * v2 + n3 * v3
-    a = r1 * v1 + r2 * v2 + r3 * v3
+    m = divided(cross(n, e), dot(e, e))
+    r = cross(w, m)
+    longest = 1.0 + rest * math.sqrt(dot(r, r))
+    c = dot(n, y) - clearance * longest
+    b = dot(r, y) + n[0] * v[0] + n[1] * v[1] + n[2] * v[2]
+    a = dot(r, v)
     if not c > 0.0:
         return 0.0
     square = b * b - 4.0 * a * c
@@ -280,24 +270,12 @@ def advance_vertex_face(
     start: float,
     tolerance: float,
     steps: int,
-    ax: float,
-    ay: float,
-    az: float,
-    bx: float,
-    by: float,
-    bz: float,
-    cx: float,
-    cy: float,
-    cz: float,
-    avx: float,
-    avy: float,
-    avz: float,
-    bvx: float,
-    bvy: float,
-    bvz: float,
-    cvx: float,
-    cvy: float,
-    cvz: float,
+    a0: Vector,
+    b0: Vector,
+    c0: Vector,
+    av: Vector,
+    bv: Vector,
+    cv: Vector,
 ) -> tuple[int, float]:
     """Whether and when a triangle with moving corners comes to the origin.
 
@@ -309,9 +287,9 @@ def advance_vertex_face(
         A distance up to this counts as contact [m]; above the rounding errors of the positions.
     steps
         How many to take at most.
-    ax, ay, az, bx, by, bz, cx, cy, cz
+    a0, b0, c0
         Corners at time 0, from the vertex [m].
-    avx, avy, avz, bvx, bvy, bvz, cvx, cvy, cvz
+    av, bv, cv
         Their displacements up to time 1, relative to that of the vertex [m].
 
     Returns
@@ -322,103 +300,54 @@ def advance_vertex_face(
         Of the outcome; there is no contact between the start and it.
     """
     half = 0.5 * tolerance
-    fastest2 = max(
-        avx * avx + avy * avy + avz * avz,
-        bvx * bvx + bvy * bvy + bvz * bvz,
-        cvx * cvx + cvy * cvy + cvz * cvz,
-    )
+    fastest2 = max(dot(av, av), dot(bv, bv), dot(cv, cv))
     slowness = CAUTION / math.sqrt(fastest2) if fastest2 > 0.0 else math.inf
     t = start
     for _ in range(steps):
-        a1 = ax + t * avx
-        a2 = ay + t * avy
-        a3 = az + t * avz
-        b1 = bx + t * bvx
-        b2 = by + t * bvy
-        b3 = bz + t * bvz
-        c1 = cx + t * cvx
-        c2 = cy + t * cvy
-        c3 = cz + t * cvz
-        distance, u, v = point_triangle(0.0, 0.0, 0.0, a1, a2, a3, b1, b2, b3, c1, c2, c3)
+        a, b, c = add_scaled(a0, t, av), add_scaled(b0, t, bv), add_scaled(c0, t, cv)
+        distance, u, v = point_triangle(ORIGIN, a, b, c)
         if distance <= tolerance:
             return TOUCHING, t
         w = 1.0 - u - v
         if w < 1e-15:
             w = 0.0
         # from the vertex to the closest point, made exactly normal to the face or edge that this lies on
-        n1 = w * a1 + u * b1 + v * c1
-        n2 = w * a2 + u * b2 + v * c2
-        n3 = w * a3 + u * b3 + v * c3
-        e1 = b1 - a1
-        e2 = b2 - a2
-        e3 = b3 - a3
-        f1 = c1 - a1
-        f2 = c2 - a2
-        f3 = c3 - a3
+        n = add_scaled(add_scaled(scaled(w, a), u, b), v, c)
+        e, f = subtract(b, a), subtract(c, a)
         on_edge = False
-        g1 = e1
-        g2 = e2
-        g3 = e3
+        g = e
         if u > 0.0 and v > 0.0 and w > 0.0:
-            m1 = e2 * f3 - e3 * f2
-            m2 = e3 * f1 - e1 * f3
-            m3 = e1 * f2 - e2 * f1
-            side = 1.0 if m1 * n1 + m2 * n2 + m3 * n3 > 0.0 else -1.0
-            n1 = side * m1
-            n2 = side * m2
-            n3 = side * m3
+            m = cross(e, f)
+            n = scaled(1.0 if dot(m, n) > 0.0 else -1.0, m)
         else:
             if u == 0.0:
-                g1 = f1
-                g2 = f2
-                g3 = f3
+                g = f
             elif v > 0.0:
-                g1 = f1 - e1
-                g2 = f2 - e2
-                g3 = f3 - e3
-            g_g = g1 * g1 + g2 * g2 + g3 * g3
+                g = subtract(f, e)
+            g_g = dot(g, g)
             on_edge = g_g > 0.0 and not (u == 1.0 or v == 1.0 or w == 1.0)
             if on_edge:
-                along = (n1 * g1 + n2 * g2 + n3 * g3) / g_g
-                n1 -= along * g1
-                n2 -= along * g2
-                n3 -= along * g3
-        length = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+                n = add_scaled(n, -(dot(n, g) / g_g), g)
+        length = math.sqrt(dot(n, n))
         step = 0.0
         if length > 0.0:
-            n1 /= length
-            n2 /= length
-            n3 /= length
-            a_n = n1 * a1 + n2 * a2 + n3 * a3 - half
-            b_n = n1 * b1 + n2 * b2 + n3 * b3 - half
-            c_n = n1 * c1 + n2 * c2 + n3 * c3 - half
+            n = divided(n, length)
+            a_n, b_n, c_n = dot(n, a) - half, dot(n, b) - half, dot(n, c) - half
             if min(a_n, b_n, c_n) >= 0.0:
-                step = time_to_plane(a_n, n1 * avx + n2 * avy + n3 * avz, math.inf)
-                step = time_to_plane(b_n, n1 * bvx + n2 * bvy + n3 * bvz, step)
-                step = time_to_plane(c_n, n1 * cvx + n2 * cvy + n3 * cvz, step)
+                step = time_to_plane(a_n, dot(n, av), math.inf)
+                step = time_to_plane(b_n, dot(n, bv), step)
+                step = time_to_plane(c_n, dot(n, cv), step)
                 if on_edge and t + step < 1.0:
                     rest = 1.0 - t
-                    h1 = bvx - avx
-                    h2 = bvy - avy
-                    h3 = bvz - avz
+                    h = subtract(bv, av)
                     if u == 0.0:
-                        h1 = cvx - avx
-                        h2 = cvy - avy
-                        h3 = cvz - avz
+                        h = subtract(cv, av)
                     elif v > 0.0:
-                        h1 = cvx - bvx
-                        h2 = cvy - bvy
-                        h3 = cvz - bvz
+                        h = subtract(cv, bv)
                     turn = min(
-                        time_to_turning_plane(
-                            half, rest, n1, n2, n3, g1, g2, g3, h1, h2, h3, a1, a2, a3, avx, avy, avz
-                        ),
-                        time_to_turning_plane(
-                            half, rest, n1, n2, n3, g1, g2, g3, h1, h2, h3, b1, b2, b3, bvx, bvy, bvz
-                        ),
-                        time_to_turning_plane(
-                            half, rest, n1, n2, n3, g1, g2, g3, h1, h2, h3, c1, c2, c3, cvx, cvy, cvz
-                        ),
+                        time_to_turning_plane(half, rest, n, g, h, a, av),
+                        time_to_turning_plane(half, rest, n, g, h, b, bv),
+                        time_to_turning_plane(half, rest, n, g, h, c, cv),
                     )
                     step = max(step, turn)
         t += max(step, (distance - half) * slowness)
@@ -429,24 +358,7 @@ def advance_vertex_face(
 
 @kernel(internal=True)
 def advance_edges(
-    start: float,
-    tolerance: float,
-    steps: int,
-    dx: float,
-    dy: float,
-    dz: float,
-    px: float,
-    py: float,
-    pz: float,
-    qx: float,
-    qy: float,
-    qz: float,
-    pvx: float,
-    pvy: float,
-    pvz: float,
-    qvx: float,
-    qvy: float,
-    qvz: float,
+    start: float, tolerance: float, steps: int, d: Vector, p0: Vector, q0: Vector, pv: Vector, qv: Vector
 ) -> tuple[int, float]:
     """Whether and when an edge with moving ends comes to one that begins at the origin.
 
@@ -458,11 +370,11 @@ def advance_edges(
         A distance up to this counts as contact [m]; above the rounding errors of the positions.
     steps
         How many to take at most.
-    dx, dy, dz
+    d
         End of the fixed edge [m]; the other end is the origin.
-    px, py, pz, qx, qy, qz
+    p0, q0
         Ends of the moving edge at time 0 [m].
-    pvx, pvy, pvz, qvx, qvy, qvz
+    pv, qv
         Their displacements up to time 1 [m].
 
     Returns
@@ -473,79 +385,46 @@ def advance_edges(
         Of the outcome; there is no contact between the start and it.
     """
     half = 0.5 * tolerance
-    fastest2 = max(pvx * pvx + pvy * pvy + pvz * pvz, qvx * qvx + qvy * qvy + qvz * qvz)
+    fastest2 = max(dot(pv, pv), dot(qv, qv))
     slowness = CAUTION / math.sqrt(fastest2) if fastest2 > 0.0 else math.inf
-    d_d = dx * dx + dy * dy + dz * dz
+    d_d = dot(d, d)
     t = start
     for _ in range(steps):
-        p1 = px + t * pvx
-        p2 = py + t * pvy
-        p3 = pz + t * pvz
-        q1 = qx + t * qvx
-        q2 = qy + t * qvy
-        q3 = qz + t * qvz
-        distance, s, r = segment_segment(0.0, 0.0, 0.0, dx, dy, dz, p1, p2, p3, q1, q2, q3)
+        p, q = add_scaled(p0, t, pv), add_scaled(q0, t, qv)
+        distance, s, r = segment_segment(ORIGIN, d, p, q)
         if distance <= tolerance:
             return TOUCHING, t
-        e1 = q1 - p1
-        e2 = q2 - p2
-        e3 = q3 - p3
-        n1 = p1 + r * e1 - s * dx
-        n2 = p2 + r * e2 - s * dy
-        n3 = p3 + r * e3 - s * dz
+        e = subtract(q, p)
+        n = add_scaled(add_scaled(p, r, e), -s, d)
         # made exactly normal to the edges in whose interior the closest points lie
-        e_e = e1 * e1 + e2 * e2 + e3 * e3
+        e_e = dot(e, e)
         inner_d = 0.0 < s < 1.0
         inner_e = 0.0 < r < 1.0
-        m1 = dy * e3 - dz * e2
-        m2 = dz * e1 - dx * e3
-        m3 = dx * e2 - dy * e1
-        if inner_d and inner_e and m1 * m1 + m2 * m2 + m3 * m3 > PARALLEL * d_d * e_e:
-            side = 1.0 if m1 * n1 + m2 * n2 + m3 * n3 > 0.0 else -1.0
-            n1 = side * m1
-            n2 = side * m2
-            n3 = side * m3
+        m = cross(d, e)
+        if inner_d and inner_e and dot(m, m) > PARALLEL * d_d * e_e:
+            n = scaled(1.0 if dot(m, n) > 0.0 else -1.0, m)
         elif inner_d and (not inner_e or d_d >= e_e):
-            along = (n1 * dx + n2 * dy + n3 * dz) / d_d
-            n1 -= along * dx
-            n2 -= along * dy
-            n3 -= along * dz
+            n = add_scaled(n, -(dot(n, d) / d_d), d)
         elif inner_e:
-            along = (n1 * e1 + n2 * e2 + n3 * e3) / e_e
-            n1 -= along * e1
-            n2 -= along * e2
-            n3 -= along * e3
-        length = math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
+            n = add_scaled(n, -(dot(n, e) / e_e), e)
+        length = math.sqrt(dot(n, n))
         step = 0.0
         if length > 0.0:
-            n1 /= length
-            n2 /= length
-            n3 /= length
-            reach = half + max(0.0, n1 * dx + n2 * dy + n3 * dz)
-            p_n = n1 * p1 + n2 * p2 + n3 * p3 - reach
-            q_n = n1 * q1 + n2 * q2 + n3 * q3 - reach
+            n = divided(n, length)
+            reach = half + max(0.0, dot(n, d))
+            p_n, q_n = dot(n, p) - reach, dot(n, q) - reach
             if min(p_n, q_n) >= 0.0:
-                step = time_to_plane(p_n, n1 * pvx + n2 * pvy + n3 * pvz, math.inf)
-                step = time_to_plane(q_n, n1 * qvx + n2 * qvy + n3 * qvz, step)
+                step = time_to_plane(p_n, dot(n, pv), math.inf)
+                step = time_to_plane(q_n, dot(n, qv), step)
                 if inner_e and t + step < 1.0:
-                    w1 = qvx - pvx
-                    w2 = qvy - pvy
-                    w3 = qvz - pvz
+                    w = subtract(qv, pv)
                     rest = 1.0 - t
                     turn = min(
-                        time_to_turning_plane(
-                            half, rest, n1, n2, n3, e1, e2, e3, w1, w2, w3, p1, p2, p3, pvx, pvy, pvz
-                        ),
-                        time_to_turning_plane(
-                            half, rest, n1, n2, n3, e1, e2, e3, w1, w2, w3, p1 - dx, p2 - dy, p3 - dz, pvx, pvy, pvz
-                        ),
-                        time_to_turning_plane(
-                            half, rest, n1, n2, n3, e1, e2, e3, w1, w2, w3, q1, q2, q3, qvx, qvy, qvz
-                        ),
-                        time_to_turning_plane(
-                            half, rest, n1, n2, n3, e1, e2, e3, w1, w2, w3, q1 - dx, q2 - dy, q3 - dz, qvx, qvy, qvz
-                        ),
-                    )  # fmt: skip
+                        time_to_turning_plane(half, rest, n, e, w, p, pv),
+                        time_to_turning_plane(half, rest, n, e, w, subtract(p, d), pv),
+                        time_to_turning_plane(half, rest, n, e, w, q, qv),
+                        time_to_turning_plane(half, rest, n, e, w, subtract(q, d), qv),
+                    )
                     step = max(step, turn)
         t += max(step, (distance - half) * slowness)
         if t >= 1.0:
@@ -554,36 +433,36 @@ def advance_edges(
 
 
 @kernel(inline=True, internal=True)
-def largest(x: float, y: float, z: float) -> float:
+def largest(a: Vector) -> float:
     """Largest magnitude."""
-    return max(abs(x), abs(y), abs(z))
+    return max(abs(a[0]), abs(a[1]), abs(a[2]))
+
+
+@kernel(inline=True, internal=True)
+def magnitudes(a: Vector, b: Vector, own: float) -> Vector:
+    """The larger magnitude of each component, with what it is uncertain by itself."""
+    return max(abs(a[0]), abs(b[0])) + own, max(abs(a[1]), abs(b[1])) + own, max(abs(a[2]), abs(b[2])) + own
+
+
+@kernel(inline=True, internal=True)
+def sum_of_terms(a: Vector, b: Vector, c: Vector) -> float:
+    """Sum of the magnitudes of the terms of ``a . (b x c)``, from magnitudes."""
+    return (
+        a[0] * (b[1] * c[2] + b[2] * c[1])
+        + a[1] * (b[2] * c[0] + b[0] * c[2])
+        + a[2] * (b[0] * c[1] + b[1] * c[0])
+    )
 
 
 @kernel(internal=True)
-def swept_vertex_face(
-    x0x: float,
-    x0y: float,
-    x0z: float,
-    x1x: float,
-    x1y: float,
-    x1z: float,
-    ax: float,
-    ay: float,
-    az: float,
-    bx: float,
-    by: float,
-    bz: float,
-    cx: float,
-    cy: float,
-    cz: float,
-) -> tuple[bool, float]:
+def swept_vertex_face(x0: Vector, x1: Vector, a: Vector, b: Vector, c: Vector) -> tuple[bool, float]:
     """Test a vertex that moves linearly against a face that stands still.
 
     Parameters
     ----------
-    x0x, x0y, x0z, x1x, x1y, x1z
+    x0, x1
         Vertex at time 0 and at time 1 [m].
-    ax, ay, az, bx, by, bz, cx, cy, cz
+    a, b, c
         Corners of the face [m].
 
     Returns
@@ -598,97 +477,50 @@ def swept_vertex_face(
     If the ends of the path lie on different sides of the plane, three more volumes, of the path with each
     edge, tell whether it passes through the face: they have one sign if it does.
     """
-    ux = x1x - x0x
-    uy = x1y - x0y
-    uz = x1z - x0z
-    ex = bx - ax
-    ey = by - ay
-    ez = bz - az
-    fx = cx - ax
-    fy = cy - ay
-    fz = cz - az
-    wx = x0x - ax
-    wy = x0y - ay
-    wz = x0z - az
-    vx = x1x - ax
-    vy = x1y - ay
-    vz = x1z - az
-    s0 = wx * (ey * fz - ez * fy) + wy * (ez * fx - ex * fz) + wz * (ex * fy - ey * fx)
-    s1 = vx * (ey * fz - ez * fy) + vy * (ez * fx - ex * fz) + vz * (ex * fy - ey * fx)
-    far = COORDINATES * largest(x0x, x0y, x0z)
-    own = far / ROUNDING
-    error = ROUNDING * (
-        (max(abs(wx), abs(vx)) + own) * (abs(ey * fz) + abs(ez * fy))
-        + (max(abs(wy), abs(vy)) + own) * (abs(ez * fx) + abs(ex * fz))
-        + (max(abs(wz), abs(vz)) + own) * (abs(ex * fy) + abs(ey * fx))
+    u = subtract(x1, x0)
+    e, f = subtract(b, a), subtract(c, a)
+    w, v = subtract(x0, a), subtract(x1, a)
+    n = cross(e, f)
+    s0 = dot(w, n)
+    s1 = dot(v, n)
+    far = COORDINATES * largest(x0)
+    error = ROUNDING * sum_of_terms(
+        magnitudes(w, v, far / ROUNDING), magnitudes(e, e, 0.0), magnitudes(f, f, 0.0)
     )
     if (s0 > error and s1 > error) or (s0 < -error and s1 < -error):
         return False, 1.0
-    ax -= x0x
-    ay -= x0y
-    az -= x0z
-    bx -= x0x
-    by -= x0y
-    bz -= x0z
-    cx -= x0x
-    cy -= x0y
-    cz -= x0z
-    length = max(largest(ux, uy, uz), largest(ax, ay, az), largest(bx, by, bz), largest(cx, cy, cz))
+    p, q, r = subtract(a, x0), subtract(b, x0), subtract(c, x0)
+    length = max(largest(u), largest(p), largest(q), largest(r))
     if abs(s0) > error and abs(s1) > error:
-        bound = 6.0 * ROUNDING * length * length * largest(ux, uy, uz)
-        ab = ux * (ay * bz - az * by) + uy * (az * bx - ax * bz) + uz * (ax * by - ay * bx)
-        bc = ux * (by * cz - bz * cy) + uy * (bz * cx - bx * cz) + uz * (bx * cy - by * cx)
-        ca = ux * (cy * az - cz * ay) + uy * (cz * ax - cx * az) + uz * (cx * ay - cy * ax)
-        least = min(ab, bc, ca)
-        most = max(ab, bc, ca)
+        bound = 6.0 * ROUNDING * length * length * largest(u)
+        pq, qr, rp = dot(u, cross(p, q)), dot(u, cross(q, r)), dot(u, cross(r, p))
+        least = min(pq, qr, rp)
+        most = max(pq, qr, rp)
         if least > bound or most < -bound:
             return True, s0 / (s0 - s1)
         if least < -bound and most > bound:
             return False, 1.0
     tolerance = NEAR * length + far
-    outcome, time = advance_vertex_face(
-        0.0, tolerance, MOST_TURNS * MOST_ADVANCES,
-        ax, ay, az, bx, by, bz, cx, cy, cz,
-        -ux, -uy, -uz, -ux, -uy, -uz, -ux, -uy, -uz,
-    )  # fmt: skip
+    back = scaled(-1.0, u)
+    outcome, time = advance_vertex_face(0.0, tolerance, MOST_TURNS * MOST_ADVANCES, p, q, r, back, back, back)
     return outcome != APART, time
 
 
 @kernel(internal=True)
 def swept_face_vertex(
-    xx: float,
-    xy: float,
-    xz: float,
-    a0x: float,
-    a0y: float,
-    a0z: float,
-    a1x: float,
-    a1y: float,
-    a1z: float,
-    b0x: float,
-    b0y: float,
-    b0z: float,
-    b1x: float,
-    b1y: float,
-    b1z: float,
-    c0x: float,
-    c0y: float,
-    c0z: float,
-    c1x: float,
-    c1y: float,
-    c1z: float,
+    x: Vector, a0: Vector, a1: Vector, b0: Vector, b1: Vector, c0: Vector, c1: Vector
 ) -> tuple[bool, float]:
     """Test a face whose corners move linearly against a vertex that stands still.
 
     Parameters
     ----------
-    xx, xy, xz
+    x
         Vertex [m].
-    a0x, a0y, a0z, a1x, a1y, a1z
+    a0, a1
         First corner at time 0 and at time 1 [m].
-    b0x, b0y, b0z, b1x, b1y, b1z
+    b0, b1
         Second corner.
-    c0x, c0y, c0z, c1x, c1y, c1z
+    c0, c1
         Third corner.
 
     Returns
@@ -699,74 +531,29 @@ def swept_face_vertex(
         Of the first contact, in [0, 1]; 0 if they touch at the start, 1 without contact.
     """
     # two edges and the first corner seen from the vertex, at both times
-    e0x = b0x - a0x
-    e0y = b0y - a0y
-    e0z = b0z - a0z
-    e1x = b1x - a1x
-    e1y = b1y - a1y
-    e1z = b1z - a1z
-    f0x = c0x - a0x
-    f0y = c0y - a0y
-    f0z = c0z - a0z
-    f1x = c1x - a1x
-    f1y = c1y - a1y
-    f1z = c1z - a1z
-    w0x = a0x - xx
-    w0y = a0y - xy
-    w0z = a0z - xz
-    w1x = a1x - xx
-    w1y = a1y - xy
-    w1z = a1z - xz
+    e0, e1 = subtract(b0, a0), subtract(b1, a1)
+    f0, f1 = subtract(c0, a0), subtract(c1, a1)
+    w0, w1 = subtract(a0, x), subtract(a1, x)
     # normals: of the start, mixed, of the end
-    n0x = e0y * f0z - e0z * f0y
-    n0y = e0z * f0x - e0x * f0z
-    n0z = e0x * f0y - e0y * f0x
-    mx = e0y * f1z - e0z * f1y + (e1y * f0z - e1z * f0y)
-    my = e0z * f1x - e0x * f1z + (e1z * f0x - e1x * f0z)
-    mz = e0x * f1y - e0y * f1x + (e1x * f0y - e1y * f0x)
-    n1x = e1y * f1z - e1z * f1y
-    n1y = e1z * f1x - e1x * f1z
-    n1z = e1x * f1y - e1y * f1x
-    v0 = w0x * n0x + w0y * n0y + w0z * n0z
-    v1 = (w1x * n0x + w1y * n0y + w1z * n0z + (w0x * mx + w0y * my + w0z * mz)) / 3.0
-    v2 = (w0x * n1x + w0y * n1y + w0z * n1z + (w1x * mx + w1y * my + w1z * mz)) / 3.0
-    v3 = w1x * n1x + w1y * n1y + w1z * n1z
-    ex = max(abs(e0x), abs(e1x))
-    ey = max(abs(e0y), abs(e1y))
-    ez = max(abs(e0z), abs(e1z))
-    fx = max(abs(f0x), abs(f1x))
-    fy = max(abs(f0y), abs(f1y))
-    fz = max(abs(f0z), abs(f1z))
-    far = COORDINATES * largest(xx, xy, xz)
-    own = far / ROUNDING
-    wx = max(abs(w0x), abs(w1x)) + own
-    wy = max(abs(w0y), abs(w1y)) + own
-    wz = max(abs(w0z), abs(w1z)) + own
-    error = ROUNDING * (wx * (ey * fz + ez * fy) + wy * (ez * fx + ex * fz) + wz * (ex * fy + ey * fx))
+    n0 = cross(e0, f0)
+    m = add(cross(e0, f1), cross(e1, f0))
+    n1 = cross(e1, f1)
+    v0 = dot(w0, n0)
+    v1 = (dot(w1, n0) + dot(w0, m)) / 3.0
+    v2 = (dot(w0, n1) + dot(w1, m)) / 3.0
+    v3 = dot(w1, n1)
+    e, f = magnitudes(e0, e1, 0.0), magnitudes(f0, f1, 0.0)
+    far = COORDINATES * largest(x)
+    error = ROUNDING * sum_of_terms(magnitudes(w0, w1, far / ROUNDING), e, f)
     least = min(v0, v1, v2, v3)
     most = max(v0, v1, v2, v3)
     if least > error or most < -error:
         return False, 1.0
-    ax = a1x - a0x
-    ay = a1y - a0y
-    az = a1z - a0z
-    bx = b1x - b0x
-    by = b1y - b0y
-    bz = b1z - b0z
-    cx = c1x - c0x
-    cy = c1y - c0y
-    cz = c1z - c0z
-    fastest = math.sqrt(
-        max(ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz, cx * cx + cy * cy + cz * cz)
-    )
-    length = max(largest(ex, ey, ez), largest(fx, fy, fz), largest(w0x, w0y, w0z), fastest)
+    a, b, c = subtract(a1, a0), subtract(b1, b0), subtract(c1, c0)
+    fastest = math.sqrt(max(dot(a, a), dot(b, b), dot(c, c)))
+    length = max(largest(e), largest(f), largest(w0), fastest)
     tolerance = NEAR * length + far
-    p0x = b0x - xx
-    p0y = b0y - xy
-    p0z = b0z - xz
-    q0x = c0x - xx
-    q0y = c0y - xy
-    q0z = c0z - xz
+    p0, q0 = subtract(b0, x), subtract(c0, x)
     start = 0.0
     for _ in range(MOST_TURNS):
         outcome, low, high = next_root(v0, v1, v2, v3, error, start)
@@ -776,11 +563,8 @@ def swept_face_vertex(
         if outcome == ONE_ROOT:
             t = 0.5 * (low + high)
             distance, _, _ = point_triangle(
-                0.0, 0.0, 0.0,
-                w0x + t * ax, w0y + t * ay, w0z + t * az,
-                p0x + t * bx, p0y + t * by, p0z + t * bz,
-                q0x + t * cx, q0y + t * cy, q0z + t * cz,
-            )  # fmt: skip
+                ORIGIN, add_scaled(w0, t, a), add_scaled(p0, t, b), add_scaled(q0, t, c)
+            )
             if distance <= tolerance:
                 return True, t
             if distance > tolerance + (high - low) * fastest:
@@ -788,46 +572,23 @@ def swept_face_vertex(
                 if start >= 1.0:
                     return False, 1.0
                 continue
-        outcome, start = advance_vertex_face(
-            start, tolerance, MOST_ADVANCES,
-            w0x, w0y, w0z, p0x, p0y, p0z, q0x, q0y, q0z,
-            ax, ay, az, bx, by, bz, cx, cy, cz,
-        )  # fmt: skip
+        outcome, start = advance_vertex_face(start, tolerance, MOST_ADVANCES, w0, p0, q0, a, b, c)
         if outcome != OPEN:
             return outcome == TOUCHING, start
     return True, start
 
 
 @kernel(internal=True)
-def swept_edges(
-    a0x: float,
-    a0y: float,
-    a0z: float,
-    a1x: float,
-    a1y: float,
-    a1z: float,
-    p0x: float,
-    p0y: float,
-    p0z: float,
-    p1x: float,
-    p1y: float,
-    p1z: float,
-    q0x: float,
-    q0y: float,
-    q0z: float,
-    q1x: float,
-    q1y: float,
-    q1z: float,
-) -> tuple[bool, float]:
+def swept_edges(a0: Vector, a1: Vector, p0: Vector, p1: Vector, q0: Vector, q1: Vector) -> tuple[bool, float]:
     """Test an edge whose ends move linearly against an edge that stands still.
 
     Parameters
     ----------
-    a0x, a0y, a0z, a1x, a1y, a1z
+    a0, a1
         Ends of the edge that stands still [m]; may be the same point.
-    p0x, p0y, p0z, p1x, p1y, p1z
+    p0, p1
         First end of the other at time 0 and at time 1 [m].
-    q0x, q0y, q0z, q1x, q1y, q1z
+    q0, q1
         Its second end; may be the same point as the first.
 
     Returns
@@ -837,52 +598,21 @@ def swept_edges(
     time
         Of the first contact, in [0, 1]; 0 if they touch at the start, 1 without contact.
     """
-    dx = a1x - a0x
-    dy = a1y - a0y
-    dz = a1z - a0z
-    e0x = q0x - p0x
-    e0y = q0y - p0y
-    e0z = q0z - p0z
-    e1x = q1x - p1x
-    e1y = q1y - p1y
-    e1z = q1z - p1z
-    w0x = p0x - a0x
-    w0y = p0y - a0y
-    w0z = p0z - a0z
-    w1x = p1x - a0x
-    w1y = p1y - a0y
-    w1z = p1z - a0z
-    v0 = dx * (e0y * w0z - e0z * w0y) + dy * (e0z * w0x - e0x * w0z) + dz * (e0x * w0y - e0y * w0x)
-    v2 = dx * (e1y * w1z - e1z * w1y) + dy * (e1z * w1x - e1x * w1z) + dz * (e1x * w1y - e1y * w1x)
-    v1 = 0.5 * (
-        dx * (e0y * w1z - e0z * w1y + (e1y * w0z - e1z * w0y))
-        + dy * (e0z * w1x - e0x * w1z + (e1z * w0x - e1x * w0z))
-        + dz * (e0x * w1y - e0y * w1x + (e1x * w0y - e1y * w0x))
-    )
-    ex = max(abs(e0x), abs(e1x))
-    ey = max(abs(e0y), abs(e1y))
-    ez = max(abs(e0z), abs(e1z))
-    far = COORDINATES * largest(a0x, a0y, a0z)
-    own = far / ROUNDING
-    wx = max(abs(w0x), abs(w1x)) + own
-    wy = max(abs(w0y), abs(w1y)) + own
-    wz = max(abs(w0z), abs(w1z)) + own
-    error = ROUNDING * (
-        abs(dx) * (ey * wz + ez * wy) + abs(dy) * (ez * wx + ex * wz) + abs(dz) * (ex * wy + ey * wx)
-    )
+    d = subtract(a1, a0)
+    e0, e1 = subtract(q0, p0), subtract(q1, p1)
+    w0, w1 = subtract(p0, a0), subtract(p1, a0)
+    v0 = dot(d, cross(e0, w0))
+    v2 = dot(d, cross(e1, w1))
+    v1 = 0.5 * dot(d, add(cross(e0, w1), cross(e1, w0)))
+    e = magnitudes(e0, e1, 0.0)
+    far = COORDINATES * largest(a0)
+    error = ROUNDING * sum_of_terms(magnitudes(d, d, 0.0), e, magnitudes(w0, w1, far / ROUNDING))
     if min(v0, v1, v2) > error or max(v0, v1, v2) < -error:
         return False, 1.0
-    px = p1x - p0x
-    py = p1y - p0y
-    pz = p1z - p0z
-    qx = q1x - q0x
-    qy = q1y - q0y
-    qz = q1z - q0z
-    r0x = q0x - a0x
-    r0y = q0y - a0y
-    r0z = q0z - a0z
-    fastest = math.sqrt(max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz))
-    length = max(largest(dx, dy, dz), largest(ex, ey, ez), largest(w0x, w0y, w0z), fastest)
+    p, q = subtract(p1, p0), subtract(q1, q0)
+    r0 = subtract(q0, a0)
+    fastest = math.sqrt(max(dot(p, p), dot(q, q)))
+    length = max(largest(d), largest(e), largest(w0), fastest)
     tolerance = NEAR * length + far
     start = 0.0
     for _ in range(MOST_TURNS):
@@ -893,11 +623,7 @@ def swept_edges(
         start = low
         if outcome == ONE_ROOT:
             t = 0.5 * (low + high)
-            distance, _, _ = segment_segment(
-                0.0, 0.0, 0.0, dx, dy, dz,
-                w0x + t * px, w0y + t * py, w0z + t * pz,
-                r0x + t * qx, r0y + t * qy, r0z + t * qz,
-            )  # fmt: skip
+            distance, _, _ = segment_segment(ORIGIN, d, add_scaled(w0, t, p), add_scaled(r0, t, q))
             if distance <= tolerance:
                 return True, t
             if distance > tolerance + (high - low) * fastest:
@@ -905,10 +631,7 @@ def swept_edges(
                 if start >= 1.0:
                     return False, 1.0
                 continue
-        outcome, start = advance_edges(
-            start, tolerance, MOST_ADVANCES,
-            dx, dy, dz, w0x, w0y, w0z, r0x, r0y, r0z, px, py, pz, qx, qy, qz,
-        )  # fmt: skip
+        outcome, start = advance_edges(start, tolerance, MOST_ADVANCES, d, w0, r0, p, q)
         if outcome != OPEN:
             return outcome == TOUCHING, start
     return True, start

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.contours.triangles.feature_judge import between, dot, minus
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, cross
+from heavylift.numerics.vectors import Vector, add_scaled, between, cross, dot, subtract
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["triangle_distance"]
 
 
-@kernel(internal=True)
+@kernel(internal=True)  # eleven parameters: two triangles, each with its normal
 def triangle_distance(
     a: Vector,
     b: Vector,
@@ -52,10 +51,10 @@ def triangle_distance(
         Nearest points [m] of the first and of the second if they are nearer than `best`, else as before; shape (6,).
     """
     reach = best - rounding
-    sp, sq, sr = dot(n, minus(p, a)), dot(n, minus(q, a)), dot(n, minus(r, a))
+    sp, sq, sr = dot(n, subtract(p, a)), dot(n, subtract(q, a)), dot(n, subtract(r, a))
     if min(sp, sq, sr) >= reach or max(sp, sq, sr) <= -reach:
         return best
-    sa, sb, sc = dot(m, minus(a, p)), dot(m, minus(b, p)), dot(m, minus(c, p))
+    sa, sb, sc = dot(m, subtract(a, p)), dot(m, subtract(b, p)), dot(m, subtract(c, p))
     if min(sa, sb, sc) >= reach or max(sa, sb, sc) <= -reach:
         return best
     # all heights over a segment are zero, and it may go through a face
@@ -78,13 +77,13 @@ def triangle_distance(
     for i in range(3):
         x, height = (p, sp) if i == 0 else ((q, sq) if i == 1 else (r, sr))
         if abs(height) < best:
-            d, u, v = point_triangle(x[0], x[1], x[2], a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2])
+            d, u, v = point_triangle(x, a, b, c)
             if d < best:
                 best = d
                 _keep(out, _point_of(a, b, c, u, v), x)
         x, height = (a, sa) if i == 0 else ((b, sb) if i == 1 else (c, sc))
         if abs(height) < best:
-            d, u, v = point_triangle(x[0], x[1], x[2], p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2])
+            d, u, v = point_triangle(x, p, q, r)
             if d < best:
                 best = d
                 _keep(out, x, _point_of(p, q, r, u, v))
@@ -98,9 +97,7 @@ def triangle_distance(
             t0, t1 = (sp, sq) if j == 0 else ((sq, sr) if j == 1 else (sr, sp))
             if min(t0, t1) >= best or max(t0, t1) <= -best:
                 continue
-            d, s, t = segment_segment(
-                e0[0], e0[1], e0[2], e1[0], e1[1], e1[2], f0[0], f0[1], f0[2], f1[0], f1[1], f1[2]
-            )
+            d, s, t = segment_segment(e0, e1, f0, f1)
             if d < best:
                 best = d
                 _keep(out, between(e0, e1, s), between(f0, f1, t))
@@ -110,8 +107,8 @@ def triangle_distance(
 @kernel(internal=True)
 def _line_goes_through(e: Vector, f: Vector, a: Vector, b: Vector, c: Vector) -> bool:
     """Whether the line through two points goes through a triangle or its border."""
-    along = minus(f, e)
-    a, b, c = minus(a, e), minus(b, e), minus(c, e)
+    along = subtract(f, e)
+    a, b, c = subtract(a, e), subtract(b, e), subtract(c, e)
     x = dot(along, cross(a, b))
     y = dot(along, cross(b, c))
     z = dot(along, cross(c, a))
@@ -121,8 +118,7 @@ def _line_goes_through(e: Vector, f: Vector, a: Vector, b: Vector, c: Vector) ->
 @kernel(inline=True, internal=True)
 def _point_of(a: Vector, b: Vector, c: Vector, u: float, v: float) -> Vector:
     """``a + u (b - a) + v (c - a)``."""
-    x, y, z = between(a, b, u)
-    return x + v * (c[0] - a[0]), y + v * (c[1] - a[1]), z + v * (c[2] - a[2])
+    return add_scaled(between(a, b, u), v, subtract(c, a))
 
 
 @kernel(inline=True, internal=True)

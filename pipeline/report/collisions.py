@@ -326,7 +326,8 @@ class _Happened:
         return f"; records {number_words(interval, 's')} apart may miss its peak"
 
     def _rigid_row(self) -> tuple[str, ...] | None:
-        rises = np.where(np.diff(self.history("impacts"), prepend=0.0) > 0.0, self.rises, 0.0)
+        # not those of the impulse: a body at rest would hit with its weight times the interval
+        rises = np.diff(self.history("impact_impulse"), prepend=0.0)
         record = int(np.argmax(rises))
         if rises[record] <= 0.0:
             return None

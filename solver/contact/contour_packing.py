@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from heavylift.contours.splines.modal_sums import modal_data
 from heavylift.contours.splines.neutral import NeutralContour, packed
 from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.sample_packing import pack_samples
+from heavylift.contours.splines.samples import Samples
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
@@ -24,9 +26,7 @@ from heavylift.solver.contact.kind import (
     OF_RIGID,
     ContactContour,
     ContourPose,
-    Samples,
 )
-from heavylift.solver.contact.sample_packing import pack_samples
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import Contour
 from heavylift.solver.scene.meshes import MeshBody
@@ -123,12 +123,13 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
         normals.append(_across(contour, neutrals[i], body))
     constants_of_all = np.concatenate([np.zeros(0), *constants])
     net = np.ascontiguousarray(net)
+    deforming = [row.owner not in {OF_RIGID, OF_GROUND} for row in rows]
     return PackedContours(
         rows=rows,
         poses=poses,
         constants=constants_of_all,
         net=net,
-        samples=pack_samples([one.spaces for one in moved], rows, constants_of_all, net),
+        samples=pack_samples([one.spaces for one in moved], rows, constants_of_all, net, deforming),
         sizes=[float(np.ptp(one.control, axis=0).max()) for one in moved],
         is_curve=[len(one.spaces) == 1 for one in moved],
         mode_counts=modes,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.contours.splines.convex import Primitive
 from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.samples import Samples
 from heavylift.contours.splines.search_step import ContourSearch
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
@@ -40,8 +41,6 @@ __all__ = [
     "Events",
     "Features",
     "Reduced",
-    "SampleGrid",
-    "Samples",
     "Scratch",
 ]
 
@@ -187,8 +186,8 @@ class ContactState(Record):
         Normal and first tangent in the world.
     force, touched
         Force on what touches [N]; touched point [m].
-    impulse, loss, impacts
-        Sum of normal impulses [N s]; energy lost [J]; number of impacts.
+    impulse, impact_impulse, loss, impacts
+        Sum of normal impulses [N s], and of those of impacts alone; energy lost [J]; number of impacts.
     slip_path, slip_speed
         Of the slip [m], [m/s].
     normal_force, friction_force
@@ -240,6 +239,7 @@ class ContactState(Record):
     force: Vector
     touched: Vector
     impulse: float
+    impact_impulse: float
     loss: float
     impacts: int
     slip_path: float
@@ -353,16 +353,6 @@ class Counts(Record):
     all_rigid: bool
 
 
-class SampleGrid(Record):
-    """First sample in u and in v, and how many; first row of the positions of the samples."""
-
-    first_u: int
-    count_u: int
-    first_v: int
-    count_v: int
-    points: int
-
-
 class Events(Record):
     """Impacts within a step.
 
@@ -411,35 +401,6 @@ class Features(Table):
 
 class Colliding(Table):
     """Pairs of surfaces of triangles, a kind or none."""
-
-
-class Samples(Arrays):
-    """A grid of points on every contour, from which a search begins when nothing is known.
-
-    Attributes
-    ----------
-    grids
-        Of each contour.
-    parameters, first, basis
-        Of all grids one after another, u before v: parameter, first function that is not zero, values of the functions,
-        shapes (a,), (a,) and (a, LARGEST_DEGREE + 1).
-    reach
-        Of a sample of each contour [m], shape (n,).
-    points
-        Positions [m], three rows a contour as wide as the largest grid. Contours that deform share the first three.
-    across, distances, angles
-        Scratch of the searches.
-    """
-
-    grids: Records[SampleGrid]
-    parameters: Floats1
-    first: Ints1
-    basis: Floats2
-    reach: Floats1
-    points: Floats2
-    across: Floats2
-    distances: Floats1
-    angles: Floats1
 
 
 class Reduced(Arrays):

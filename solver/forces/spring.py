@@ -46,6 +46,7 @@ from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.laws.rows import put_residual, row_rate
+from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
 from heavylift.solver.scene.connections import FORCES, AlongJoint, Between
 from heavylift.solver.scene.descriptions import ChannelKind, check_table, no_rows
@@ -56,6 +57,7 @@ __all__ = [
     "SpringEntry",
     "SpringState",
     "Springs",
+    "end_rate",
     "spring_load",
     "stored_energy",
 ]
@@ -193,14 +195,23 @@ class SpringState(Record):
         Last value of an angle [rad], to count its turns.
     loss
         Energy lost in the damper of a row [J].
-    start_energy, started
-        Of a force: energy stored at the start [J], and whether that is known.
+    rate, growth
+        Of a row: rate in the last step [m/s] or [rad/s], and what it grows by in half a step.
+    start_energy
+        Of a force: energy stored at the start [J].
+    started
+        Whether that is known; of a row, whether a step has been made.
+    paced
+        Of a row: whether two have been made, so that `growth` is known.
     """
 
     value: float
     loss: float
+    rate: float
+    growth: float
     start_energy: float
     started: bool
+    paced: bool
 
 
 class Springs(Arrays):
@@ -224,12 +235,17 @@ class Springs(Arrays):
 
 
 @kernel(inline=True, internal=True)
-def spring_load(curves: NDArray[np.float64], spring: SpringEntry, e: float, work: Workspace) -> float:
+def spring_load(curves: NDArray[np.float64], spring: SpringEntry, e: float, rate: float) -> float:
     """Force that resists an elongation and, with a damper, its rate."""
-    force = spring_force(curves, spring.first, spring.count, spring.stiffness, e)
+    return spring_force(curves, spring.first, spring.count, spring.stiffness, e) + spring.damping * rate
+
+
+@kernel(inline=True, internal=True)
+def end_rate(spring: SpringEntry, work: Workspace) -> float:
+    """Rate by the velocities at hand; zero where no damper asks for it."""
     if spring.damping > 0.0:
-        force += spring.damping * coordinate_rate(work, spring.coordinate, spring.a, spring.b, spring.c)
-    return force
+        return coordinate_rate(work, spring.coordinate, spring.a, spring.b, spring.c)
+    return 0.0
 
 
 @kernel(inline=True, internal=True)
@@ -255,7 +271,7 @@ def add_springs(kind: Springs, time: float, work: Workspace) -> None:
         spring = kind.table[i]
         if spring.block < 0:
             q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
-            load = spring_load(kind.curves, spring, _elongation(kind, i, q), work)
+            load = spring_load(kind.curves, spring, _elongation(kind, i, q), end_rate(spring, work))
             add_load(work, spring.coordinate, spring.a, spring.b, spring.c, -load)
 
 
@@ -284,8 +300,10 @@ def update_springs(kind: Springs, time: float, step: float, work: Workspace, sys
     for i in range(kind.table.shape[0]):
         block = kind.table[i].block
         if block >= 0:
-            u = row_rate(system, 2 * block, 2 * block + 2, work.velocity)
-            kind.state[i].loss += step * kind.table[i].damping * u * u
+            state, u = kind.state[i], row_rate(system, 2 * block, 2 * block + 2, work.velocity)
+            state.loss += step * kind.table[i].damping * u * u
+            state.growth = step / (step + work.control.last_step) * (u - state.rate)
+            state.rate, state.paced, state.started = u, state.started, True
 
 
 @implement(record_joints, Springs)
@@ -301,7 +319,10 @@ def record_springs(
         spring, state = kind.table[i], kind.state[i]
         q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
         e = _elongation(kind, i, q)
-        row[spring.column] = spring_load(kind.curves, spring, e, work)
+        rate = end_rate(spring, work)
+        if spring.block >= 0 and state.paced:
+            rate = steady_rate(state.rate, state.growth, rate)
+        row[spring.column] = spring_load(kind.curves, spring, e, rate)
         if spring.coordinate == DISTANCE:
             row[spring.column + 1] = q
         energy = stored_energy(kind.curves, spring, e)

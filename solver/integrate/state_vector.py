@@ -22,6 +22,7 @@ from heavylift.solver.interface import Coordinates, Workspace
 __all__ = [
     "add_to_nodes",
     "displace_poses",
+    "fastest_spin",
     "measure_error",
     "write_rates",
     "write_second_rates",
@@ -164,6 +165,18 @@ def _pose_error(one: Coordinates, values: Floats1, fifth: int, third: int, work:
     turn = 2.0 * math.sqrt(_squared_error(q5, q3))
     work.control.pose_error = max(work.control.pose_error, one.reach * turn)
     return _squared_error(e5 + square * t5, e3 + square * t3)
+
+
+@kernel(internal=True)
+def fastest_spin(coordinates: Records[Coordinates], values: Floats1, at: int) -> float:
+    """Largest angular velocity of a free body [rad/s]."""
+    largest = 0.0
+    for i in range(coordinates.shape[0]):
+        one = coordinates[i]
+        if one.motion == FREE and one.count == 0:
+            w = values[at + one.velocity + 3 : at + one.velocity + 6]
+            largest = max(largest, w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    return math.sqrt(largest)
 
 
 @kernel(internal=True)

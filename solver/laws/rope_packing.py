@@ -75,7 +75,7 @@ def pack_ropes(
         table.append((*numbers, *stiffness, rope.damping, length))
         winches += rows
         paths += [(place.centre, place.axis, place.radius) for place in path]
-        state.append((True, start_length(path), length, 0.0, 0.0, 0.0, 0.0))
+        state.append((True, False, start_length(path), length, 0.0, 0.0, 0.0, 0.0, 0.0))
         blocks.append(
             LawBlock(
                 rope.name,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.forces.spring import SpringEntry, spring_load, stored_energy
+from heavylift.solver.forces.spring import SpringEntry, end_rate, spring_load, stored_energy
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -44,6 +44,7 @@ from heavylift.solver.laws.rows import (
     put_stick,
     row_rate,
 )
+from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 
 __all__ = ["FRICTION", "SPRING", "STOP", "ScalarLaw", "ScalarLawState", "ScalarLaws"]
@@ -83,12 +84,14 @@ class ScalarLawState(Record):
     ----------
     fresh
         Whether no step has been made yet.
+    paced
+        Whether two have been made, so that `growth` is known.
     value
         Carried value [m] or [rad].
     loss
         Energy lost [J].
-    rate
-        Of the last step.
+    rate, growth
+        Of the last step, and half its difference from that of the step before.
     drift
         Distance of the carried value from the geometry.
     branch
@@ -98,9 +101,11 @@ class ScalarLawState(Record):
     """
 
     fresh: bool
+    paced: bool
     value: float
     loss: float
     rate: float
+    growth: float
     drift: float
     branch: int
     last_rate: float
@@ -254,7 +259,8 @@ def update_scalar_laws(
         state.value += step * u
         if kind.table[i].law != FRICTION and _law(kind, i, 0.0, step)[0] * state.drift <= 0.0:
             state.value += RETURN * state.drift
-        state.rate = u
+        state.growth = step / (step + work.control.last_step) * (u - state.rate)
+        state.rate, state.paced = u, not state.fresh
         state.fresh = False
 
 
@@ -271,7 +277,10 @@ def record_scalar_laws(
         work.sums.dissipated += state.loss
         if law.law == SPRING:
             e = q - law.rest
-            row[law.column] = spring_load(kind.curves, law, e, work)
+            rate = end_rate(law, work)
+            if state.paced:
+                rate = steady_rate(state.rate, state.growth, rate)
+            row[law.column] = spring_load(kind.curves, law, e, rate)
             if law.coordinate == DISTANCE:
                 row[law.column + 1] = geometric
             work.sums.elastic += stored_energy(kind.curves, law, e)

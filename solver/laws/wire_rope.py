@@ -40,6 +40,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace, path_length
 from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import ROPE_CHANNELS, ROPES, RopePoint, Winch, check_path
 
@@ -203,12 +204,14 @@ class RopeState(Record):
     ----------
     fresh
         Whether no step has been made yet.
+    paced
+        Whether two have been made, so that `growth` is known.
     stretched
         Path length as carried [m].
     rest
         Unstretched length [m].
-    rate
-        Of the path in the last step [m/s].
+    rate, growth
+        Of the path in the last step [m/s], and half its difference from that of the step before.
     drift
         Geometry less carried length [m].
     winch_work, loss
@@ -216,9 +219,11 @@ class RopeState(Record):
     """
 
     fresh: bool
+    paced: bool
     stretched: float
     rest: float
     rate: float
+    growth: float
     drift: float
     winch_work: float
     loss: float
@@ -406,7 +411,8 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
         state.loss += (tension - elastic) * (e1 - e0)
         state.stretched += step * u + RETURN * min(0.0, state.drift)
         state.rest = l1
-        state.rate = u
+        state.growth = step / (step + work.control.last_step) * (u - state.rate)
+        state.rate, state.paced = u, not state.fresh
         state.fresh = False
 
 
@@ -441,7 +447,10 @@ def record_ropes(
             tension = k * e
             work.sums.elastic += 0.5 * k * e * e
             if kind.table[i].damping > 0.0:
-                stretching = _path_rate(kind, i, work) + winch_state(kind, i, time)[1]
+                stretching = _path_rate(kind, i, work)
+                if state.paced:
+                    stretching = steady_rate(state.rate, state.growth, stretching)
+                stretching += winch_state(kind, i, time)[1]
                 tension = max(0.0, tension + kind.table[i].damping * stretching)
         row[column] = tension
         row[column + 1] = length

@@ -99,6 +99,12 @@ class Collision(CollisionPlace):
             unit="J",
         ),
         ChannelKind("impacts", "number", "number of impacts since the start"),
+        ChannelKind(
+            "impact_impulse",
+            "momentum",
+            "sum of the impulses of impacts along the normals since the start; what bears a weight is not in it",
+            unit="N s",
+        ),
     )
     """What it records, in the order of its columns."""
     CONTACT_CHANNELS: ClassVar = (

@@ -72,13 +72,12 @@ def contacts_kernel(
     count = refresh_pairs(surfaces, lists, pair, motion_at(motion, 0), reach)
     if count <= 0:
         return count
+    listed = lists.table[pair]
     return contacts_of_pairs(
         surfaces,
-        lists.table[pair].surface_a,
-        lists.table[pair].surface_b,
-        lists.pairs,
-        lists.table[pair].first,
-        count,
+        listed.surface_a,
+        listed.surface_b,
+        lists.pairs[listed.first : listed.first + count],
         motion_at(motion, 0),
         reach,
         method,

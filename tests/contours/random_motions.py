@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.contours.triangles.swept import swept_edges, swept_face_vertex, swept_vertex_face
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import vector_at
 
 Array = np.ndarray[Any, Any]
 
@@ -109,18 +110,27 @@ def run_swept(kind: int, rows: Array, hits: Array, times: Array) -> None:
         r = rows[i]
         if kind == 0:
             hits[i], times[i] = swept_vertex_face(
-                r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11], r[12], r[13], r[14]
+                vector_at(r, 0), vector_at(r, 3), vector_at(r, 6), vector_at(r, 9), vector_at(r, 12)
             )
         elif kind == 1:
             hits[i], times[i] = swept_face_vertex(
-                r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11],
-                r[12], r[13], r[14], r[15], r[16], r[17], r[18], r[19], r[20],
-            )  # fmt: skip
+                vector_at(r, 0),
+                vector_at(r, 3),
+                vector_at(r, 6),
+                vector_at(r, 9),
+                vector_at(r, 12),
+                vector_at(r, 15),
+                vector_at(r, 18),
+            )
         else:
             hits[i], times[i] = swept_edges(
-                r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11],
-                r[12], r[13], r[14], r[15], r[16], r[17],
-            )  # fmt: skip
+                vector_at(r, 0),
+                vector_at(r, 3),
+                vector_at(r, 6),
+                vector_at(r, 9),
+                vector_at(r, 12),
+                vector_at(r, 15),
+            )
 
 
 def swept(kind: str, rows: Array) -> tuple[Array, Array]:

@@ -10,7 +10,8 @@ from scipy.interpolate import BSpline
 
 from heavylift.contours.splines.evaluate import SCRATCH
 from heavylift.contours.splines.packed_contour import PackedContour
-from heavylift.contours.splines.samples import sample_grid, sample_points
+from heavylift.contours.splines.sample_packing import pack_samples
+from heavylift.contours.splines.samples import Samples
 from heavylift.contours.splines.search import closest_on_curve, closest_on_surface, signed_gap
 from heavylift.contours.splines.search_cold import closest_point_cold
 from heavylift.contours.splines.search_step import (
@@ -48,10 +49,11 @@ def windowed(
 ) -> int:
     if fresh:
         start_search(contour, start[0], start[1], result)
-    x, y, z = point[0], point[1], point[2]
+    result.span_u, result.span_v = span[0], span[1]
+    at = (point[0], point[1], point[2])
     if contour.v.degree == 0:
-        return closest_on_curve(contour, knots, weights, net, x, y, z, span[0], scratch, result)
-    return closest_on_surface(contour, knots, weights, net, x, y, z, span[0], span[1], scratch, result)
+        return closest_on_curve(contour, knots, weights, net, at, scratch, result)
+    return closest_on_surface(contour, knots, weights, net, at, scratch, result)
 
 
 @entry
@@ -61,32 +63,13 @@ def cold(
     weights: Floats1,
     net: Floats2,
     point: Floats1,
-    su: Floats1,
-    sv: Floats1,
-    points: Floats2,
-    reach: float,
-    separation: float,
-    distances: Floats1,
+    samples: Samples,
     scratch: Floats1,
     result: ContourSearch,
 ) -> int:
     x, y, z = point[0], point[1], point[2]
     return closest_point_cold(
-        contour,
-        knots,
-        weights,
-        net,
-        x,
-        y,
-        z,
-        su,
-        sv,
-        points,
-        reach,
-        separation,
-        distances,
-        scratch,
-        result,
+        contour, knots, weights, net, (x, y, z), samples, samples.grids[0], scratch, result
     )
 
 
@@ -107,15 +90,11 @@ class Patch:
         along = u.degree, u.count, u.closed, 0
         across = (spaces[1].degree, spaces[1].count, spaces[1].closed, u.knots.size)
         self.weights = np.zeros(0) if weights is None else np.ascontiguousarray(weights, dtype=float).ravel()
-        self.contour = records(PackedContour, [(along, across, 0, -1 if weights is None else 0)])[0]
+        table = records(PackedContour, [(along, across, 0, -1 if weights is None else 0)])
+        self.contour = table[0]
         self.scratch = np.zeros(SCRATCH)
         self.result = ContourSearch.one()
-        self.grid = sample_grid(spaces)
-        self.points = np.zeros((3, self.grid.count))
-        grid = self.grid
-        values = (grid.first_u, grid.first_v, grid.basis_u, grid.basis_v)
-        scratch = np.zeros((4, u.count * grid.v.size))
-        self.reach = sample_points(self.contour, self.weights, self.net, *values, scratch, self.points)
+        self.samples = pack_samples([spaces], table, self.weights, self.net, [False])
 
     @property
     def arrays(self):
@@ -127,9 +106,8 @@ class Patch:
         return windowed(*self.arrays, *args, self.scratch, self.result)
 
     def cold(self, point, separation=0.0):
-        grid = self.grid
-        samples = (grid.u, grid.v, self.points, self.reach, separation, np.zeros(grid.count))
-        return cold(*self.arrays, np.asarray(point, float), *samples, self.scratch, self.result)
+        self.result.separation = separation
+        return cold(*self.arrays, np.asarray(point, float), self.samples, self.scratch, self.result)
 
     def __call__(self, u, v):
         """Points of all pairs, by scipy."""

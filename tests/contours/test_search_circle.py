@@ -12,11 +12,9 @@ from scipy.spatial.transform import Rotation
 from heavylift.contours.splines.convex import RING, shape_row
 from heavylift.contours.splines.evaluate import SCRATCH
 from heavylift.contours.splines.packed_contour import PackedContour
-from heavylift.contours.splines.samples import sample_grid, sample_points
-from heavylift.contours.splines.search_circle import ring_on_surface, start_ring
-from heavylift.contours.splines.search_circle_cold import RING_ANGLES, ring_cold
-from heavylift.contours.splines.search_cold import closest_shape_cold
-from heavylift.contours.splines.search_shape import shape_gap
+from heavylift.contours.splines.sample_packing import pack_samples
+from heavylift.contours.splines.search_circle import ring_cold, ring_on_surface, start_ring
+from heavylift.contours.splines.search_shape import closest_shape_cold, shape_gap
 from heavylift.contours.splines.search_step import (
     BORDER,
     CONVERGED,
@@ -35,51 +33,20 @@ COLD, WARM, GO_ON = 0.0, 1.0, 2.0
 
 
 @kernel
-def search(
-    contour,
-    knots,
-    weights,
-    net,
-    shape,
-    start,
-    su,
-    sv,
-    points,
-    reach,
-    separation,
-    distances,
-    scratch,
-    result,
-    out,
-):
+def search(contour, knots, weights, net, shape, start, samples, separation, scratch, result, out):
     # one kernel for all searches compiles once: start holds the task, (u, v, phi) and the window
+    grid = samples.grids[0]
     if contour.v.degree == 0:
-        status = closest_shape_cold(
-            contour, knots, weights, net, RING, shape, su, sv, points, reach, 0.0, distances, scratch, result
-        )
+        status = closest_shape_cold(contour, knots, weights, net, RING, shape, samples, grid, scratch, result)
         out[0] = shape_gap(RING, shape, result)[0]
         return status
     if start[0] == COLD:
-        return ring_cold(
-            contour,
-            knots,
-            weights,
-            net,
-            shape,
-            su,
-            sv,
-            points,
-            reach,
-            separation,
-            distances,
-            out,
-            scratch,
-            result,
-        )
+        result.separation = separation
+        return ring_cold(contour, knots, weights, net, shape, samples, grid, scratch, result)
     if start[0] == WARM:
         start_ring(contour, start[1], start[2], start[3], result)
-    span_u, span_v = int(start[4]), int(start[5])
-    return ring_on_surface(contour, knots, weights, net, shape, span_u, span_v, scratch, result)
+    result.span_u, result.span_v = int(start[4]), int(start[5])
+    return ring_on_surface(contour, knots, weights, net, shape, scratch, result)
 
 
 class Surface:
@@ -93,23 +60,11 @@ class Surface:
         along, across = (u.degree, u.count, u.closed, 0), (0, 1, False, 0)
         if len(spaces) == 2:
             across = (spaces[1].degree, spaces[1].count, spaces[1].closed, u.knots.size)
-        self.contour = records(PackedContour, [(along, across, 0, -1)])[0]
+        table = records(PackedContour, [(along, across, 0, -1)])
+        self.contour = table[0]
         self.arrays = (self.contour, self.knots, np.zeros(0), self.net)
-        self.scratch, self.result, self.out = (
-            np.zeros(SCRATCH),
-            ContourSearch.one(),
-            np.zeros(4 * RING_ANGLES),
-        )
-        self.grid = grid = sample_grid(spaces)
-        self.points = np.zeros((3, grid.count))
-        values = (
-            grid.first_u,
-            grid.first_v,
-            grid.basis_u,
-            grid.basis_v,
-            np.zeros((4, u.count * grid.v.size)),
-        )
-        self.reach = sample_points(self.contour, np.zeros(0), self.net, *values, self.points)
+        self.scratch, self.result, self.out = np.zeros(SCRATCH), ContourSearch.one(), np.zeros(1)
+        self.samples = pack_samples([spaces], table, np.zeros(0), self.net, [False])
 
     def __call__(self, u, v=None, derivative=(0, 0)):
         """Points, or derivatives, of all pairs."""
@@ -126,10 +81,8 @@ class Surface:
         return result.u, result.v, result.ring.angle, result.ring.gap
 
     def cold(self, row, separation=0.0, start=(COLD, 0.0, 0.0, 0.0, 0.0, 0.0), net=None):
-        grid = self.grid
-        samples = grid.u, grid.v, self.points, self.reach, separation, np.zeros(grid.count)
         points = self.net if net is None else net
-        args = points, row, np.array(start), *samples, self.scratch, self.result, self.out
+        args = points, row, np.array(start), self.samples, separation, self.scratch, self.result, self.out
         return search(*self.arrays[:3], *args)
 
     def least_gap(self, row):

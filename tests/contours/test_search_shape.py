@@ -21,9 +21,8 @@ from heavylift.contours.splines.convex import (
 )
 from heavylift.contours.splines.evaluate import SCRATCH
 from heavylift.contours.splines.packed_contour import PackedContour
-from heavylift.contours.splines.samples import sample_grid, sample_points
-from heavylift.contours.splines.search_cold import closest_shape_cold
-from heavylift.contours.splines.search_shape import closest_shape_on_surface, shape_gap
+from heavylift.contours.splines.sample_packing import pack_samples
+from heavylift.contours.splines.search_shape import closest_shape_cold, closest_shape_on_surface, shape_gap
 from heavylift.contours.splines.search_step import (
     BEHIND,
     BORDER,
@@ -61,22 +60,18 @@ def distance(kind, shape, points, out):
 
 
 @kernel
-def search(
-    contour, knots, weights, net, kind, shape, start, su, sv, points, reach, distances, scratch, result, out
-):
+def search(contour, knots, weights, net, kind, shape, start, samples, scratch, result, out):
     # one kernel for all searches compiles once: start holds the task, (u, v) and the window
     status = 0
     if start[0] == COLD:
         status = closest_shape_cold(
-            contour, knots, weights, net, kind, shape, su, sv, points, reach, 0.0, distances, scratch, result
+            contour, knots, weights, net, kind, shape, samples, samples.grids[0], scratch, result
         )
     else:
         if start[0] == WARM:
             start_search(contour, start[1], start[2], result)
-        span = int(start[3])
-        status = closest_shape_on_surface(
-            contour, knots, weights, net, kind, shape, span, span, scratch, result
-        )
+        result.span_u = result.span_v = int(start[3])
+        status = closest_shape_on_surface(contour, knots, weights, net, kind, shape, scratch, result)
     out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7] = shape_gap(kind, shape, result)
     return status
 
@@ -184,19 +179,11 @@ class Surface:
             across = (0, 1, False, 0)
         self.control = control
         self.net = control.reshape(-1, 3).copy()
-        self.contour = records(PackedContour, [((3, su.count, False, 0), across, 0, -1)])[0]
+        table = records(PackedContour, [((3, su.count, False, 0), across, 0, -1)])
+        self.contour = table[0]
         self.arrays = (self.contour, self.knots, np.zeros(0), self.net)
         self.scratch, self.result, self.out = np.zeros(SCRATCH), ContourSearch.one(), np.zeros(8)
-        self.grid = grid = sample_grid(self.spaces, 5)
-        self.points = np.zeros((3, grid.count))
-        values = (
-            grid.first_u,
-            grid.first_v,
-            grid.basis_u,
-            grid.basis_v,
-            np.zeros((4, su.count * grid.v.size)),
-        )
-        self.reach = sample_points(self.contour, np.zeros(0), self.net, *values, self.points)
+        self.samples = pack_samples([self.spaces], table, np.zeros(0), self.net, [False], 5)
 
     def __call__(self, u, v):
         """Points of all pairs, by scipy."""
@@ -209,9 +196,7 @@ class Surface:
         return np.einsum("ai,bj,ijk->abk", *parts, self.control)
 
     def cold(self, kind, row, start=(COLD, 0.0, 0.0, 0.0)):
-        grid = self.grid
-        samples = grid.u, grid.v, self.points, self.reach, np.zeros(grid.count)
-        args = kind, row, np.array(start), *samples, self.scratch, self.result, self.out
+        args = kind, row, np.array(start), self.samples, self.scratch, self.result, self.out
         return search(*self.arrays, *args)
 
     def least(self, gap):

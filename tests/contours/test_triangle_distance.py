@@ -11,19 +11,20 @@ import pytest
 
 from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import vector_at
 
 
 @kernel
 def to_triangle(r, out):
     out[0], out[1], out[2] = point_triangle(
-        r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11]
+        vector_at(r, 0), vector_at(r, 3), vector_at(r, 6), vector_at(r, 9)
     )
 
 
 @kernel
 def between_segments(r, out):
     out[0], out[1], out[2] = segment_segment(
-        r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11]
+        vector_at(r, 0), vector_at(r, 3), vector_at(r, 6), vector_at(r, 9)
     )
 
 

@@ -73,6 +73,7 @@ def collision(name, *, force, impulse, impacts, gap):
         "largest_force": ("N", force),
         "impulse": ("N s", impulse),
         "impacts": ("1", impacts),
+        "impact_impulse": ("N s", impulse * (impacts > 0.0)),
         "dissipated": ("J", 0.0 * force),
     }
     return {f"{name}.{key}": (unit, "v", values[:, None]) for key, (unit, values) in one.items()}

@@ -11,12 +11,59 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS, UNITS, parse_quantity, parse_unit
 
+OURS = {"te", "ton", "tons", "tonf", "ton_force", "tonne_force", "Nm", "mNm", "kNm", "MNm", "GNm"}
+"""Words that pint reads otherwise, or not: a ton there has 2000 lb."""
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        ("20 tons", "mass", 20e3),
+        ("20 ton", "mass", 20e3),
+        ("20 te", "mass", 20e3),
+        ("2 mNm", "moment or energy", 2e-3),
+        ("20 tonnes", "mass", 20e3),
+        ("20 metric_tons", "mass", 20e3),
+        ("1 short_ton", "mass", 2000 * 0.45359237),
+        ("1 long_ton", "mass", 2240 * 0.45359237),
+        ("1 ton_force", "force", 9806.65),
+        ("1 tf/m", "force per length", 9806.65),
+        ("3 kNm", "moment or energy", 3000.0),
+        ("1 nautical_mile", "length", 1852.0),
+        ("1 kt", "velocity", 1852.0 / 3600.0),
+        ("1 lb", "mass", 0.45359237),
+        ("1 long_hundredweight", "mass", 112 * 0.45359237),
+        ("1 imperial_gallon", "volume", 4.54609e-3),
+    ],
+)
+def test_words_of_weight_and_volume_mean_what_a_yard_means(text, kind, value):
+    assert parse_quantity(text, KINDS[kind]) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "20 mt",
+        "1 Mt",
+        "1 kiloton",
+        "1 force_ton",
+        "3 miles",
+        "2 gallons",
+        "4 hundredweight",
+        "1 cwt",
+        "5 bbl",
+    ],
+)
+def test_words_that_differ_between_countries_are_refused(text):
+    with pytest.raises(InputError, match="may mean several units; expected"):
+        parse_unit(text.split()[1])
+
 
 def test_every_unit_of_the_table_has_the_factor_and_dimension_of_pint():
     pint = pytest.importorskip("pint")
     registry = pint.UnitRegistry()
     for name, (factor, dimension) in UNITS.items():
-        if name in {"1", "%"}:
+        if name in {"1", "%"} or name in OURS:
             continue
         base = registry.Quantity(1.0, name).to_base_units()
         assert base.magnitude == pytest.approx(factor, rel=1e-14), name

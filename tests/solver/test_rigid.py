@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from point_masses import System, channels_of, make_cloud
 from scenarios import GRAVITY, HARMONICS, RIGID, errors, loads_of, reference, simulate, start_of
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipj
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.forces.point import PointForce
+from heavylift.solver.joints.ball import Ball
 from heavylift.solver.scene.scene import Fixed, Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
@@ -215,3 +217,42 @@ def test_driven_body_moves_and_holds_like_the_flexible_one() -> None:
     for name in ("position", "velocity", "angular_velocity", "reaction_force", "reaction_moment"):
         np.testing.assert_allclose(rigid[name], flexible[name], atol=1e-11)
     np.testing.assert_allclose(rigid["energy.drive_work"], flexible["energy.drive_work"], atol=1e-3)
+
+
+def test_a_rod_on_a_ball_joint_does_not_spin_up() -> None:
+    """A spherical pendulum, of second order however thin it is, and near a thick one; its axial spin stays zero.
+
+    Oracle: the direction n of the axis of a rod with the moment of inertia I about the pivot,
+    ``n'' = -|n'|^2 n + m c / I (g - n.g n)``, by an integrator of SciPy.
+    """
+    mass, arm, across = 1.0, 0.75, 0.4375  # I = 1 about the pivot
+    g, n0, rate = np.array([0.0, 0.0, -9.81]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 2.0, 1.0])
+
+    def pendulum(_t: float, y: np.ndarray) -> np.ndarray:
+        n, u = y[:3], y[3:]
+        return np.concatenate([u, mass * arm * (g - n @ g * n) - u @ u * n])
+
+    exact = solve_ivp(pendulum, (0.0, 2.0), np.concatenate([n0, rate]), rtol=1e-11, atol=1e-12).y[:3, -1]
+
+    def error(ratio: float, step: float) -> float:
+        rod = RigidBody(
+            "rod", mass, np.diag([ratio * across, across, across]), np.array([arm, 0.0, 0.0]),
+            angular_velocity=np.cross(n0, rate),
+        )  # fmt: skip
+        pivot = Ball(name="pivot", body_a="ground", body_b="rod")
+        simulation = Simulation(Scene((rod,), (Gravity(g),), joints=(pivot,)), step)
+        times, rows = simulation.advance(round(2.0 / step))
+        assert simulation.outcome is Outcome.COMPLETED
+        assert times[-1] == pytest.approx(2.0)
+        end = channels_of(simulation, rows[-1])
+        spins = np.array([channels_of(simulation, row)["rod.angular_velocity"] for row in rows])
+        if ratio < 1e-3:
+            assert np.abs(spins[:, 0]).max() < 1e-5  # rounding of the momentum over the moment of inertia
+        w, x, y, z = end["rod.orientation"]
+        found: float = np.linalg.norm(Rotation.from_quat([x, y, z, w]).apply(n0) - exact)
+        return found
+
+    for ratio in (6e-5, 1e-6):
+        coarse, fine = error(ratio, 0.01), error(ratio, 0.005)
+        assert coarse / fine > 3.5
+        assert coarse < 1.5 * error(0.3, 0.01)

@@ -18,7 +18,9 @@ from scenarios import FLEXIBLE, RIGID, start_of
 from heavylift.numerics.objects import compiled_units
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver import scene_checks
-from heavylift.solver.scene.scene import Gravity, Scene
+from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.scene.connections import JointFrame
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 SYSTEMS = {
@@ -415,3 +417,32 @@ def test_no_kernel_reads_or_writes_beyond_an_array(tmp_path: Path) -> None:
         ],
         {"NUMBA_BOUNDSCHECK": "1", "HEAVYLIFT_CACHE_DIR": str(tmp_path)},
     )
+
+
+def test_a_joint_that_opens_is_told() -> None:
+    """A load of 1 t on two cranks of a milligram: their rows are too soft for it."""
+    side = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+
+    def crank(name: str, x: float) -> RigidBody:
+        inertia = 1e-6 / 12.0 * np.diag([1.0, 1.0, 0.1])
+        return RigidBody(name, 1e-6, inertia, np.array([0.0, 0.0, -0.5]), position=np.array([x, 0.0, 0.0]))
+
+    def hinge(name: str, a: str, b: str, pa: list[float], pb: list[float]) -> Hinge:
+        frames = [JointFrame(np.array(point), side) for point in (pa, pb)]
+        return Hinge(name=name, body_a=a, body_b=b, frame_a=frames[0], frame_b=frames[1])
+
+    load = RigidBody("load", 1e3, 100.0 * np.eye(3), position=np.array([0.5, 0.0, -1.0]))
+    joints = (
+        hinge("ground_1", "ground", "crank_1", [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+        hinge("ground_2", "ground", "crank_2", [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+        hinge("load_1", "crank_1", "load", [0.0, 0.0, -1.0], [-0.5, 0.0, 0.0]),
+        hinge("load_2", "crank_2", "load", [0.0, 0.0, -1.0], [0.5, 0.0, 0.0]),
+    )
+    scene = Scene(
+        (load, crank("crank_1", 0.0), crank("crank_2", 1.0)),
+        (Gravity(np.array([3.0, 0.0, -9.81])),),
+        joints=joints,
+    )
+    simulation = Simulation(scene, 5e-3)
+    simulation.advance(400)
+    assert "a joint was open by" in simulation.warning

@@ -23,8 +23,7 @@ from heavylift.solver.bodies.ancf.moving import (
     prepare_points,
     vector_length,
 )
-from heavylift.solver.bodies.ancf.step import is_iterated
-from heavylift.solver.bodies.ancf.substitution import node_span
+from heavylift.solver.bodies.ancf.step import forget_mean_velocity, is_iterated
 from heavylift.solver.contact.interface import (
     bound_motion,
     form_controls,
@@ -387,6 +386,4 @@ def bound_mesh_motion(kind: Meshes, contacts: ContactRows, step: float, work: Wo
 def forget_mesh_accelerations(kind: Meshes) -> None:
     """Of all nodes."""
     for body in range(kind.table.shape[0]):
-        first, last = node_span(kind, body)
-        for i in range(first, last):
-            kind.mean_acceleration[i] = 0.0
+        forget_mean_velocity(kind, body)

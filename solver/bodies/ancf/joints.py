@@ -137,10 +137,8 @@ def complete_meshes(kind: Meshes, systems: Systems, at_midpoint: bool, step: flo
             for i in range(first, last):
                 right[i] = 0.0
             scatter_back(kind, body, MASS_SET)
-            rate = 1.0 / step
             for i in range(first, last):
                 kind.velocity[i] += right[i]
-                kind.mean_acceleration[i] += rate * right[i]
 
 
 @implement(end_velocity, Meshes)

@@ -55,7 +55,9 @@ CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
 NODAL_VECTORS = (
     "position",
     "velocity",
-    "mean_acceleration",
+    "mean_velocity",
+    "deviation",
+    "ringing",
     "mid_position",
     "mid_velocity",
     "right_hand_side",
@@ -179,6 +181,12 @@ class MeshNumbers(Record, whole_lines=True):
         Of the stage [s].
     stage_set
         Set of blocks whose factor the stage is solved with.
+    last_step
+        Length of the last step [s]; 0 if velocities have jumped since, or before the first one.
+    ringing, motion
+        Kinetic energy of the ringing and of the motion at the ends of steps, means over some fifty of them [J].
+    largest_ringing, largest_motion
+        Largest of these so far [J].
     iterations, change, change_before
         Of the energy-momentum scheme: rounds in the step, last change [m] and the one before; a negative change before
         the first round.
@@ -207,6 +215,11 @@ class MeshNumbers(Record, whole_lines=True):
     change_time: float
     change_before: float
     largest_drift: float
+    last_step: float
+    ringing: float
+    motion: float
+    largest_ringing: float
+    largest_motion: float
     scratch: Matrix3
 
 
@@ -418,8 +431,9 @@ class Meshes(BodyKind):
     position, velocity
         Nodal vectors, as all others to `forward_solution`: over all nodes and base nodes, and the moving points behind
         them. Carried coordinates and their rates.
-    mean_acceleration
-        Of the last step.
+    mean_velocity, deviation, ringing
+        Of the last step: mean rates of the coordinates; distance of the velocities at its end from those that the mean
+        rates extend to; the part of this that changes its sign with every step (`heavylift.solver.ringing`).
     mid_position
         Predicted midpoint, or the present state where forces are evaluated.
     mid_velocity
@@ -479,7 +493,9 @@ class Meshes(BodyKind):
         "body",
         "position",
         "velocity",
-        "mean_acceleration",
+        "mean_velocity",
+        "deviation",
+        "ringing",
         "trial_position",
         "strain",
     )
@@ -490,7 +506,9 @@ class Meshes(BodyKind):
     body: Records[MeshNumbers]
     position: Floats1
     velocity: Floats1
-    mean_acceleration: Floats1
+    mean_velocity: Floats1
+    deviation: Floats1
+    ringing: Floats1
     mid_position: Floats1
     mid_velocity: Floats1
     right_hand_side: Floats1
@@ -586,11 +604,13 @@ class Meshes(BodyKind):
         for body, line in enumerate(self.table):
             count = 3 * int(line.base_count)
             own, before = self._nodes(body), np.zeros(count)
-            self.mean_acceleration[own] = 0.0
             read_bases(self, body, self.velocity, before)
             change = velocity[line.dof : line.dof + count] - before
             if np.any(change):
                 self.velocity[own] += self._spread(body, change)
+            self.mean_velocity[own] = self.velocity[own]
+            self.deviation[own] = self.ringing[own] = 0.0
+            self.body[body].last_step = 0.0
 
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
         """Nothing: equilibrium of a mesh is found with all its coordinates, not with its bases."""

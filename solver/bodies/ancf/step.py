@@ -75,6 +75,7 @@ from heavylift.solver.interface import (
     start,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.ringing import alternating, steady_rate
 
 __all__ = [
     "FIRST_ROUNDS",
@@ -87,6 +88,7 @@ __all__ = [
     "find_drift",
     "find_step_limit",
     "follow_step_limit",
+    "forget_mean_velocity",
     "gather_loads",
     "highest_frequency",
     "is_iterated",
@@ -536,6 +538,14 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
 
 
 # ---- the step ----
+@kernel(internal=True)
+def forget_mean_velocity(kind: Meshes, body: int) -> None:
+    """After a jump of the velocities, and before the first step: nothing of them rings."""
+    first, last = node_span(kind, body)
+    kind.body[body].last_step = 0.0
+    for i in range(first, last):
+        kind.mean_velocity[i] = kind.velocity[i]
+        kind.deviation[i] = kind.ringing[i] = 0.0
 
 
 @implement(start, Meshes)
@@ -543,28 +553,47 @@ def add_gravity(kind: Meshes, body: int, work: Workspace, factor: float) -> None
 def start_meshes(kind: Meshes, time: float, work: Workspace) -> None:
     """Carried strains are those of the shape at the start; the explicit scheme learns what its steps may be."""
     for body in range(kind.table.shape[0]):
+        forget_mean_velocity(kind, body)
         find_strains(kind, body, kind.position, kind.strain)
         if kind.table[body].scheme == EXPLICIT:
             start_power_iteration(kind, body)
             find_step_limit(kind, body, FIRST_ROUNDS)
 
 
+@kernel(inline=True, internal=True)
+def _growth_to_middle(kind: Meshes, body: int, step: float) -> float:
+    """Half this step over half the last one, in which velocities have grown from mean to steady ones."""
+    before = kind.body[body].last_step
+    return step / before if before > 0.0 else 0.0
+
+
+@kernel(inline=True, internal=True)
+def _ringing_share(kind: Meshes, body: int) -> float:
+    """Of the ringing, that midpoints are predicted without: all of it, or nothing while it hardly matters.
+
+    Along end velocities as they are, errors of carried strains are differences of kinetic energies: they do not add
+    up. The leapfrog of the explicit scheme goes on with its own velocities: it does not ring below its limit.
+    """
+    numbers = kind.body[body]
+    matters = numbers.ringing > LEAST_RINGING * numbers.motion and kind.table[body].scheme != EXPLICIT
+    return 1.0 if matters else 0.0
+
+
 @implement(predict, Meshes)
 @kernel(internal=True)
 def predict_meshes(kind: Meshes, time: float, step: float) -> None:
-    """Midpoint along straight lines; predicted midpoint velocity for rates of markers."""
+    """Midpoint along straight lines, free of ringing; predicted midpoint velocity for rates of markers."""
     half = 0.5 * step
-    q, v, a, mid_q, mid_v = (
-        kind.position,
-        kind.velocity,
-        kind.mean_acceleration,
-        kind.mid_position,
-        kind.mid_velocity,
-    )
-    for i in range(kind.position.shape[0]):
-        mid_q[i] = q[i] + half * v[i]
-        mid_v[i] = v[i] + half * a[i]
+    q, v, ringing, mean = kind.position, kind.velocity, kind.ringing, kind.mean_velocity
     for body in range(kind.table.shape[0]):
+        growth = _growth_to_middle(kind, body, step)
+        # the leapfrog of the explicit scheme goes on with its own velocities: it does not ring below its limit
+        without = _ringing_share(kind, body)
+        first, last = node_span(kind, body)
+        for i in range(first, last):
+            ahead = v[i] - without * ringing[i]
+            kind.mid_position[i] = q[i] + half * ahead
+            kind.mid_velocity[i] = ahead + growth * (ahead - mean[i])
         kind.body[body].time = time + half
         if kind.body[body].changed_over and kind.body[body].change_time >= time:
             kind.body[body].changed_over = False  # in a step that was taken back
@@ -654,14 +683,16 @@ def finish_meshes(kind: Meshes, step: float, work: Workspace) -> None:
 def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
     """Largest distance of a midpoint velocity from its prediction, as a displacement [m] over the step."""
     lanes = len(kind.shape[1])
-    v, a, found = kind.velocity, kind.mean_acceleration, kind.mid_velocity
+    v, ringing, mean, found = kind.velocity, kind.ringing, kind.mean_velocity, kind.mid_velocity
     for body in range(kind.table.shape[0]):
+        growth, without = _growth_to_middle(kind, body, step), _ringing_share(kind, body)
         first, last = node_span(kind, body)
         largest = 0.0
         for node in range(first, last, lanes):
             total = 0.0
             for k in range(node, node + 3):
-                total += (found[k] - v[k] - 0.5 * step * a[k]) ** 2
+                ahead = v[k] - without * ringing[k]
+                total += (found[k] - ahead - growth * (ahead - mean[k])) ** 2
             largest = max(largest, total)
         error = step * math.sqrt(largest)
         if not error <= work.control.error:
@@ -671,6 +702,12 @@ def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
 
 # ---- the end of the step ----
 
+
+LEAST_RINGING = 0.005
+"""Energy of what rings over that of the motion, from which midpoints are predicted without it."""
+
+MEMORY = 1.0 / 64.0
+"""Weight of a step in the mean energy of what rings: a single impact is none."""
 
 DECAY = 1.0 / 256.0
 """Part of an old drift that a step takes away: slow against everything that a step resolves."""
@@ -741,17 +778,36 @@ def _advance_shape_strains(kind: Meshes, body: int) -> None:
         kind.strain[i] = kind.shape_strain[i] + keep * offset
 
 
+@kernel(internal=True)
+def _find_ringing(kind: Meshes, body: int, step: float) -> None:
+    """What of the end velocities changes its sign with every step, and its energy at the nodes."""
+    v, middle, mean = kind.velocity, kind.mid_velocity, kind.mean_velocity
+    deviation, ringing = kind.deviation, kind.ringing
+    numbers = kind.body[body]
+    part = step / (step + numbers.last_step)
+    first, last = node_span(kind, body)
+    for i in range(first, last):
+        found = v[i] - steady_rate(middle[i], part * (middle[i] - mean[i]), v[i])
+        ringing[i] = alternating(found, deviation[i])
+        deviation[i], mean[i] = found, middle[i]
+    numbers.last_step = step
+    rings = motion = 0.0
+    for node in range(first, last, len(kind.shape[1])):
+        mass = 0.5 * kind.nodal_mass[node]
+        for k in range(node, node + 3):
+            rings += mass * ringing[k] ** 2
+            motion += mass * (v[k] - ringing[k]) ** 2
+    numbers.ringing += MEMORY * (rings - numbers.ringing)
+    numbers.motion += MEMORY * (motion - numbers.motion)
+    numbers.largest_ringing = max(numbers.largest_ringing, numbers.ringing)
+    numbers.largest_motion = max(numbers.largest_motion, numbers.motion)
+
+
 @implement(advance, Meshes)
 @kernel(internal=True)
 def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> None:
     """``q += h vb``, ``v := 2 vb - v``, strains."""
-    q, v, acceleration, middle = (
-        kind.position,
-        kind.velocity,
-        kind.mean_acceleration,
-        kind.mid_velocity,
-    )
-    rate = 2.0 / step
+    q, v, middle = kind.position, kind.velocity, kind.mid_velocity
     for body in range(kind.table.shape[0]):
         first, last = node_span(kind, body)
         iterated, scheme = is_iterated(kind, body), kind.table[body].scheme
@@ -762,8 +818,8 @@ def advance_meshes(kind: Meshes, time: float, step: float, work: Workspace) -> N
             add_strain_rates(kind, body, kind.mid_position, middle, kind.strain, step)
         for i in range(first, last):
             q[i] += step * middle[i]
-            acceleration[i] = rate * (middle[i] - v[i])
             v[i] = 2.0 * middle[i] - v[i]
+        _find_ringing(kind, body, step)
         if scheme == EXPLICIT:
             find_strains(kind, body, kind.position, kind.strain)
         elif iterated:

@@ -6,6 +6,15 @@ carries the spatial angular momentum ``L = R I w``, so no gyroscopic torque is e
     xb, Rb  from half a step along an arc
     vb = v + h/2 F/m,           wb = I^-1 ( Rb^T L + h/2 t )
     x += h vb,  R := R exp(h wb),  v := 2 vb - v,  L := 2 Rb I wb - L,  w = I^-1 R^T L
+
+Rb is predicted. Where it is off by an angle d, the momentum across the axis of a rod has the part d I2 w2 along it, and
+the spin about the axis is wrong by d w2 I2/I1: a rod with I1 far below I2 would spin up by itself, and no step is small
+enough. So a slender body carries the momentum about its first axis in its own axes, with the gyroscopic torque at the
+predicted spin, which is small, for |I2 - I3| <= I1::
+
+    I1 w1b = I1 w1 + h/2 ( (I2 - I3) w2* w3* + t1 ),      w1 := 2 w1b - w1
+
+The spatial angular momentum then is kept to second order, not to rounding; the energy is ten to a hundred times better.
 """
 
 from __future__ import annotations
@@ -21,6 +30,11 @@ from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameIndex, 
 from heavylift.solver.interface import Coordinates
 
 __all__ = ["RigidBodies", "RigidFrame", "RigidFrames", "RigidIndex"]
+
+
+SLENDER = 0.05
+"""Smallest moment of inertia over the next one, below which a body is slender: where the coupler of a spatial four-bar
+has this ratio, errors are 1 to 3 % larger without an axial momentum of its own, and grow with the inverse of it."""
 
 
 class RigidIndex(FrameIndex):
@@ -46,6 +60,9 @@ class RigidFrame(Frame, whole_lines=True):
         Centre of mass [m] and principal axes (quaternion) in the frame of the user.
     arc
         Share of ``h^2 a`` in the midpoint: 1/8 along an arc, 0 along a straight line.
+    slender
+        Whether the first moment of inertia is so much less than the others that the momentum about that axis is carried
+        by itself.
     end
         Motion of a driven body at the end of the step; in records that of the frame of the user.
     """
@@ -56,6 +73,7 @@ class RigidFrame(Frame, whole_lines=True):
     centre: Vector
     axes: Quaternion
     arc: float
+    slender: int
     end: FrameMotion
 
 

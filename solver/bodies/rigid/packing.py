@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
-from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidIndex
+from heavylift.solver.bodies.rigid.kind import SLENDER, RigidBodies, RigidFrame, RigidIndex
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene.bodies import Driven, Fixed, Free, RigidBody
@@ -45,6 +45,7 @@ def pack_rigid_bodies(
         one.principal_inertia[:], one.inverse_inertia[:] = moments, 1.0 / moments
         one.centre[:], one.axes[:] = body.centre_of_mass, quaternion_from_matrix(axes)
         one.arc = 0.125
+        one.slender = int(moments[0] < SLENDER * moments[1])
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
         table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row, 0
         if isinstance(body.motion, Driven):

@@ -262,6 +262,17 @@ def predict_rigid_bodies(kind: RigidFrames, time: float, step: float) -> None:
             mean_velocity(kind, body, time + h, h)
 
 
+@kernel(inline=True, internal=True)
+def _axial_momentum_at_middle(frame: RigidFrame, step: float) -> float:
+    """Momentum of a slender body about its axis, in the middle of a step without moments.
+
+    The part of the spatial momentum along the axis is not it: where the predicted axis is off by an angle, the momentum
+    across it has a part along it that is that angle times the ratio of the moments of inertia too large for the spin.
+    """
+    I, w = frame.principal_inertia, frame.mid_spin
+    return I[0] * frame.spin[0] + 0.5 * step * (I[1] - I[2]) * w[1] * w[2]
+
+
 @implement(factor, RigidBodies)
 @kernel(internal=True)
 def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None:
@@ -273,6 +284,8 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
         frame = kind.frame[body]
         if kind.table[body].motion == FREE:
             L = rotate_back(frame.mid_rotation, frame.angular_momentum)
+            if frame.slender:
+                L = _axial_momentum_at_middle(frame, h), L[1], L[2]
             for k in range(3):
                 work.velocity[dof + k] = frame.velocity[k] + 0.5 * h * (
                     frame.force[k] * frame.inverse_mass + work.sums.gravity[k]
@@ -281,6 +294,17 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
         else:
             for k in range(6):  # rows see how a driven body moves over the step
                 work.velocity[dof + k] = frame.mean_twist[k]
+
+
+@kernel(internal=True)
+def _put_axial_momentum(frame: RigidFrame, axial: float) -> None:
+    """Replace the part of the angular momentum along the axis of a slender body."""
+    q = orientation_of(frame)
+    L = frame.angular_momentum
+    across = rotate_by_quaternion((q[0], -q[1], -q[2], -q[3]), L[0], L[1], L[2])
+    turned = rotate_by_quaternion(q, axial, across[1], across[2])
+    for k in range(3):
+        L[k] = turned[k]
 
 
 @implement(advance, RigidFrames)
@@ -307,6 +331,8 @@ def advance_rigid_bodies(kind: RigidFrames, time: float, step: float, work: Work
             frame.angular_momentum[k] = 2.0 * L[k] - frame.angular_momentum[k]
         frame.external_work += h * external
         advance_pose(frame, velocity, h)
+        if frame.slender:
+            _put_axial_momentum(frame, frame.principal_inertia[0] * (2.0 * velocity[3] - frame.spin[0]))
 
 
 @implement(end_velocity, RigidFrames)

@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Record, Records, Vector, record_at
+from heavylift.numerics.records import Record, Records, record_at
+from heavylift.numerics.records import Vector as VectorField
+from heavylift.numerics.vectors import Vector, add
 from heavylift.solver.contact.laws.normal_force import mean_normal_force
 from heavylift.solver.contact.layout import (
     BILATERAL,
@@ -39,7 +41,6 @@ __all__ = [
     "linearise",
     "linearise_unilateral",
     "linearised_contact",
-    "rub",
     "solved_rows",
 ]
 
@@ -47,7 +48,7 @@ __all__ = [
 class LinearisedContact(Record):
     """``dp = r - D dw`` of a contact; the entries 01 and 02 of D are zero."""
 
-    r: Vector
+    r: VectorField
     d00: float
     d10: float
     d11: float
@@ -60,8 +61,8 @@ class LinearisedContact(Record):
 class SolvedRows(Record):
     """Softness S [m/(s Ns)] and target b [m/s] of the rows of a contact, as the solver has them."""
 
-    softness: Vector
-    target: Vector
+    softness: VectorField
+    target: VectorField
 
 
 RECORD, ROWS = (of.layout.itemsize // 8 for of in (LinearisedContact, SolvedRows))
@@ -72,26 +73,24 @@ linearised_contact, solved_rows = record_at(LinearisedContact), record_at(Solved
 
 @kernel(inline=True, internal=True)
 def _linearise_normal(
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
+    kind: RowKind,
+    parameters: RowParameters,
     row: SolvedRows,
-    c: int,
     p: float,
     w: float,
     r: float,
     record: LinearisedContact,
 ) -> tuple[float, float, float, float]:
     """Write the normal row; returns residual, impulse that bounds friction now and from p, derivative of it by p."""
-    kind = kinds[c].kind
-    P = p + parameters[c].offset[0]
-    if kind == COMPLIANT:
-        h, depth = parameters[c].step, parameters[c].depth
+    P = p + parameters.offset[0]
+    if kind.kind == COMPLIANT:
+        h, depth = parameters.step, parameters.depth
         S = row.softness[0]
         _, force, slope = mean_normal_force(
-            kinds[c].law,
-            parameters[c].stiffness,
-            parameters[c].exponent,
-            parameters[c].damping,
+            kind.law,
+            parameters.stiffness,
+            parameters.exponent,
+            parameters.damping,
             depth,
             depth - h * (w + S * p - row.target[0]),
             h,
@@ -104,14 +103,14 @@ def _linearise_normal(
         error = lack / (r + D)
         predicted = P + r * error  # all of lack would bring the rounding of w into friction, D times
         return error, max(0.0, predicted), max(0.0, P), 1.0 if predicted > 0.0 else 0.0
-    if kind in (UNILATERAL, BILATERAL):  # a set would be allocated
+    if kind.kind in (UNILATERAL, BILATERAL):  # a set would be allocated
         S = row.softness[0]
         g = w + S * p - row.target[0]
         predicted = P - r * g
-        if kind == BILATERAL or predicted > 0.0:
+        if kind.kind == BILATERAL or predicted > 0.0:
             record.r[0] = -g / S
             record.d00 = 1.0 / S
-            if kind == BILATERAL:
+            if kind.kind == BILATERAL:
                 return g, abs(P), abs(P), 1.0 if P >= 0.0 else -1.0
             return g, predicted, P, 1.0
         record.r[0] = -P
@@ -119,46 +118,49 @@ def _linearise_normal(
         return P / r, 0.0, 0.0, 0.0
     record.r[0] = -p  # given
     record.d00 = 0.0
-    normal = max(0.0, parameters[c].offset[0])
+    normal = max(0.0, parameters.offset[0])
     return p / r, normal, normal, 0.0
 
 
 @kernel(inline=True, internal=True)
-def rub(
-    bound: float,
-    target: float,
-    slope: float,
-    r0: float,
-    D: float,
-    P1: float,
-    P2: float,
-    g1: float,
-    g2: float,
-    S1: float,
-    S2: float,
+def _linearise_friction(
+    parameters: RowParameters,
+    row: SolvedRows,
+    p: Vector,
+    w: Vector,
+    cone: tuple[float, float, float],
     r_t: float,
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Linearise friction.
+    record: LinearisedContact,
+) -> float:
+    """Write both tangents; returns their squared residual.
 
     Parameters
     ----------
-    bound, target, slope
+    parameters, row, p, w, r_t
+        As for `linearise`.
+    cone
         mu times the impulse on the normal as predicted, as it is, and its derivative by p.
-    r0, D
-        Of the record of the normal row.
-    P1, P2, g1, g2, S1, S2, r_t
-        See above, for the tangents.
-
-    Returns
-    -------
-    r1, r2, D10, D20, D11, D12, D22, square
-        Of the record, D21 = D12, and the squared residual.
+    record
+        Its normal row is there.
     """
+    bound, target, slope = cone
+    P1, P2 = p[1] + parameters.offset[1], p[2] + parameters.offset[2]
+    if bound <= 0.0 and target <= 0.0:  # no friction
+        record.r[1], record.r[2] = -P1, -P2
+        record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
+        return (P1 * P1 + P2 * P2) / (r_t * r_t)
+    S1, S2 = row.softness[1], row.softness[2]
+    g1 = w[1] + S1 * p[1] - row.target[1]
+    g2 = w[2] + S2 * p[2] - row.target[2]
     x1, x2 = P1 - r_t * g1, P2 - r_t * g2
     size = math.sqrt(x1 * x1 + x2 * x2)
     if size <= bound:  # sticks
         i1, i2 = 1.0 / S1, 1.0 / S2
-        return -g1 * i1, -g2 * i2, 0.0, 0.0, i1, 0.0, i2, g1 * g1 + g2 * g2
+        record.r[1], record.r[2] = -g1 * i1, -g2 * i2
+        record.d10 = record.d12 = record.d20 = record.d21 = 0.0
+        record.d11, record.d22 = i1, i2
+        return g1 * g1 + g2 * g2
+    r0, D = record.r[0], record.d00
     over = 1.0 / size
     d1, d2, ratio = x1 * over, x2 * over, bound * over
     # (1 - e u.) dp_t = lack + slope d dp_n - ratio r_t e (e . dw_t), with e across d
@@ -171,38 +173,27 @@ def rub(
     f1, f2 = slope * d1 + turn * e1, slope * d2 + turn * e2  # dp_t by dp_n
     across = ratio * r_t * beta
     left1, left2 = P1 - bound * d1, P2 - bound * d2
-    return (
-        lack1 + along * e1 + f1 * r0,
-        lack2 + along * e2 + f2 * r0,
-        f1 * D,
-        f2 * D,
-        across * e1 * e1,
-        across * e1 * e2,
-        across * e2 * e2,
-        (left1 * left1 + left2 * left2) / (r_t * r_t),
-    )
+    record.r[1], record.r[2] = lack1 + along * e1 + f1 * r0, lack2 + along * e2 + f2 * r0
+    record.d10, record.d20 = f1 * D, f2 * D
+    record.d11, record.d22 = across * e1 * e1, across * e2 * e2
+    record.d12 = record.d21 = across * e1 * e2
+    return (left1 * left1 + left2 * left2) / (r_t * r_t)
 
 
 @kernel(inline=True, internal=True)
 def linearise_unilateral(
-    parameters: Records[RowParameters],
+    parameters: RowParameters,
     row: SolvedRows,
-    c: int,
-    p0: float,
-    p1: float,
-    p2: float,
-    w0: float,
-    w1: float,
-    w2: float,
+    p: Vector,
+    w: Vector,
     r_n: float,
     r_t: float,
     record: LinearisedContact,
 ) -> float:
     """As `linearise`, for a contact that can only push: short enough to stand in the loop over contacts."""
-    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
-    S0, S1, S2 = row.softness[0], row.softness[1], row.softness[2]
-    g0 = w0 + S0 * p0 - row.target[0]
-    predicted, mu = P0 - r_n * g0, parameters[c].friction
+    P0, S0, mu = p[0] + parameters.offset[0], row.softness[0], parameters.friction
+    g0 = w[0] + S0 * p[0] - row.target[0]
+    predicted = P0 - r_n * g0
     if predicted > 0.0:
         D = 1.0 / S0
         r0, square = -g0 * D, g0 * g0
@@ -211,27 +202,16 @@ def linearise_unilateral(
         D, r0, square = 0.0, -P0, (P0 / r_n) ** 2
         bound = target = 0.0
     record.r[0], record.d00 = r0, D
-    if bound <= 0.0 and target <= 0.0:  # no friction
-        record.r[1], record.r[2] = -P1, -P2
-        record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
-        return square + (P1 * P1 + P2 * P2) / (r_t * r_t)
-    g1 = w1 + S1 * p1 - row.target[1]
-    g2 = w2 + S2 * p2 - row.target[2]
-    r1, r2, a10, a20, a11, a12, a22, more = rub(bound, target, mu, r0, D, P1, P2, g1, g2, S1, S2, r_t)
-    record.r[1], record.r[2] = r1, r2
-    record.d10, record.d11, record.d12 = a10, a11, a12
-    record.d20, record.d21, record.d22 = a20, a12, a22
-    return square + more
+    return square + _linearise_friction(parameters, row, p, w, (bound, target, mu), r_t, record)
 
 
 @kernel(inline=True, internal=True)
 def linearise(
-    kinds: Records[RowKind],
-    parameters: Records[RowParameters],
+    kind: RowKind,
+    parameters: RowParameters,
     row: SolvedRows,
-    c: int,
-    p: NDArray[np.float64],
-    w: NDArray[np.float64],
+    p: Vector,
+    w: Vector,
     r_n: float,
     r_t: float,
     record: LinearisedContact,
@@ -240,79 +220,55 @@ def linearise(
 
     Parameters
     ----------
-    kinds, parameters
-        Of all contacts, see the layout; softness and target are not read from there.
+    kind, parameters
+        Of the contact, see the layout; softness and target are not read from there.
     row
         Softness and target of its rows.
-    c
-        Contact.
     p, w
-        Impulses and rates of all rows.
+        Impulses and rates of its rows.
     r_n, r_t
         Positive numbers of the size of 1/W of the contact.
     record
         Written.
     """
-    kind = kinds[c].kind
-    p0, p1, p2 = p[3 * c], p[3 * c + 1], p[3 * c + 2]
-    if kind == INACTIVE:
-        record.r[0], record.r[1], record.r[2] = -p0, -p1, -p2
+    if kind.kind == INACTIVE:
+        record.r[0], record.r[1], record.r[2] = -p[0], -p[1], -p[2]
         record.d00 = record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
-        return (p0 / r_n) ** 2 + (p1 * p1 + p2 * p2) / (r_t * r_t)
-    w0, w1, w2 = w[3 * c], w[3 * c + 1], w[3 * c + 2]
-    if kind == CURVE:
-        return _linearise_curve(parameters, row, c, p0, p1, p2, w0, w1, w2, r_t, record)
-    error_n, present, after, slope = _linearise_normal(kinds, parameters, row, c, p0, w0, r_n, record)
-    mu = parameters[c].friction
-    P1, P2 = p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
-    bound, target, slope = mu * present, mu * after, mu * slope
-    if bound <= 0.0 and target <= 0.0:  # no friction
-        record.d10 = record.d11 = record.d12 = record.d20 = record.d21 = record.d22 = 0.0
-        record.r[1], record.r[2] = -P1, -P2
-        return error_n * error_n + (P1 * P1 + P2 * P2) / (r_t * r_t)
-    S1, S2 = row.softness[1], row.softness[2]
-    g1 = w1 + S1 * p1 - row.target[1]
-    g2 = w2 + S2 * p2 - row.target[2]
-    r1, r2, a10, a20, a11, a12, a22, square = rub(
-        bound, target, slope, record.r[0], record.d00, P1, P2, g1, g2, S1, S2, r_t
-    )
-    record.r[1], record.r[2] = r1, r2
-    record.d10, record.d11, record.d12 = a10, a11, a12
-    record.d20, record.d21, record.d22 = a20, a12, a22
-    return error_n * error_n + square
+        return (p[0] / r_n) ** 2 + (p[1] * p[1] + p[2] * p[2]) / (r_t * r_t)
+    if kind.kind == CURVE:
+        return _linearise_curve(parameters, row, p, w, r_t, record)
+    error, present, after, slope = _linearise_normal(kind, parameters, row, p[0], w[0], r_n, record)
+    mu = parameters.friction
+    cone = (mu * present, mu * after, mu * slope)
+    return error * error + _linearise_friction(parameters, row, p, w, cone, r_t, record)
 
 
 @kernel(internal=True)
 def _linearise_curve(
-    parameters: Records[RowParameters],
+    parameters: RowParameters,
     row: SolvedRows,
-    c: int,
-    p0: float,
-    p1: float,
-    p2: float,
-    w0: float,
-    w1: float,
-    w2: float,
+    p: Vector,
+    w: Vector,
     r_t: float,
     record: LinearisedContact,
 ) -> float:
     """Two equations and friction along the third row."""
     S0, S1, S2 = row.softness[0], row.softness[1], row.softness[2]
-    g0 = w0 + S0 * p0 - row.target[0]
-    g1 = w1 + S1 * p1 - row.target[1]
+    g0 = w[0] + S0 * p[0] - row.target[0]
+    g1 = w[1] + S1 * p[1] - row.target[1]
     r0, r1 = -g0 / S0, -g1 / S1
     record.r[0], record.r[1] = r0, r1
     record.d00, record.d11 = 1.0 / S0, 1.0 / S1
     record.d10 = record.d12 = 0.0
-    P0, P1, P2 = p0 + parameters[c].offset[0], p1 + parameters[c].offset[1], p2 + parameters[c].offset[2]
-    mu = parameters[c].friction
+    P0, P1, P2 = add(p, parameters.offset)
+    mu = parameters.friction
     normal = math.sqrt(P0 * P0 + P1 * P1)
     bound, f0, f1 = mu * normal, 0.0, 0.0
     if normal > 0.0:
         f0, f1 = mu * P0 / normal, mu * P1 / normal
     g2, x = 0.0, P2
     if mu > 0.0:
-        g2 = w2 + S2 * p2 - row.target[2]
+        g2 = w[2] + S2 * p[2] - row.target[2]
         x = P2 - r_t * g2
     if mu > 0.0 and abs(x) <= bound:
         record.r[2] = -g2 / S2

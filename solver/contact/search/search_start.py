@@ -31,49 +31,19 @@ def sample_deforming(
     if not cold:
         return
     contour = contacts.table[c].contour
-    row, samples, net = contacts.contours[contour], contacts.samples, contacts.net
+    row, samples = contacts.contours[contour], contacts.samples
     if row.owner in (OF_RIGID, OF_GROUND):
         return
     form_controls(bodies, contacts, contour, 0, row.u.count - 1, 0, row.v.count - 1)
-    grid = samples.grids[contour]
-    i, j, at = grid.first_u, grid.first_v, grid.points
-    m, n = i + grid.count_u, j + grid.count_v
-    samples.reach[contour] = sample_points(
-        row,
-        contacts.constants,
-        net,
-        samples.first[i:m],
-        samples.first[j:n],
-        samples.basis[i:m],
-        samples.basis[j:n],
-        samples.across,
-        samples.points[at : at + 3],
-    )
+    sample_points(row, contacts.constants, contacts.net, samples, samples.grids[contour])
 
 
 @kernel(internal=True)
 def start_at_point(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -> None:
     """Nearest point of a curve or surface to a point in its axes [m], into the state of a contact."""
     contour = contacts.table[c].contour
+    row, knots, net = contacts.contours[contour], contacts.constants, contacts.net
     samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch.result, scratch.evaluation
-    grid = samples.grids[contour]
-    i, j, at = grid.first_u, grid.first_v, grid.points
-    closest_point_cold(
-        contacts.contours[contour],
-        contacts.constants,
-        contacts.constants,
-        contacts.net,
-        y1,
-        y2,
-        y3,
-        samples.parameters[i : i + grid.count_u],
-        samples.parameters[j : j + grid.count_v],
-        samples.points[at : at + 3],
-        samples.reach[contour],
-        0.0,
-        samples.distances,
-        evaluate,
-        result,
-    )
+    result, evaluate, grid = scratch.result, scratch.evaluation, samples.grids[contour]
+    closest_point_cold(row, knots, knots, net, (y1, y2, y3), samples, grid, evaluate, result)
     state.u, state.v = result.u, result.v

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.splines.basis import find_span
 from heavylift.contours.splines.evaluate import curve_point, curve_weights
-from heavylift.contours.splines.search import closest_on_curve
+from heavylift.contours.splines.search import closest_on_curve, set_window
 from heavylift.contours.splines.search_step import CONVERGED, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import cross, rotate_back
@@ -77,14 +76,12 @@ def _find_point(
     row, scratch = contacts.contours[contour], contacts.scratch
     result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    span = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
+    set_window(row, knots, u, 0.0, result)
     start_search(row, u, 0.0, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
-        form_span(contacts, bodies, contour, span, 0)
-        status = closest_on_curve(row, knots, knots, net, y1, y2, y3, span, evaluate, result)
-        if status == NEED_SPAN:
-            span = result.span_u
+        form_span(contacts, bodies, contour, result.span_u, 0)
+        status = closest_on_curve(row, knots, knots, net, (y1, y2, y3), evaluate, result)
     return status
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from heavylift.contours.splines.basis import find_span
-from heavylift.contours.splines.search_cold import closest_shape_cold
-from heavylift.contours.splines.search_shape import closest_shape_on_surface, shape_gap
+from heavylift.contours.splines.search import set_window
+from heavylift.contours.splines.search_shape import closest_shape_cold, closest_shape_on_surface, shape_gap
 from heavylift.contours.splines.search_step import BORDER, CONVERGED, DEEP, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import CONVEX, TOO_DEEP, ContactRows
@@ -38,23 +37,21 @@ def touch_primitive(
     row, scratch, state = contacts.contours[contour], contacts.scratch, contacts.state[c]
     result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    shape = scratch.primitive
+    kind, shape = contacts.table[c].primitive_kind, scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
-        _start_anywhere(contacts, c)
+        samples = contacts.samples
+        closest_shape_cold(
+            row, knots, knots, net, kind, shape, samples, samples.grids[contour], evaluate, result
+        )
+        state.u, state.v = result.u, result.v
     u, v = state.u, state.v
-    span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
-    span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
-    kind = contacts.table[c].primitive_kind
+    set_window(row, knots, u, v, result)
     start_search(row, u, v, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
-        form_span(contacts, bodies, contour, span_u, span_v)
-        status = closest_shape_on_surface(
-            row, knots, knots, net, kind, shape, span_u, span_v, evaluate, result
-        )
-        if status == NEED_SPAN:
-            span_u, span_v = result.span_u, result.span_v
+        form_span(contacts, bodies, contour, result.span_u, result.span_v)
+        status = closest_shape_on_surface(row, knots, knots, net, kind, shape, evaluate, result)
     note_search(contacts, c, status)
     gap, m1, m2, m3, x1, x2, x3, side = shape_gap(kind, shape, result)
     flags = result.flags
@@ -64,30 +61,3 @@ def touch_primitive(
         gap, m1, m2, m3 = -(gap + contacts.values[c].extent), -m1, -m2, -m3
     state.end_gap, state.second_end_gap = gap, 0.0
     put_touch(contacts, c, -m1, -m2, -m3, x1 - y1, x2 - y2, x3 - y3)
-
-
-@kernel(internal=True)
-def _start_anywhere(contacts: ContactRows, c: int) -> None:
-    """Nearest point of the surface to the primitive, of several minima."""
-    contour = contacts.table[c].contour
-    samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch.result, scratch.evaluation
-    grid = samples.grids[contour]
-    i, j, at = grid.first_u, grid.first_v, grid.points
-    closest_shape_cold(
-        contacts.contours[contour],
-        contacts.constants,
-        contacts.constants,
-        contacts.net,
-        contacts.table[c].primitive_kind,
-        scratch.primitive,
-        samples.parameters[i : i + grid.count_u],
-        samples.parameters[j : j + grid.count_v],
-        samples.points[at : at + 3],
-        samples.reach[contour],
-        0.0,
-        samples.distances,
-        evaluate,
-        result,
-    )
-    state.u, state.v = result.u, result.v

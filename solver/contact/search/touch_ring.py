@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.splines.basis import find_span
-from heavylift.contours.splines.search import signed_gap
-from heavylift.contours.splines.search_circle import ring_on_surface, ring_point, start_ring
-from heavylift.contours.splines.search_circle_cold import ring_cold
+from heavylift.contours.splines.search import set_window, signed_gap
+from heavylift.contours.splines.search_circle import ring_cold, ring_on_surface, ring_point, start_ring
 from heavylift.contours.splines.search_step import BORDER, CONVERGED, NEED_SPAN
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import CIRCLE, ContactRows
@@ -47,17 +45,16 @@ def touch_ring(
     shape = scratch.primitive
     place_shape(contacts, c, y1, y2, y3, work)
     if cold:
-        _start_anywhere(contacts, c)
+        samples = contacts.samples
+        ring_cold(row, knots, knots, net, shape, samples, samples.grids[contour], evaluate, result)
+        state.u, state.v, state.second_end_gap = result.u, result.v, result.ring.angle
     u, v = state.u, state.v
-    span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
-    span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
+    set_window(row, knots, u, v, result)
     start_ring(row, u, v, state.second_end_gap, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
-        form_span(contacts, bodies, contour, span_u, span_v)
-        status = ring_on_surface(row, knots, knots, net, shape, span_u, span_v, evaluate, result)
-        if status == NEED_SPAN:
-            span_u, span_v = result.span_u, result.span_v
+        form_span(contacts, bodies, contour, result.span_u, result.span_v)
+        status = ring_on_surface(row, knots, knots, net, shape, evaluate, result)
     note_search(contacts, c, status)
     if status != CONVERGED:
         result.ring.angle = state.second_end_gap
@@ -72,30 +69,3 @@ def touch_ring(
             gap = distance
     state.end_gap, state.second_end_gap = gap - rounding, result.ring.angle
     put_touch(contacts, c, n1, n2, n3, r1 - rounding * n1, r2 - rounding * n2, r3 - rounding * n3)
-
-
-@kernel(internal=True)
-def _start_anywhere(contacts: ContactRows, c: int) -> None:
-    """Point of the surface and angle of the ring with the least gap of all."""
-    contour = contacts.table[c].contour
-    samples, scratch, state = contacts.samples, contacts.scratch, contacts.state[c]
-    result, evaluate = scratch.result, scratch.evaluation
-    grid = samples.grids[contour]
-    i, j, at = grid.first_u, grid.first_v, grid.points
-    ring_cold(
-        contacts.contours[contour],
-        contacts.constants,
-        contacts.constants,
-        contacts.net,
-        scratch.primitive,
-        samples.parameters[i : i + grid.count_u],
-        samples.parameters[j : j + grid.count_v],
-        samples.points[at : at + 3],
-        samples.reach[contour],
-        0.0,
-        samples.distances,
-        samples.angles,
-        evaluate,
-        result,
-    )
-    state.u, state.v, state.second_end_gap = result.u, result.v, result.ring.angle

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.splines.basis import find_span
-from heavylift.contours.splines.search import closest_on_surface
+from heavylift.contours.splines.search import closest_on_surface, set_window
 from heavylift.contours.splines.search_step import BORDER, NEED_SPAN, start_search
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import cross
@@ -54,15 +53,12 @@ def _find_point(
     row, scratch = contacts.contours[contour], contacts.scratch
     result, evaluate = scratch.result, scratch.evaluation
     knots, net = contacts.constants, contacts.net
-    span_u = find_span(knots, row.u.first_knot, row.u.degree, row.u.count + row.u.closed * row.u.degree, u)
-    span_v = find_span(knots, row.v.first_knot, row.v.degree, row.v.count + row.v.closed * row.v.degree, v)
+    set_window(row, knots, u, v, result)
     start_search(row, u, v, result)
     status = NEED_SPAN
     while status == NEED_SPAN:
-        form_span(contacts, bodies, contour, span_u, span_v)
-        status = closest_on_surface(row, knots, knots, net, y1, y2, y3, span_u, span_v, evaluate, result)
-        if status == NEED_SPAN:
-            span_u, span_v = result.span_u, result.span_v
+        form_span(contacts, bodies, contour, result.span_u, result.span_v)
+        status = closest_on_surface(row, knots, knots, net, (y1, y2, y3), evaluate, result)
     return status
 
 

@@ -220,6 +220,7 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
         contacts.control.impact = True
         state.recent_impacts += 1
         state.impacts += 1
+        state.impact_impulse += impulse[0]
 
 
 @implement(close_step, ContactRows)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.vectors import vector_at
 from heavylift.solver.contact.laws.rows import (
     RECORD,
     ROWS,
@@ -82,17 +83,9 @@ def _solve_contact(
     for i in range(normals):
         row, before = first + i, p[first + i]
         work.w[row] = _rate(problem, row, y)
-        linearise(
-            kinds,
-            parameters,
-            solved,
-            c,
-            p,
-            work.w,
-            1.0 / (response[first] + solved.softness[0]),
-            1.0,
-            record,
-        )
+        r_n = 1.0 / (response[first] + solved.softness[0])
+        impulse, rate = vector_at(p, first), vector_at(work.w, first)
+        linearise(kinds[c], parameters[c], solved, impulse, rate, r_n, 1.0, record)
         reaction = record.d00 if i == 0 else record.d11
         p[row] += record.r[i] / (1.0 + reaction * response[row])
         _push(problem, row, p[row] - before, y)

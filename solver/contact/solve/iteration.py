@@ -113,14 +113,13 @@ def _evaluate(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[flo
         else:
             v0, v1, v2 = w[i], w[i + 1], w[i + 2]
         p0, p1, p2 = p[i], p[i + 1], p[i + 2]
+        impulse, rate, parameters = (p0, p1, p2), (v0, v1, v2), problem.parameters[c]
         r_n, r_t = work.inverse[2 * c], work.inverse[2 * c + 1]
         record, row = linearised_contact(records, RECORD * c), solved_rows(work.rows, ROWS * c)
         if kinds[c].kind == UNILATERAL:
-            square = linearise_unilateral(
-                problem.parameters, row, c, p0, p1, p2, v0, v1, v2, r_n, r_t, record
-            )
+            square = linearise_unilateral(parameters, row, impulse, rate, r_n, r_t, record)
         else:
-            square = linearise(kinds, problem.parameters, row, c, p, w, r_n, r_t, record)
+            square = linearise(kinds[c], parameters, row, impulse, rate, r_n, r_t, record)
         r0, r1, r2 = record.r[0], record.r[1], record.r[2]
         if on_blocks and (r0 != 0.0 or r1 != 0.0 or r2 != 0.0):
             add_rows(N, o, r0, r1, r2, work.sums)

@@ -87,9 +87,10 @@ class PairSide(Record):
 
 
 class GoneContacts(Record):
-    """Sums over contacts of a pair that are gone: normal impulses [N s], energy lost [J], impacts, slip path [m]."""
+    """Sums over contacts of a pair that are gone, as of a contact: impulses, energy, number, slip path."""
 
     impulse: float
+    impact_impulse: float
     loss: float
     impacts: int
     slip_path: float

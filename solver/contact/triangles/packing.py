@@ -144,7 +144,7 @@ def pack_collisions(
         pair.patch_cosine = math.cos(collision.patch_angle)
         pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
         pair.radii = moved[first].radius + moved[second].radius
-    packed = pack_surfaces(moved)
+    packed = pack_surfaces(moved, [surface.body for surface in scene.surfaces])
     most = int(pairs["most"].sum())
     room = FOUND_AT_ONCE * max(2, int(pairs["most"].max()))
     room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])

@@ -33,6 +33,7 @@ class CollisionColumns(Record):
     slip: float
     dissipated: float
     impacts: float
+    impact_impulse: float
 
 
 class ContactColumns(Record):
@@ -76,6 +77,7 @@ def _record_sums(
     sums = collision_columns(row, at)
     sums.gap = meshes.pairs[pair].reach
     sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss, gone.impacts
+    sums.impact_impulse = gone.impact_impulse
     highest = -1.0
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
@@ -83,6 +85,7 @@ def _record_sums(
             continue
         sums.gap = min(sums.gap, state.gap)
         sums.impulse += state.impulse
+        sums.impact_impulse += state.impact_impulse
         sums.dissipated += state.loss
         sums.impacts += state.impacts
         if contacts.table[c].law == COMPLIANT:

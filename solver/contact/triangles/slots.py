@@ -136,6 +136,7 @@ def _drop_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
             continue
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + state.pair], 0)
         gone.impulse += state.impulse
+        gone.impact_impulse += state.impact_impulse
         gone.loss += state.loss
         gone.impacts += state.impacts
         gone.slip_path += state.slip_path

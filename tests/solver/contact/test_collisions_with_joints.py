@@ -114,14 +114,7 @@ def ends_meet(found: Any) -> float:
 @pytest.mark.parametrize(
     ("law", "events"),
     [
-        pytest.param(
-            RigidLaw(),
-            True,
-            id="rigid",
-            marks=pytest.mark.xfail(
-                reason="an iteration of links that slide apart does not converge at 0.6 s"
-            ),
-        ),
+        pytest.param(RigidLaw(), True, id="rigid"),
         pytest.param(RigidLaw(restitution=0.5), True, id="bouncing"),
         pytest.param(RigidLaw(), False, id="no events"),
         pytest.param(LinearLaw(1e6, 2e4), True, id="compliant"),

@@ -92,7 +92,7 @@ def test_samples_lie_on_their_contours(both: tuple[tuple[Contour, ...], Layout])
     samples = layout.systems[1].samples
     for contour, grid in zip(contours, samples.grids, strict=True):
         assert contour.neutral is not None
-        first, a, second, b, at = map(int, grid.tolist())
+        first, a, second, b, at = map(int, grid.tolist()[:5])
         u, v = samples.parameters[first : first + a], samples.parameters[second : second + b]
         pairs = np.stack(np.meshgrid(u, v, indexing="ij"), axis=2).reshape(-1, 2)[
             :, : len(contour.neutral.spaces)

@@ -1,0 +1,226 @@
+"""Seams: triangles that meet without being joined, as the plates of CAD models do.
+
+What may push from an edge or a vertex is told by the triangles that it joins (`feature_regions`). Plates that abut,
+overlap or meet in T-junctions join nothing: each of their borders would be an edge in the open, and what slides over
+the seam would be stopped by it. So the triangles that a border *lies in* become its neighbours too, found once from
+where things are:
+
+- a vertex of a border has the corners of every triangle that it touches as neighbours;
+- an edge of a border has a neighbour on a side if triangles that contain it cover it on that side from end to end.
+
+An edge that is covered in part stays a border: its other part is one.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["Seams", "find_seams"]
+
+TOLERANCE, MOST = 1e-5, 1e-4
+"""Distance at which things touch, over the extension of the surfaces, and at most [m]: CAD files have six digits, and
+plates that lie on each other are thicker."""
+
+CHUNK = 2_000_000
+"""Pairs of boxes that are looked at together."""
+
+
+class Seams(NamedTuple):
+    """Neighbours that nothing joins.
+
+    Attributes
+    ----------
+    vertices, vertex_neighbours
+        Vertices of borders, and one neighbour each; shape (m,).
+    edges, edge_opposite
+        Edges of borders, and a point on the side of a triangle that covers it each; shape (k,).
+    """
+
+    vertices: NDArray[np.int64]
+    vertex_neighbours: NDArray[np.int64]
+    edges: NDArray[np.int64]
+    edge_opposite: NDArray[np.int64]
+
+
+def find_seams(
+    points: NDArray[np.float64],
+    corners: NDArray[np.int64],
+    normals: NDArray[np.float64],
+    ends: NDArray[np.int64],
+    borders: NDArray[np.int64],
+) -> Seams:
+    """Neighbours of the borders of a surface.
+
+    Parameters
+    ----------
+    points
+        [m], shape (n, 3).
+    corners, normals
+        Of the faces, shape (nt, 3) each.
+    ends
+        Points of all edges, shape (ne, 2).
+    borders
+        Edges that one face has, shape (nb,). Of a closed surface there are none, and nothing is looked for.
+    """
+    none = np.zeros(0, dtype=np.int64)
+    if not len(borders) or not len(corners):
+        return Seams(none, none, none, none)
+    used = points[corners]
+    tolerance = min(TOLERANCE * float(np.ptp(used.reshape(-1, 3), axis=0).max()), MOST)
+    lower, upper = used.min(axis=1) - tolerance, used.max(axis=1) + tolerance
+    vertices = np.unique(ends[borders])
+    at, faces = _touching(points[vertices], points[vertices], lower, upper)
+    owners, others = _neighbours_of_vertices(points, corners, normals, vertices[at], faces, tolerance)
+    first, last = points[ends[borders, 0]], points[ends[borders, 1]]
+    at, faces = _touching(np.minimum(first, last), np.maximum(first, last), lower, upper)
+    edges, opposite = _neighbours_of_edges(points, corners, normals, ends, borders[at], faces, tolerance)
+    return Seams(owners, others, edges, opposite)
+
+
+def _touching(
+    lower: NDArray[np.float64],
+    upper: NDArray[np.float64],
+    face_lower: NDArray[np.float64],
+    face_upper: NDArray[np.float64],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of boxes, and of boxes of faces, that meet."""
+    axis = int(np.argmax(np.ptp(face_lower, axis=0)))
+    order = np.argsort(face_lower[:, axis])
+    sorted_lower = face_lower[order, axis]
+    widest = float((face_upper[:, axis] - face_lower[:, axis]).max())
+    begin = np.searchsorted(sorted_lower, lower[:, axis] - widest, side="left")
+    end = np.searchsorted(sorted_lower, upper[:, axis], side="right")
+    counts = end - begin
+    found: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
+    sums = np.concatenate([[0], np.cumsum(counts)])
+    start = 0
+    while start < len(counts):
+        stop = max(int(np.searchsorted(sums, sums[start] + CHUNK, side="right")) - 1, start + 1)
+        part = counts[start:stop]
+        box = np.repeat(np.arange(start, stop), part)
+        within = np.arange(int(part.sum())) - np.repeat(np.cumsum(part) - part, part)
+        face = order[np.repeat(begin[start:stop], part) + within]
+        meet = np.all((lower[box] <= face_upper[face]) & (upper[box] >= face_lower[face]), axis=1)
+        found.append((box[meet], face[meet]))
+        start = stop
+    return np.concatenate([box for box, _ in found]), np.concatenate([face for _, face in found])
+
+
+def _heights(
+    points: NDArray[np.float64], corners: NDArray[np.int64], normals: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """First corners of faces, and for each side its point and the unit vector in the plane into the face, (n, 3, 3)."""
+    corner = points[corners]
+    along = np.roll(corner, -1, axis=1) - corner
+    inward = np.cross(normals[:, np.newaxis], along)
+    inward /= np.linalg.norm(inward, axis=2, keepdims=True)
+    return corner[:, 0], corner, inward
+
+
+def _neighbours_of_vertices(
+    points: NDArray[np.float64],
+    corners: NDArray[np.int64],
+    normals: NDArray[np.float64],
+    vertices: NDArray[np.int64],
+    faces: NDArray[np.int64],
+    tolerance: float,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Vertices, and corners of the faces that they touch without being a corner of them."""
+    new = ~np.any(corners[faces] == vertices[:, np.newaxis], axis=1)
+    vertices, faces = vertices[new], faces[new]
+    origin, corner, inward = _heights(points, corners[faces], normals[faces])
+    place = points[vertices]
+    height = np.abs(np.einsum("ij,ij->i", place - origin, normals[faces]))
+    depth = np.einsum("ikj,ikj->ik", place[:, np.newaxis] - corner, inward).min(axis=1)
+    touches = (height <= tolerance) & (depth >= -tolerance)
+    owners, others = np.repeat(vertices[touches], 3), corners[faces[touches]].ravel()
+    apart = np.linalg.norm(points[owners] - points[others], axis=1) > tolerance
+    return owners[apart], others[apart]
+
+
+def _neighbours_of_edges(
+    points: NDArray[np.float64],
+    corners: NDArray[np.int64],
+    normals: NDArray[np.float64],
+    ends: NDArray[np.int64],
+    edges: NDArray[np.int64],
+    faces: NDArray[np.int64],
+    tolerance: float,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Edges, and corners of faces that cover them on a side from end to end."""
+    own = (corners[faces][:, :, np.newaxis] == ends[edges][:, np.newaxis, :]).any(axis=1).all(axis=1)
+    edges, faces = edges[~own], faces[~own]
+    start, end = points[ends[edges, 0]], points[ends[edges, 1]]
+    origin, corner, inward = _heights(points, corners[faces], normals[faces])
+    normal = normals[faces]
+    flat = np.abs(np.einsum("ij,ij->i", start - origin, normal)) <= tolerance
+    flat &= np.abs(np.einsum("ij,ij->i", end - origin, normal)) <= tolerance
+    edges, faces, start, end, corner, inward = (x[flat] for x in (edges, faces, start, end, corner, inward))
+    # the part of the edge between the three sides of the face, as parameters from 0 to 1
+    at_start = np.einsum("ikj,ikj->ik", start[:, np.newaxis] - corner, inward) + tolerance
+    at_end = np.einsum("ikj,ikj->ik", end[:, np.newaxis] - corner, inward) + tolerance
+    slope = at_end - at_start
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = -at_start / slope
+    low = np.where(slope > 0.0, crossing, 0.0).max(axis=1, initial=0.0)
+    high = np.where(slope < 0.0, crossing, 1.0).min(axis=1, initial=1.0)
+    never = np.any((at_start < 0.0) & (at_end < 0.0), axis=1)
+    long = np.linalg.norm(end - start, axis=1)
+    good = ~never & ((high - low) * long > tolerance)
+    edges, faces, low, high, start, end, long = (x[good] for x in (edges, faces, low, high, start, end, long))
+    # on which side of the edge the corners of the face are
+    along = (end - start) / long[:, np.newaxis]
+    across = np.cross(normals[faces], along)
+    aside = np.einsum("ikj,ij->ik", points[corners[faces]] - start[:, np.newaxis], across)
+    found_edges: list[int] = []
+    found_points: list[int] = []
+    order = np.argsort(edges, kind="stable")
+    for rows in np.split(order, np.flatnonzero(np.diff(edges[order])) + 1):
+        if not len(rows):
+            continue
+        edge, slack = int(edges[rows[0]]), 3.0 * tolerance / long[rows[0]]
+        for group in _directions(across[rows]):
+            for sign in (1.0, -1.0):
+                sense = sign * group.sense
+                reach = (aside[rows[group.rows]] * sense[:, np.newaxis]).max(axis=1)
+                side = rows[group.rows][reach > tolerance]
+                if len(side) and _covered(low[side], high[side], slack):
+                    best = rows[group.rows][int(np.argmax(reach))]
+                    value = aside[best] * sense[int(np.argmax(reach))]
+                    found_edges.append(edge)
+                    found_points.append(int(corners[faces[best]][int(np.argmax(value))]))
+    return np.array(found_edges, dtype=np.int64), np.array(found_points, dtype=np.int64)
+
+
+class _Direction(NamedTuple):
+    """Faces at an edge in one plane: their rows, and whether they are wound as the first of them."""
+
+    rows: NDArray[np.int64]
+    sense: NDArray[np.float64]
+
+
+def _directions(across: NDArray[np.float64]) -> list[_Direction]:
+    """Group faces at an edge by their planes."""
+    left = np.arange(len(across))
+    groups = []
+    while len(left):
+        product = across[left] @ across[left[0]]
+        same = np.abs(product) > 1.0 - 1e-4
+        groups.append(_Direction(left[same], np.sign(product[same])))
+        left = left[~same]
+    return groups
+
+
+def _covered(low: NDArray[np.float64], high: NDArray[np.float64], slack: float) -> bool:
+    """Whether intervals cover that from 0 to 1 together."""
+    reached = slack
+    for row in np.argsort(low):
+        if low[row] > reached:
+            return False
+        reached = max(reached, high[row] + slack)
+    return reached >= 1.0

@@ -1,0 +1,51 @@
+"""Ringing: what the end velocities of a step have of motions that it does not resolve.
+
+The midpoint rule gives a mode with the angular frequency w at a step of h the factor ``(1 - i h w/2)/(1 + i h w/2)``,
+which tends to -1: end velocity and strain of a stiff mode change their sign with every step, while the velocity in the
+middle, and with it the path, has hardly anything of it. Energy is kept, so this is not damped; but it is no motion.
+
+So nothing that happens in a step, and nothing that is recorded of a force, may be taken from the end velocities alone.
+The *steady* end velocity extends the mean velocities of the last two steps by half a step: it is of second order where
+the motion is resolved, and has little of the ringing. Where a velocity has jumped, as in an impact, the velocity of the
+end itself is nearer: it counts where it has changed by less than half of what the extension says, and no change at all
+where the two differ in sign (a limiter, as of A. Harten, J. Comput. Phys. 49, 1983).
+
+A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with it:
+this drives the ringing, in shells by a percent a step, until it has as much energy as the motion.
+"""
+
+from __future__ import annotations
+
+from heavylift.numerics.jit import kernel
+
+__all__ = ["alternating", "steady_rate"]
+
+
+@kernel(inline=True, internal=True)
+def steady_rate(mean: float, growth: float, end: float) -> float:
+    """Rate at the end of a step without ringing.
+
+    Parameters
+    ----------
+    mean
+        Of the step.
+    growth
+        What it grows by in half a step, as far as the mean rates of this step and the one before tell.
+    end
+        Rate by the velocities at the end.
+    """
+    change = end - mean
+    if change * growth <= 0.0:
+        return mean
+    return mean + (growth if abs(growth) < abs(change) else change)
+
+
+@kernel(inline=True, internal=True)
+def alternating(deviation: float, before: float) -> float:
+    """The part of a deviation that changes its sign with every step, from those of this step and the one before.
+
+    What a step resolves deviates too, by the square of the step, but keeps its sign for half of its period.
+    """
+    if deviation * before >= 0.0:
+        return 0.0
+    return deviation if abs(deviation) < abs(before) else -before

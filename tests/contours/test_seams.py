@@ -1,0 +1,111 @@
+"""Borders that lie in other triangles: plates that abut, overlap and meet in T-junctions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heavylift.contours.triangles.seams import find_seams
+from heavylift.contours.triangles.surface_pack import pack_surfaces
+from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+
+
+def plate(x0: float, x1: float, y0: float = -1.0, y1: float = 1.0, z: float = 0.0) -> TriangleSurface:
+    """A rectangle of two triangles."""
+    points = np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
+    return TriangleSurface(points, np.array([[0, 1, 2], [0, 2, 3]]))
+
+
+def inward(packed, a, b) -> np.ndarray:
+    """Directions from the edge between two places into what covers its sides, each once."""
+    ends = packed.points[packed.edges["ends"]]
+    for e, (p, q) in enumerate(ends):
+        if {tuple(p), tuple(q)} == {tuple(a), tuple(b)}:
+            rows = packed.edge_inward[packed.edge_first[e] : packed.edge_first[e + 1]]
+            return np.unique(rows.round(9) + 0.0, axis=0)
+    raise AssertionError((a, b))
+
+
+def test_plates_that_abut_are_neighbours_along_the_seam():
+    packed = pack_surfaces([plate(0.0, 1.0), plate(1.0, 3.0)], ["deck", "deck"])
+    found = inward(packed, (1.0, -1.0, 0.0), (1.0, 1.0, 0.0))
+    assert found == pytest.approx(np.array([[-1.0, 0, 0], [1, 0, 0]]))
+    assert len(inward(packed, (0.0, -1.0, 0.0), (0.0, 1.0, 0.0))) == 1  # the far border is one
+
+
+def test_plates_of_two_bodies_are_not():
+    for bodies in (None, ["deck", "hatch"]):
+        packed = pack_surfaces([plate(0.0, 1.0), plate(1.0, 3.0)], bodies)
+        assert len(inward(packed, (1.0, -1.0, 0.0), (1.0, 1.0, 0.0))) == 1
+
+
+def test_nor_are_plates_with_a_step_or_a_gap():
+    for other in (plate(1.0, 3.0, z=-1e-3), plate(1.001, 3.0)):
+        packed = pack_surfaces([plate(0.0, 1.0), other], [0, 0])
+        assert len(inward(packed, (1.0, -1.0, 0.0), (1.0, 1.0, 0.0))) == 1
+
+
+def test_an_edge_is_covered_by_two_plates_together_and_by_one_alone_is_a_border():
+    whole, low, high = plate(0.0, 1.0), plate(1.0, 2.0, -1.0, 0.2), plate(1.0, 2.0, 0.2, 1.0)
+    edge = (1.0, -1.0, 0.0), (1.0, 1.0, 0.0)
+    assert len(inward(pack_surfaces([whole, low, high], [0, 0, 0]), *edge)) == 2
+    assert len(inward(pack_surfaces([whole, low], [0, 0]), *edge)) == 1
+    # the T-junction: a corner of the small plates in the middle of the edge
+    packed = pack_surfaces([whole, low, high], [0, 0, 0])
+    corner = next(i for i, p in enumerate(packed.points) if tuple(p) == (1.0, 0.2, 0.0))
+    near = packed.vertex_neighbours[packed.vertex_first[corner] : packed.vertex_first[corner + 1]]
+    towards = packed.points[near] - packed.points[corner]
+    assert towards[:, 0].min() < 0.0 < towards[:, 0].max()
+    assert towards[:, 1].min() < 0.0 < towards[:, 1].max()
+
+
+def test_a_border_within_another_plate_is_covered_on_both_sides():
+    packed = pack_surfaces([plate(0.0, 1.2), plate(1.0, 3.0)], [0, 0])
+    for x in (1.0, 1.2):
+        assert len(inward(packed, (x, -1.0, 0.0), (x, 1.0, 0.0))) == 2
+
+
+def test_a_plate_that_stands_on_another_is_its_neighbour_upwards():
+    """The fillet of a stiffener: its foot pushes along no direction but away from both."""
+    wall = TriangleSurface(
+        np.array([[0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [0.5, 0.5, 1.0], [0.5, -0.5, 1.0]]),
+        np.array([[0, 1, 2], [0, 2, 3]]),
+    )
+    packed = pack_surfaces([plate(0.0, 1.0), wall], [0, 0])
+    found = inward(packed, (0.5, -0.5, 0.0), (0.5, 0.5, 0.0))
+    assert found == pytest.approx(np.array([[-1.0, 0, 0], [0, 0, 1], [1, 0, 0]]))
+
+
+def test_any_winding_and_turn():
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        shift = 10.0 * rng.normal(size=3)
+        parts = []
+        for one in (plate(0.0, 1.0), plate(1.0, 3.0)):
+            rows = np.array([t[::-1] if rng.random() < 0.5 else t for t in one.triangles])
+            parts.append(TriangleSurface(one.points @ q.T + shift, rows))
+        packed = pack_surfaces(parts, [0, 0])
+        shared = np.array([[1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]) @ q.T + shift
+        counts = []
+        for e, ends in enumerate(packed.points[packed.edges["ends"]]):
+            if all(np.linalg.norm(shared - p, axis=1).min() < 1e-9 for p in ends):
+                rows = packed.edge_inward[packed.edge_first[e] : packed.edge_first[e + 1]]
+                counts.append(np.ptp(rows @ q[:, 0]))
+        assert counts == pytest.approx([2.0, 2.0])
+
+
+def test_a_closed_surface_has_no_borders():
+    one = box_surface(1.0)
+    none = np.zeros(0, dtype=np.int64)
+    normals = np.zeros((len(one.triangles), 3))
+    seams = find_seams(one.points, one.triangles, normals, np.zeros((0, 2), dtype=np.int64), none)
+    assert all(len(part) == 0 for part in seams)
+
+
+def test_a_sheet_on_a_large_deck_is_no_part_of_it():
+    """0.3 mm above a deck of 100 m, and 20 mm above one of 3 km."""
+    for size, height in ((100.0, 3e-4), (3000.0, 0.02)):
+        packed = pack_surfaces([plate(-size, size, -size, size), plate(0.0, 1.0, z=height)], [0, 0])
+        assert len(inward(packed, (0.0, -1.0, height), (0.0, 1.0, height))) == 1
