@@ -4,14 +4,15 @@ The midpoint rule gives a mode with the angular frequency w at a step of h the f
 which tends to -1: end velocity and strain of a stiff mode change their sign with every step, while the velocity in the
 middle, and with it the path, has hardly anything of it. Energy is kept, so this is not damped; but it is no motion.
 
-So nothing that happens in a step, and nothing that is recorded of a force, may be taken from the end velocities alone.
-The *steady* end velocity extends the mean velocities of the last two steps by half a step: it is of second order where
-the motion is resolved, and has little of the ringing. Where a velocity has jumped, as in an impact, the velocity of the
-end itself is nearer: it counts where it has changed by less than half of what the extension says, and no change at all
-where the two differ in sign (a limiter, as of A. Harten, J. Comput. Phys. 49, 1983).
+So what is recorded of a force of a damper is not taken from the end velocities alone. The *steady* end velocity
+extends the mean velocities of the last two steps by half a step: it is of second order where the motion is resolved,
+and has little of the ringing. Where a velocity has jumped, as in an impact, the velocity of the end itself is nearer,
+so the smaller of both changes counts, and none if they differ in sign (the minmod limiter, A. Harten, J. Comput.
+Phys. 49, 1983).
 
-A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with it:
-this drives the ringing, in shells by a percent a step, until it has as much energy as the motion.
+A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with
+it: this drives the ringing, in shells by a percent a step, until it has as much energy as the motion. There the part
+of the end velocities that changes its sign with every step is left out where it matters.
 """
 
 from __future__ import annotations
