@@ -372,6 +372,8 @@ class Events(Record):
         Length of whole steps, and of the step that an impact was first seen in [s].
     splits
         Trials since the last whole step.
+    exhausted, exhausted_steps
+        Whether the rest of the whole step goes on without impacts of its own, and how many steps did.
     known
         Contacts before the search of the step.
     stopping_work
@@ -391,6 +393,8 @@ class Events(Record):
     nominal_step: float
     longest_step: float
     splits: int
+    exhausted: bool
+    exhausted_steps: int
     known: int
     stopping_work: float
 

@@ -100,10 +100,11 @@ class Solution(Record):
 
 
 class ProblemSize(Record):
-    """Contacts, and touched velocities or rows."""
+    """Contacts, and touched velocities or rows; the rate [m/s] by which residuals are measured at least."""
 
     number: int
     size: int
+    least_rate: float
 
 
 class Marks(Record):
@@ -188,7 +189,8 @@ class Problem(Arrays):
     Attributes
     ----------
     counts
-        How many contacts there are on how many velocities; one who asks for a solution writes it.
+        How many contacts there are on how many velocities, and which rates matter; one who asks for a solution
+        writes it.
     kinds, parameters
         Laws, see above.
     ends

@@ -195,7 +195,8 @@ def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> N
             rate = state.rate if state.present else contact_rates(contacts, c, work.velocity)[0]
             # what is still inside from an impact before comes to rest, or it would hit again in every step
             outside = state.gap >= -CLOSE * values.length_scale
-            if outside and -rate > values.rest_speed and state.recent_impacts < MOST_EVENTS:
+            bounces = state.recent_impacts < MOST_EVENTS and not contacts.control.exhausted
+            if bounces and outside and -rate > values.rest_speed:
                 law.target[0] = -values.restitution * rate
         law.wanted = law.target[0]
 

@@ -3,7 +3,9 @@
 The time is found by Newton's method on the gap at the end of the step, with the rate of the gap there, inside a
 bracket. A contact that touches at the start of the step and would be inside at its end, without a time between
 that could be told from the start, joins the closed ones and the step is repeated. After `MOST_EVENTS` impacts in a
-whole step the rest of it goes on without restitution and without splitting: so a bouncing ball comes to rest.
+whole step the rest of it goes on without restitution and without splitting: so a bouncing ball comes to rest. So it
+does for all contacts where impacts follow each other without end, as where a pile rocks or an arch comes apart; there
+surfaces look ahead for the rest of the step.
 """
 
 from __future__ import annotations
@@ -29,8 +31,8 @@ __all__ = ["CLOSE", "MOST_EVENTS", "SHORTEST", "gap_tolerance"]
 MOST_EVENTS = 20
 """Impacts of a contact within a whole step."""
 
-MOST_TRIALS = 400
-"""Of times of impacts within a whole step."""
+TRIALS, TRIALS_OF_EACH = 400, 10
+"""Of times of impacts within a whole step: of all, and more for each contact."""
 
 SHORTEST = 1e-6
 """Of a whole step: an impact nearer to its start happens there."""
@@ -193,7 +195,13 @@ def _look_behind(contacts: ContactRows, c: int, nearest: float) -> None:
 def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
     """Set `work.control.split` if an impact lies within the step, and keep its bracket."""
     control = contacts.control
-    if control.splits >= MOST_TRIALS * contact_count(contacts):
+    if control.exhausted:
+        return
+    if control.splits >= TRIALS + TRIALS_OF_EACH * contact_count(contacts):
+        control.exhausted = True
+        control.exhausted_steps += 1
+        control.watched = -1
+        work.control.split = step  # again, with what looks ahead
         return
     watched = control.watched
     if watched >= 0:
@@ -318,5 +326,6 @@ def after_contact_step(
     control.low = control.high = 0.0
     if whole:
         control.splits = 0
+        control.exhausted = False
         for c in range(contact_count(contacts)):
             contacts.state[c].recent_impacts = 0

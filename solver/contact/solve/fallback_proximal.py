@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.layout import Problem, Work
-from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate
+from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate, measure
 from heavylift.solver.contact.solve.problem import fill_rows
 
-__all__ = ["take_proximal_steps"]
+__all__ = ["share_redundant", "take_proximal_steps"]
 
 ROUGH = 1e-9
 """Residual of a step, relative."""
@@ -31,6 +31,82 @@ PATIENCE = 4
 
 SMALLEST = 1e-4
 """tau over W below which every step is followed by an attempt."""
+
+
+SHARING = 1e-3
+"""tau over W of the first step: what bears more than once is then shared without stress of its own."""
+
+SHARINGS = 20
+SHARED = 1e-7
+"""Residual over the rate that matters (`ProblemSize.least_rate`) where steps gain nothing more: targets that no
+impulses without such stress fulfil. A gap moves by no more than what gaps are found to."""
+
+ALONE = 1.0
+"""tau over W up to which a step is tried: there each contact stands almost for itself."""
+
+
+@kernel(internal=True)
+def share_redundant(
+    problem: Problem, work: Work, p: NDArray[np.float64], limit: int
+) -> tuple[bool, int, float]:
+    """Solve contacts that bear the same load more than once by proximal steps of one small tau.
+
+    Rates and targets of such contacts fit each other but for rounding and terms of second order. With a softness of
+    1e-9 these become impulses 1e9 times as large, which press contacts against each other up to the bounds of their
+    friction: hard to find, and without meaning. A step with a larger tau spreads the load instead, and steps from there
+    take away what tau itself does to it, which in directions without redundancy falls by about tau a step.
+
+    Parameters
+    ----------
+    problem, work
+        With the diagonal filled in.
+    p
+        Impulses to begin with, replaced.
+    limit
+        Iterations for a step.
+
+    Returns
+    -------
+    found, iterations, residual
+        As of `iterate`; found also if steps gain nothing more at a residual that `SHARED` allows.
+    """
+    n, shared = 3 * problem.counts.number, 0.0
+    if work.marks.scale > 0.0:
+        shared = SHARED * problem.counts.least_rate / work.marks.scale
+    total, before, residual, tau, least = 0, np.inf, np.inf, SHARING, 0.0
+    kept = work.kept
+    for i in range(n):
+        kept[i] = p[i]
+    for _ in range(SHARINGS):
+        fill_rows(problem, work, tau, kept)
+        found, iterations, _ = iterate(problem, work, p, limit, ACCEPTED)
+        total += iterations
+        if not found:
+            if tau >= ALONE:
+                return False, total, np.inf
+            tau *= 10.0
+            least = tau
+            for i in range(n):
+                p[i] = kept[i]
+            continue
+        fill_rows(problem, work, 0.0, kept)
+        before, residual = residual, measure(problem, work, p)
+        if residual <= ACCEPTED:
+            return True, total, residual
+        for i in range(n):
+            kept[i] = p[i]
+        gains = residual < 0.5 * before
+        if residual <= shared and not gains:
+            found, iterations, after = iterate(problem, work, p, limit, ACCEPTED)
+            total += iterations
+            if found:
+                return True, total, after
+            for i in range(n):
+                p[i] = kept[i]
+            return True, total, residual
+        if not gains and 0.1 * tau > least:
+            tau *= 0.1
+    return residual <= shared, total, residual
 
 
 @kernel(internal=True)

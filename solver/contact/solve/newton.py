@@ -20,7 +20,7 @@ from heavylift.numerics.small import solve_symmetric_3
 from heavylift.solver.contact.laws.rows import clip
 from heavylift.solver.contact.layout import UNILATERAL, Problem, RowKind, RowParameters
 from heavylift.solver.contact.solve.fallback_gauss_seidel import sweep_contacts
-from heavylift.solver.contact.solve.fallback_proximal import take_proximal_steps
+from heavylift.solver.contact.solve.fallback_proximal import share_redundant, take_proximal_steps
 from heavylift.solver.contact.solve.iteration import ACCEPTED, iterate
 from heavylift.solver.contact.solve.problem import fill_rows, prepare
 from heavylift.solver.contact.solve.system import gather, multiply
@@ -79,6 +79,13 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
                 work.begin[i] = p[i]
         if attempt == 0:
             found, iterations, after = iterate(problem, work, p, LIMITS[attempt], ACCEPTED)
+            for k in range(2):
+                if found:
+                    break
+                total += iterations
+                for i in range(n):
+                    p[i] = work.begin[i] if k == 0 else 0.0
+                found, iterations, after = share_redundant(problem, work, p, LIMITS[attempt])
         else:
             from_none = 1 < attempt < FROM_SWEEPS
             for i in range(n):

@@ -69,7 +69,7 @@ def prepare(problem: Problem, work: Work) -> None:
                 work.y0[i] = problem.start[i]
     _find_diagonal(problem, work)
     spread(count, ends, problem.blocks, size, problem.start, work.w0)
-    scale = 0.0
+    scale = problem.counts.least_rate
     for c in range(count):
         i = 3 * c
         scale = max(scale, abs(work.w0[i]), abs(work.w0[i + 1]), abs(work.w0[i + 2]))

@@ -53,6 +53,11 @@ NEAR = 3.0
 SOFTNESS_OF_ROWS = 1e-9
 """Of rows without compliance, relative to what a row sees of its own bodies: lets redundant contacts share."""
 
+SLOW = 1e-3
+"""Way in a whole step relative to the size of a contact, whose rate measures residuals at least: the smallest that is
+accepted, 1e-10 of it, moves a gap by a thousandth of what gaps are found to. Where all is at rest the rates are rounding,
+which no impulses make consistent."""
+
 ENOUGH = 1e-6
 """Relative residual of impulses that serve if none better are found: redundant contacts that stick under stress."""
 
@@ -77,8 +82,9 @@ def present_at(contacts: ContactRows, j: int) -> int:
 @kernel(inline=True, internal=True)
 def looks_ahead(contacts: ContactRows, c: int) -> bool:
     """Whether a contact without compliance takes part before it closes, in place of splitting the step."""
-    of_triangles = contacts.table[c].shape_kind == TRIANGLES
-    return of_triangles and contacts.table[c].law == RIGID and not contacts.table[c].events
+    if contacts.table[c].shape_kind != TRIANGLES or contacts.table[c].law != RIGID:
+        return False
+    return contacts.control.exhausted or not contacts.table[c].events
 
 
 @kernel(internal=True)
@@ -203,13 +209,18 @@ def assemble_response(contacts: ContactRows, systems: Systems, count: int) -> No
 def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     """Impulses of the contacts that take part, and what they do to the velocities of bodies; false if not found."""
     free, p, w = contacts.rates[0], contacts.rates[1], contacts.rates[2]
+    size = math.inf
     for j in range(count):
         c = present_at(contacts, j)
+        size = min(size, contacts.values[c].length_scale)
         a, b, d = contact_rates(contacts, c, work.velocity)
         free[3 * j], free[3 * j + 1], free[3 * j + 2] = a, b, d
         impulse = contacts.rows[c].impulse
         for r in range(3):
             p[3 * j + r] = impulse[r]
+    contacts.dense.counts.least_rate = contacts.reduced.problem.counts.least_rate = (
+        SLOW * size / contacts.control.nominal_step
+    )
     reduced = _on_velocities(contacts, count)
     if reduced:
         for i in range(3 * count):
