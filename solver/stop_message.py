@@ -7,7 +7,7 @@ from typing import Any
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.layout import Layout
 
-__all__ = ["mesh_warning", "stop_message"]
+__all__ = ["contact_warning", "mesh_warning", "stop_message"]
 
 
 def stop_message(layout: Layout, when: str) -> str:
@@ -120,6 +120,31 @@ def mesh_warning(layout: Layout) -> str:
                     " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
                     " 'auto'"
                 )
+    return "; ".join(parts)
+
+
+def contact_warning(layout: Layout) -> str:
+    """Steps in which impacts had no end, or impulses were found roughly, as a sentence; empty if none.
+
+    Parameters
+    ----------
+    layout
+        Packed scene after a run.
+    """
+    parts = []
+    for system in _contacts(layout):
+        control = system.control
+        if control.exhausted_steps:
+            parts.append(
+                f"in {control.exhausted_steps} steps impacts of contacts followed each other without end: the rest of"
+                " these steps was taken without restitution"
+            )
+        if control.rough:
+            parts.append(
+                f"{control.rough} times the impulses of contacts were found with a residual of up to"
+                f" {control.roughest:.1g} of the largest rate only: take a smaller step, or less friction where"
+                " surfaces wedge"
+            )
     return "; ".join(parts)
 
 

@@ -374,6 +374,8 @@ class Events(Record):
         Trials since the last whole step.
     exhausted, exhausted_steps
         Whether the rest of the whole step goes on without impacts of its own, and how many steps did.
+    rough, roughest
+        Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
     known
         Contacts before the search of the step.
     stopping_work
@@ -395,6 +397,8 @@ class Events(Record):
     splits: int
     exhausted: bool
     exhausted_steps: int
+    rough: int
+    roughest: float
     known: int
     stopping_work: float
 

@@ -235,14 +235,7 @@ def throw(random: np.random.Generator, target: str, events: bool, laws: list[tup
     [
         ("plate", True),
         ("plate", False),
-        pytest.param(
-            "open box",
-            True,
-            marks=pytest.mark.xfail(
-                reason="1 of 100: a corner that spins on the floor slides into the corner of two walls, and is 2.5 mm "
-                "outside in one record"
-            ),
-        ),
+        ("open box", True),
         ("open box", False),
     ],
 )

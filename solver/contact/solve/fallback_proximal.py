@@ -33,21 +33,23 @@ SMALLEST = 1e-4
 """tau over W below which every step is followed by an attempt."""
 
 
-SHARING = 1e-3
+SHARING = 0.1
 """tau over W of the first step: what bears more than once is then shared without stress of its own."""
 
-SHARINGS = 20
+SHARINGS, OF_A_SHARING = 60, 15
+"""Steps, and iterations of Newton's method for one of them."""
+
 SHARED = 1e-7
 """Residual over the rate that matters (`ProblemSize.least_rate`) where steps gain nothing more: targets that no
 impulses without such stress fulfil. A gap moves by no more than what gaps are found to."""
 
-ALONE = 1.0
+ALONE = 10.0
 """tau over W up to which a step is tried: there each contact stands almost for itself."""
 
 
 @kernel(internal=True)
 def share_redundant(
-    problem: Problem, work: Work, p: NDArray[np.float64], limit: int
+    problem: Problem, work: Work, p: NDArray[np.float64], most: int
 ) -> tuple[bool, int, float]:
     """Solve contacts that bear the same load more than once by proximal steps of one small tau.
 
@@ -62,8 +64,8 @@ def share_redundant(
         With the diagonal filled in.
     p
         Impulses to begin with, replaced.
-    limit
-        Iterations for a step.
+    most
+        Iterations of all steps, about.
 
     Returns
     -------
@@ -73,19 +75,20 @@ def share_redundant(
     n, shared = 3 * problem.counts.number, 0.0
     if work.marks.scale > 0.0:
         shared = SHARED * problem.counts.least_rate / work.marks.scale
-    total, before, residual, tau, least = 0, np.inf, np.inf, SHARING, 0.0
+    total, before, residual, tau = 0, np.inf, np.inf, SHARING
     kept = work.kept
     for i in range(n):
         kept[i] = p[i]
     for _ in range(SHARINGS):
+        if total >= most:
+            break
         fill_rows(problem, work, tau, kept)
-        found, iterations, _ = iterate(problem, work, p, limit, ACCEPTED)
+        found, iterations, _ = iterate(problem, work, p, OF_A_SHARING, ROUGH)
         total += iterations
         if not found:
             if tau >= ALONE:
                 return False, total, np.inf
             tau *= 10.0
-            least = tau
             for i in range(n):
                 p[i] = kept[i]
             continue
@@ -97,21 +100,25 @@ def share_redundant(
             kept[i] = p[i]
         gains = residual < 0.5 * before
         if residual <= shared and not gains:
-            found, iterations, after = iterate(problem, work, p, limit, ACCEPTED)
+            found, iterations, after = iterate(problem, work, p, OF_A_SHARING, ACCEPTED)
             total += iterations
             if found:
                 return True, total, after
             for i in range(n):
                 p[i] = kept[i]
             return True, total, residual
-        if not gains and 0.1 * tau > least:
-            tau *= 0.1
+        tau *= 0.2 if gains else 0.5
     return residual <= shared, total, residual
 
 
 @kernel(internal=True)
 def take_proximal_steps(
-    problem: Problem, work: Work, p: NDArray[np.float64], limit: int, fall: float, growth: float
+    problem: Problem,
+    work: Work,
+    p: NDArray[np.float64],
+    limits: tuple[int, int],
+    fall: float,
+    growth: float,
 ) -> tuple[bool, int, float]:
     """Solve the contacts by proximal steps.
 
@@ -121,8 +128,8 @@ def take_proximal_steps(
         With the diagonal filled in.
     p
         Impulses to begin with, replaced by the solution or, if none is found, by the last step.
-    limit
-        Iterations for a step.
+    limits
+        Iterations for a step, and of all steps, about.
     fall, growth
         Factors of tau after a success and after a failure.
 
@@ -136,7 +143,10 @@ def take_proximal_steps(
     kept = work.kept
     for i in range(n):
         kept[i] = p[i]
+    limit, most = limits
     for step in range(STEPS):
+        if total >= most:
+            break
         fill_rows(problem, work, tau, kept)
         found, iterations, _ = iterate(problem, work, p, limit, ROUGH)
         total += iterations

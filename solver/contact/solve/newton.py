@@ -3,7 +3,8 @@
 Semi-smooth Newton method on the laws of P. Alart and A. Curnier (Comput. Methods Appl. Mech. Eng. 92 (1991)), true
 cone of Coulomb, without association of slip and opening. The linear systems have the size of the touched velocities,
 so the cost of many contacts on few bodies grows with their number only linearly; contacts that press on the same
-bodies more often than needed share by their softness. Where the method does not converge, proximal steps follow.
+bodies more often than needed share by their softness. Where the method does not converge, proximal steps follow,
+until the work is more than a bound.
 Nothing is accepted by less than its residual; what
 remains without a solution comes back as failed, with impulses that at least push and stay in their cones.
 """
@@ -39,16 +40,22 @@ __all__ = [
 BY_NEWTON, BY_PROXIMAL_STEPS, BY_GAUSS_SEIDEL = range(3)
 FAILED = -1
 
-LIMITS = (25, 20, 30, 60, 40, 25, 100, 60, 60)
-FALLS = (1.0, 0.1, 0.3, 0.1, 0.5, 0.03, 0.5, 0.3, 0.1)
-GROWTHS = (1.0, 3.0, 10.0, 2.0, 2.0, 5.0, 4.0, 30.0, 2.0)
-"""Iterations of Newton's method in the first attempt; in the others for a proximal step, and how its size changes.
+FIRST_LIMIT = 25
+"""Iterations of Newton's method in the first attempt."""
 
-Each of the others misses a few of 1000 problems with wedged contacts, but not the same ones.
+LIMITS = (20, 30, 60, 40, 25, 0, 100, 60, 60)
+FALLS = (0.1, 0.3, 0.1, 0.5, 0.03, 0.0, 0.5, 0.3, 0.1)
+GROWTHS = (3.0, 10.0, 2.0, 2.0, 5.0, 0.0, 4.0, 30.0, 2.0)
+"""Iterations of Newton's method for a proximal step of further attempts, and how its size changes.
+
+Each of them misses a few of 1000 problems with wedged contacts, but not the same ones.
 """
 
-FROM_SWEEPS = 6
-"""Attempt that is preceded by sweeps over the contacts, and from which on attempts begin with what those have left."""
+FROM_SWEEPS = 5
+"""Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
+
+MOST_WORK, LEAST_ITERATIONS = 2e10, 2000
+"""Iterations times the cube of the velocities after which no more attempts are made: seconds; iterations at least."""
 
 
 @kernel(internal=True)
@@ -66,37 +73,40 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
             p[i] = 0.0
         work.begin[i] = p[i]
     fill_rows(problem, work, 0.0, work.begin)
-    status, found, total, residual = BY_NEWTON, False, 0, np.inf
+    status = BY_NEWTON
+    found, total, residual = iterate(problem, work, p, FIRST_LIMIT, ACCEPTED)
+    most = max(LEAST_ITERATIONS, int(MOST_WORK / float(problem.counts.size) ** 3))
+    for attempt in range(2):
+        if not found:
+            status = BY_PROXIMAL_STEPS
+            for i in range(n):
+                p[i] = work.begin[i] if attempt == 0 else 0.0
+            found, iterations, residual = share_redundant(problem, work, p, most)
+            total += iterations
+    swept = False
     for attempt in range(len(LIMITS)):
-        if attempt == FROM_SWEEPS:
+        if found or (swept and total >= most):
+            break
+        if attempt == FROM_SWEEPS or total >= most:
+            swept = True
             fill_rows(problem, work, 0.0, work.begin)
             found, iterations, residual = sweep_contacts(problem, work, p)
             total += iterations
-            if found:
-                status = BY_GAUSS_SEIDEL
-                break
             for i in range(n):
                 work.begin[i] = p[i]
-        if attempt == 0:
-            found, iterations, after = iterate(problem, work, p, LIMITS[attempt], ACCEPTED)
-            for k in range(2):
-                if found:
-                    break
-                total += iterations
-                for i in range(n):
-                    p[i] = work.begin[i] if k == 0 else 0.0
-                found, iterations, after = share_redundant(problem, work, p, LIMITS[attempt])
-        else:
-            from_none = 1 < attempt < FROM_SWEEPS
-            for i in range(n):
-                p[i] = 0.0 if from_none else work.begin[i]
-            found, iterations, after = take_proximal_steps(
-                problem, work, p, LIMITS[attempt], FALLS[attempt], GROWTHS[attempt]
-            )
+            if found:
+                status = BY_GAUSS_SEIDEL
+            continue
+        from_none = 0 < attempt < FROM_SWEEPS
+        for i in range(n):
+            p[i] = 0.0 if from_none else work.begin[i]
+        limits = (LIMITS[attempt], most)
+        found, iterations, after = take_proximal_steps(
+            problem, work, p, limits, FALLS[attempt], GROWTHS[attempt]
+        )
         total += iterations
         if found:
-            status, residual = BY_NEWTON if attempt == 0 else BY_PROXIMAL_STEPS, after
-            break
+            residual = after
     if not found:  # impulses of the sweeps push at least
         status = FAILED
         for i in range(n):

@@ -55,11 +55,11 @@ SOFTNESS_OF_ROWS = 1e-9
 
 SLOW = 1e-3
 """Way in a whole step relative to the size of a contact, whose rate measures residuals at least: the smallest that is
-accepted, 1e-10 of it, moves a gap by a thousandth of what gaps are found to. Where all is at rest the rates are rounding,
-which no impulses make consistent."""
+accepted, 1e-10 of it, moves a gap by a thousandth of what gaps are found to. Where all is at rest the rates are
+rounding, which no impulses make consistent."""
 
 ENOUGH = 1e-6
-"""Relative residual of impulses that serve if none better are found: redundant contacts that stick under stress."""
+"""Relative residual of impulses that serve if none better are found; the run says so."""
 
 DEEP = 1e-5
 """Penetration relative to the size of a contact from which on it is pushed out gently, in `SOFTLY` of a step."""
@@ -247,9 +247,12 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     solution = contacts.solution
     contacts.control.residual = max(contacts.control.residual, solution.residual)
     contacts.control.rounds += solution.iterations
-    if solution.status < 0 and not solution.residual < ENOUGH:
-        mark_failure(contacts, present_at(contacts, 0), work)
-        return False
+    if solution.status < 0:
+        if not solution.residual < ENOUGH:
+            mark_failure(contacts, present_at(contacts, 0), work)
+            return False
+        contacts.control.rough += 1
+        contacts.control.roughest = max(contacts.control.roughest, solution.residual)
     for j in range(count):
         c = present_at(contacts, j)
         impulse = contacts.rows[c].impulse

@@ -33,6 +33,7 @@ class ContactProblem:
     y0: Array
     B: Array
     N: Array
+    least_rate: float = 0.0
 
     @property
     def count(self) -> int:
@@ -50,7 +51,7 @@ class ContactProblem:
             if isinstance(array, np.ndarray):
                 array[:] = np.nan
         counts = ProblemSize.one()
-        counts.number, counts.size = self.count, size
+        counts.number, counts.size, counts.least_rate = self.count, size, self.least_rate
         return Problem(
             counts=counts,
             kinds=self.kinds,
@@ -195,6 +196,30 @@ def chain(count: int, rng: np.random.Generator, push: float, mu: float = 0.3) ->
     y0[2::6] -= 0.0981
     y0 = B @ np.linalg.solve(free, y0)  # joints stay closed
     return build(contacts, y0, 0.5 * (B + B.T), mu)
+
+
+def wall(courses: int, width: int, rng: np.random.Generator, noise: float, mu: float = 0.5) -> ContactProblem:
+    """Bricks of 2 x 1 x 1 m and 100 kg in half bond, four points where two meet, gravity of half a step of 1 ms.
+
+    Targets are noise [m/s], which no rigid motion fits; residuals are measured by 1 m/s at least.
+    """
+    half, contacts = np.array([1.0, 0.5, 0.5]), []
+    places = [(2.0 * i + course % 2, course) for course in range(courses) for i in range(width)]
+    for k, (x, course) in enumerate(places):
+        below = [(i, y) for i, (y, other) in enumerate(places) if other == course - 1 and abs(x - y) < 1.5]
+        for i, y in below or [(None, x)]:
+            for point in (max(x, y) - 1.0, min(x, y) + 1.0):
+                for depth in (-0.5, 0.5):
+                    parts = [(6 * k, rows_at(UP, np.array([point - x, depth, -0.5])))]
+                    if i is not None:
+                        parts.append((6 * i, -rows_at(UP, np.array([point - y, depth, 0.5]))))
+                    contacts.append(parts)
+    y0 = np.zeros(6 * len(places))
+    y0[2::6] = -0.5e-3 * 9.81
+    found = build(contacts, y0, inverse_masses(np.full(len(places), 100.0), half), mu, 1e-9)
+    found.parameters["target"][:] = noise * rng.normal(size=found.parameters["target"].shape)
+    found.least_rate = 1.0
+    return found
 
 
 def resting(rng: np.random.Generator, count: int = 20) -> ContactProblem:

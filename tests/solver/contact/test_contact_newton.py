@@ -285,6 +285,36 @@ def test_many_contacts_on_two_bodies():
     assert np.count_nonzero(p[:, 0]) > 100
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-10, 1e-8])
+def test_a_wall_bears_more_often_than_needed(noise):
+    """332 contacts, rank 288 of 996, with targets that no rigid motion fits: each course carries what is above it."""
+    courses, width = 8, 6
+    problem = problems.wall(courses, width, np.random.default_rng(1), noise)
+    assert problem.count == 332
+    status, iterations, residual, p, w = problem.solve()
+    assert status != FAILED
+    assert iterations < 300
+    assert residual <= max(1e-10, 10.0 * noise)  # over 1 m/s
+    np.testing.assert_allclose(w, problem.parameters["target"], atol=max(1e-9, 10.0 * noise))
+    assert np.all(np.hypot(p[:, 1], p[:, 2]) <= 0.5 * p[:, 0] * (1.0 + 1e-9))
+    weight = width * 100.0 * 9.81 * 0.5e-3
+    lowest = problem.ends[:, 3] == 0  # on the ground
+    assert p[lowest, 0].sum() == pytest.approx(courses * weight, rel=1e-6 + 100.0 * noise)
+
+
+def test_rates_of_rounding_ask_for_no_impulses_of_a_size():
+    """Three contacts too many under rates of 1e-14 m/s, as at the end of a step at rest: found at once."""
+    for seed in range(100):
+        rng = np.random.default_rng([13, seed])
+        problem = problems.wall(1, 1, rng, 0.0)
+        problem.y0[:] = 0.0
+        problem.parameters["target"][:] = 1e-14 * rng.normal(size=(4, 3))
+        status, iterations, _, p, _ = problem.solve()
+        assert status == 0
+        assert iterations <= 6
+        assert np.abs(p * problem.W.diagonal().reshape(-1, 3)).max() < 1e-4
+
+
 def test_offsets_are_impulses_given_before():
     for seed in range(30):  # w + S p - b as a function of P = p + o stays the same
         rng = np.random.default_rng([9, seed])
