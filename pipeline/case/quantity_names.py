@@ -12,6 +12,9 @@
                                                channel, e.g. ``channel.tip.position.y.max``, or its mean
                                                ``rate`` over the run, per second; component ``largest`` or
                                                ``smallest``: of all components; ``norm``: of the vector
+``stress.POINT.COMPONENT.STATISTIC``           ``end``, ``min``, ``max``, ``mean`` or ``rms`` over the records of the
+                                               stress at a sensor, see below
+``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
 ``deviation.NAME``                             largest distance of a channel from the reference history
@@ -27,6 +30,12 @@ Components of the channels of frames and shells begin with the number of a node 
 ``channel.plate.position.60.z.end``. Channels of joints along edges have the number of a node before their kind:
 ``channel.rim.0.reaction_force.z.max``. Channels of the recorded contacts of a collision have ``contact_1``,
 ``contact_2``, ... before their kind: ``channel.landing.contact_1.force.max``.
+
+A sensor on a flexible body has the stress ``xx``, ``yy``, ``zz``, ``xy``, ``yz``, ``zx`` in body axes and
+``von_mises``; on a shell ``von_mises``, the largest of its sides, and ``top.xx``, ``top.yy``, ``top.xy``,
+``top.von_mises``, likewise of ``middle`` and ``bottom``, in axes of the surface whose first one follows the mesh
+direction x; on a frame ``axial``, N/A, and ``largest``, N/A +- M c/I. Solids: at the nodes the mean of the elements
+around, between them interpolated. Shells and frames: of one element at the point, not averaged.
 
 What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
 `heavylift.pipeline.case.channel_kinds`.
@@ -84,6 +93,16 @@ HYDROSTATICS = {
     "wetted_area": "area",
 }
 """Figures of a floating hull, and their kinds."""
+_SIDES = ("top", "middle", "bottom")
+STRESSES = {
+    "flexible": ("von_mises", "xx", "yy", "zz", "xy", "yz", "zx"),
+    "shell": (
+        "von_mises",
+        *(f"{side}.{part}" for side in _SIDES for part in ("von_mises", "xx", "yy", "xy")),
+    ),
+    "frame": ("axial", "largest"),
+}
+"""Components of the stress at a material point, by the type of its body."""
 STATISTICS = ("end", "min", "max", "mean", "rms", "rate")
 _RATES = {
     "length": "velocity",
@@ -102,7 +121,7 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``frequency``, ``deviation``, ``lines``,
+    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``deviation``, ``lines``,
     ``hydrostatics`` or ``errors``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
@@ -144,6 +163,8 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
         return _channel(text, parts, names)
     if parts[0] == "frequency":
         return _frequency(text, parts, names)
+    if parts[0] == "stress":
+        return _stress(text, parts, names)
     if parts[0] == "deviation":
         return _deviation(text, parts, names)
     if parts[0] in {"lines", "hydrostatics"}:
@@ -152,7 +173,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
         return _errors(text, names)
     readers = {"mesh": _mesh, "modes": _modes, "ringdown": _ringdown, "drift": _drift}
     if parts[0] not in readers:
-        known = [*readers, "channel", "frequency", "deviation", "lines", "hydrostatics", "errors"]
+        known = [*readers, "channel", "stress", "frequency", "deviation", "lines", "hydrostatics", "errors"]
         raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
     return readers[parts[0]](text, parts)
 
@@ -221,6 +242,35 @@ def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityN
     owner, name, component = _channel_parts(parts[1:])
     channel_kind(name, text, names)
     return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
+
+
+def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    statistics = [word for word in STATISTICS if word != "rate"]
+    if len(parts) < 4 or "" in parts or parts[-1] not in statistics:
+        raise InputError(
+            f"quantity {text!r} is unknown",
+            expected=f"stress.SENSOR.COMPONENT.STATISTIC with STATISTIC one of {', '.join(statistics)}",
+        )
+    owner, component = parts[1], ".".join(parts[2:-1])
+    if names is not None and owner in names.names:
+        body = names.sensors.get(owner)
+        if body is None and names.body_types.get(owner) != "flexible":
+            raise InputError(
+                f"quantity {text!r}: {owner!r} is neither a sensor nor a flexible body",
+                expected="a sensor on a flexible body, frame or shell, or a flexible body; the largest stress of a "
+                "shell is channel.NAME.von_mises.largest.max, of a frame channel.NAME.axial_stress.largest.max",
+            )
+        kind = "" if body is None else names.body_types.get(body, "")
+        known = ("von_mises",) if body is None else STRESSES.get(kind, ())
+        if component not in known:
+            whose = repr(owner) if body is None else f"{owner!r} on {body!r}"
+            raise InputError(
+                _unknown(text, component, known),
+                expected=f"of {whose} one of: {', '.join(known)}"
+                if known
+                else f"a body with stress, {body!r} has none",
+            )
+    return QuantityName(text, "stress", owner, "", component, parts[-1], KINDS["pressure"])
 
 
 def _channel_parts(parts: list[str]) -> tuple[str, str, str]:

@@ -32,6 +32,7 @@ __all__ = ["body_sections"]
 
 _SHEET_MODES = 30  # modes on a contact sheet at most, unless the case asks for more pictures
 _TABLE_MODES = 100  # rows of the table of modes at most
+_NODAL = "At the nodes, as the mean of the elements around."
 _NOT_EIGENMODES = (
     "“Not an eigenmode”: the vector belongs to the basis but is no eigenmode of the full model (relative residual "
     f"{EIGENMODE_RESIDUAL:g} or more), as static, Krylov, component-mode and stored vectors after the Ritz step. "
@@ -236,14 +237,14 @@ def _stress_figures(
     for number in chosen:
         shape, words = _scaled_mode(reduced.mode_shapes[number - 1], painter)
         title = f"{name}: stress in mode {number}, {_hertz(frequencies[number - 1])}"
-        caption = f"Von Mises stress of mode {number} of {name} {words}."
+        caption = f"Von Mises stress of mode {number} of {name} {words}. {_NODAL}"
         states.append((shape, f"{name}_stress_mode_{number}", title, words, caption))
     for order, (index, words) in enumerate(instants, start=1):
         assert results is not None
         coordinates = results[channel].reshape(len(results.time), -1)[index]
         unit = scaled_unit("s", [results.time[[index]]])
         when = f"t = {results.time[index] / unit.divisor:.6g} {unit.text}"
-        caption = f"Von Mises stress in {name} at {when}{f', {words}' if words else ''}; body frame."
+        caption = f"Von Mises stress in {name} at {when}{f', {words}' if words else ''}; body frame. {_NODAL}"
         shape = np.tensordot(coordinates, reduced.mode_shapes, axes=1)
         states.append((shape, f"{name}_stress_time_{order}", f"{name}: stress at {when}", words, caption))
     stresses = von_mises(stress_modes(model.mesh, model.material, np.array([state[0] for state in states])))
