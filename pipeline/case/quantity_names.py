@@ -5,6 +5,10 @@
 ``modes.BODY.frequency.I``                     natural frequency of vector I of the reduced body
 ``modes.BODY.residual.I``                      relative residual of that vector in the full model
 ``modes.BODY.orthogonality``                   largest deviation of the modal mass from the identity
+``static.BODY.CASE.stress.POINT.COMPONENT``    stress at a sensor under a static load case, components below
+``static.BODY.CASE.displacement.POINT.AXIS``   displacement of a sensor, ``x``, ``y`` or ``z``
+``static.BODY.CASE.von_mises``                 largest stress of all nodes; ``static.BODY.CASE.reaction.AXIS``:
+                                               resultant of the forces of all supports
 ``ringdown.BODY.I``                            frequency of one sinusoid fitted to modal coordinate I
 ``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
                                                from the initial value, relative
@@ -121,8 +125,8 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``deviation``, ``lines``,
-    ``hydrostatics`` or ``errors``."""
+    """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``deviation``,
+    ``lines``, ``hydrostatics`` or ``errors``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
     item: str
@@ -139,6 +143,8 @@ class QuantityName(NamedTuple):
         """The last stage that must have run."""
         if self.family in {"hydrostatics", "errors"}:  # what checks need they say themselves
             return "mesh"
+        if self.family == "static":
+            return "modes"
         return self.family if self.family in {"mesh", "modes"} else "simulate"
 
 
@@ -171,9 +177,21 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
         return _of_the_sea(text, parts, names)
     if parts[0] == "errors":
         return _errors(text, names)
+    if parts[0] == "static":
+        return _static(text, parts, names)
     readers = {"mesh": _mesh, "modes": _modes, "ringdown": _ringdown, "drift": _drift}
     if parts[0] not in readers:
-        known = [*readers, "channel", "stress", "frequency", "deviation", "lines", "hydrostatics", "errors"]
+        known = [
+            *readers,
+            "static",
+            "channel",
+            "stress",
+            "frequency",
+            "deviation",
+            "lines",
+            "hydrostatics",
+            "errors",
+        ]
         raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
     return readers[parts[0]](text, parts)
 
@@ -201,6 +219,33 @@ def _modes(text: str, parts: list[str]) -> QuantityName:
         )
     kind = KINDS["frequency" if parts[2] == "frequency" else "number"]
     return QuantityName(text, "modes", parts[1], parts[2], parts[3] if numbered else "", "", kind)
+
+
+def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    """``static.BODY.CASE.ITEM[.POINT][.COMPONENT]``; the component keeps the words from the item on."""
+    items = {
+        "stress": ("pressure", 6, STRESSES["flexible"]),
+        "displacement": ("length", 6, tuple("xyz")),
+        "reaction": ("force", 5, tuple("xyz")),
+        "von_mises": ("pressure", 4, ("von_mises",)),
+    }
+    item = parts[3] if len(parts) > 3 else ""
+    quantity, count, components = items.get(item, ("number", 0, ()))
+    if len(parts) != count or parts[-1] not in components:
+        word = parts[-1] if len(parts) == count else item
+        raise InputError(
+            _unknown(text, word, components if len(parts) == count else items),
+            expected="static.BODY.CASE.stress.SENSOR.COMPONENT with COMPONENT one of "
+            f"{', '.join(STRESSES['flexible'])}, static.BODY.CASE.displacement.SENSOR.AXIS, "
+            "static.BODY.CASE.reaction.AXIS or static.BODY.CASE.von_mises",
+        )
+    if count == 6 and names is not None and names.sensors.get(parts[4]) != parts[1]:
+        known = ", ".join(name for name, body in names.sensors.items() if body == parts[1])
+        raise InputError(
+            f"quantity {text!r}: {parts[4]!r} is no sensor on {parts[1]!r}",
+            expected=f"one of the sensors on it: {known or 'there are none'}",
+        )
+    return QuantityName(text, "static", parts[1], parts[2], ".".join(parts[3:]), "", KINDS[quantity])
 
 
 def _ringdown(text: str, parts: list[str]) -> QuantityName:

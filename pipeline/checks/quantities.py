@@ -10,7 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.results.histories import Results, load_results
-from heavylift.pipeline.results.model_io import open_hdf5
+from heavylift.pipeline.results.model_io import open_hdf5, read_states
 from heavylift.pipeline.results.sinusoid import fit_sinusoid
 from heavylift.pipeline.results.storage import OutputFolder, read_json
 
@@ -110,6 +110,7 @@ class Quantities:
         readers = {
             "mesh": self._mesh,
             "modes": self._modes,
+            "static": self._static,
             "ringdown": self._ringdown,
             "drift": self._drift,
             "channel": self._channel,
@@ -146,6 +147,26 @@ class Quantities:
                 return float(file.attrs["orthogonality"])
             values = file["residuals"][:] if name.item == "residual" else _frequencies(file["eigenvalues"][:])
         return float(values[self._vector(name, len(values))])
+
+    def _static(self, name: QuantityName) -> float:
+        """Of a static load case: stress or displacement of a sensor, largest stress, a component of the reaction."""
+        from heavylift.pipeline.checks.stresses import interpolated
+
+        state = read_states(self._folder.reduced(name.owner)).get(name.item)
+        if state is None:
+            raise self._missing(name, "static load cases of this case file; `heavylift modes CASE`")
+        item, _, rest = name.component.partition(".")
+        if item == "reaction":
+            return float(state.reaction["xyz".index(rest)])
+        if item == "von_mises":
+            return float(self._solid(name.owner).nodal(state, "von_mises").max())
+        point, _, component = rest.rpartition(".")
+        sensor = next(one for one in self._case.sensors if one.name == point)
+        if item == "stress":
+            return self._solid(name.owner).at(state, sensor.point, component)
+        model = self._solid(name.owner).model
+        moved = interpolated(model, state.displacements[np.newaxis], sensor.point, self._case.file)[0]
+        return float(moved["xyz".index(component)])
 
     def _ringdown(self, name: QuantityName) -> float:
         history = self.results[f"{name.owner}.modal_position"]

@@ -8,6 +8,7 @@ without an average over neighbours (`heavylift.solver.bodies.ancf.stress`).
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from heavylift.pipeline.results.model_io import read_model, read_reduced
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from heavylift.modal.statics import StaticState
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
@@ -43,8 +45,6 @@ class SolidStresses:
     """
 
     def __init__(self, name: str, folder: OutputFolder, source: object) -> None:
-        from heavylift.modal.stress import stress_modes
-
         model = read_model(folder.model(name))
         if model.mesh is None or model.material is None:
             raise InputError(
@@ -52,8 +52,39 @@ class SolidStresses:
                 source=str(source),
                 expected="a body with geometry 'blocks', 'step' or 'mesh'",
             )
-        self.model, self._name, self._source = model, name, source
-        self._modes = stress_modes(model.mesh, model.material, read_reduced(folder.reduced(name)).mode_shapes)
+        self.model, self._name, self._source, self._folder = model, name, source, folder
+        self._states: dict[str, NDArray[np.float64]] = {}
+
+    @cached_property
+    def _modes(self) -> NDArray[np.float64]:
+        """Stress at the nodes by modal coordinate, shape (nf, n, 6)."""
+        return self._nodal_stress(read_reduced(self._folder.reduced(self._name)).mode_shapes)
+
+    def _nodal_stress(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
+        from heavylift.modal.stress import stress_modes
+
+        assert self.model.mesh is not None
+        assert self.model.material is not None
+        return stress_modes(self.model.mesh, self.model.material, displacements)
+
+    def _of(self, state: StaticState) -> NDArray[np.float64]:
+        """Stress at the nodes under a static load case [Pa], shape (n, 6)."""
+        if state.name not in self._states:
+            self._states[state.name] = self._nodal_stress(state.displacements[np.newaxis])[0]
+        return self._states[state.name]
+
+    def nodal(self, state: StaticState, component: str) -> NDArray[np.float64]:
+        """Component of the stress at all nodes under a static load case [Pa], shape (n,)."""
+        from heavylift.modal.stress import stress_component
+
+        return stress_component(self._of(state), component)
+
+    def at(self, state: StaticState, point: ArrayLike, component: str) -> float:
+        """Component of the stress at a point under a static load case [Pa]."""
+        from heavylift.modal.stress import stress_component
+
+        stress = interpolated(self.model, self._of(state)[np.newaxis], point, self._source)[0]
+        return float(stress_component(stress, component))
 
     def history(self, results: Results, point: ArrayLike | None, component: str) -> NDArray[np.float64]:
         """Component of the stress at a point, or the largest of all nodes if it is None [Pa], shape (records,)."""
