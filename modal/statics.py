@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["StaticState", "face_area", "face_forces", "solve_static"]
 
-_BALANCED = 1e-8  # of the load: what may push along a rigid motion that the supports leave
+_BALANCED = 1e-8  # cosine between the load and a rigid motion that the supports leave
 _SOLVED = 1e-6  # of the load: forces that may be left at what is not held
 
 
@@ -100,7 +100,7 @@ def solve_static(flexibility: Flexibility, forces: NDArray[np.float64], name: st
     """
     model = flexibility.model
     for motion in flexibility.rigid.T:
-        if abs(motion @ forces) > _BALANCED * (np.abs(motion) @ np.abs(forces)):
+        if abs(motion @ forces) > _BALANCED * np.linalg.norm(motion) * np.linalg.norm(forces):
             raise InputError(
                 f"the supports leave {flexibility.rigid_count} rigid motion(s), and the load pushes along one",
                 source=model.name or "finite element model",
