@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SolidStresses", "frame_point_stress", "interpolated", "shell_point_stress"]
 
-_RECORDS = 64  # handled at once
+_VALUES = 1_000_000  # stresses handled at once
 
 
 class SolidStresses:
@@ -97,8 +97,9 @@ class SolidStresses:
             else interpolated(self.model, self._modes, point, self._source)[:, np.newaxis]
         )
         found = np.empty(len(coordinates))
-        for start in range(0, len(coordinates), _RECORDS):
-            part = slice(start, start + _RECORDS)
+        size = max(1, _VALUES // modes.shape[1])
+        for start in range(0, len(coordinates), size):
+            part = slice(start, start + size)
             values = stress_component(np.tensordot(coordinates[part], modes, axes=1), component)
             found[part] = values.max(axis=1)
         return found
