@@ -196,3 +196,31 @@ def test_unknown_quantities_are_refused_with_what_there_is(folder, quantity, mes
     (folder / "case.toml").write_text(CASE + check)
     with pytest.raises(InputErrors, match=message):
         load_case(folder)
+
+
+def test_a_group_held_in_all_directions_is_a_clamp(small_case):
+    """Frequencies and a simulation of the same beam, to the last bit."""
+    from heavylift.pipeline.results.histories import load_results
+
+    short = "simulate.duration=1 ms"
+    supported = ["bodies.beam.modes.clamp=", 'bodies.beam.supports=[{on="root", fixed="xyz"}]']
+    histories = []
+    for number, changes in enumerate(([], supported)):
+        case, out = load_case(small_case, [short, *changes]), small_case / f"out_{number}"
+        assert run_case(case, out=out, stages=("mesh", "modes", "simulate")).outcome is Outcome.COMPLETED
+        histories.append(load_results(case, out)["beam.modal_position"])
+    np.testing.assert_array_equal(*histories)
+
+
+def test_a_free_body_bears_loads_that_are_in_balance(folder):
+    """Pulled at both ends: stress by force and area, no reaction."""
+    both = '[{on="end", pressure=-2e6}, {from=[0,0,0], to=[0,1,1], pressure=-2e6}]'
+    free = ["bodies.bar.supports=", "bodies.bar.frame.motion=free", "bodies.bar.static.1.loads=" + both]
+    case = load_case(
+        folder, [*free, "bodies.bar.static.0.loads=" + both, "bodies.bar.static.2.loads=" + both]
+    )
+    assert run_case(case, stages=("mesh", "modes")).outcome is Outcome.COMPLETED
+    quantities = Quantities(case, case.output_folder)
+    assert quantities.number("static.bar.pull.stress.middle.xx") == pytest.approx(2e6, rel=1e-8)
+    assert quantities.number("static.bar.pull.von_mises") == pytest.approx(2e6, rel=1e-8)
+    assert abs(quantities.number("static.bar.pull.reaction.x")) < 1e-3
