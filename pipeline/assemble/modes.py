@@ -50,7 +50,7 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
     Raises
     ------
     InputError
-        A group that does not exist, or a support without a node.
+        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry.
     """
     held = [np.empty(0, dtype=np.int64)]
     for index, support in enumerate(supports):
@@ -59,12 +59,15 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
             axis = "xyz".index(support.symmetry)
             slack = RELATIVE_TOLERANCE * float(np.linalg.norm(np.ptp(model.nodes, axis=0)))
             nodes = np.flatnonzero(np.abs(model.nodes[:, axis] - support.at) <= slack)
-            if not nodes.size:
-                low, high = model.nodes[:, axis].min(), model.nodes[:, axis].max()
+            low, high = float(model.nodes[:, axis].min()), float(model.nodes[:, axis].max())
+            both = low < support.at - slack and high > support.at + slack
+            if not nodes.size or both:
+                plane = f"the plane {support.symmetry} = {support.at:.9g} m"
                 raise InputError(
-                    f"no node in the plane {support.symmetry} = {support.at:.9g} m",
+                    f"the body is on both sides of {plane}" if both else f"no node in {plane}",
                     key=key,
-                    expected=f"a plane of symmetry; the body spans {low:.6g} to {high:.6g} m",
+                    expected="half of a body, which ends at its plane of symmetry, or 'on' a group and 'fixed'; it "
+                    f"spans {low:.6g} to {high:.6g} m",
                 )
             held.append(3 * nodes + axis)
         else:

@@ -164,6 +164,7 @@ def test_contradictions_are_told_with_key_and_remedy(folder, change, message):
     ("change", "message"),
     [
         ("bodies.bar.supports.0.at=-1", r"supports\.0: no node in the plane x = -1 m"),
+        ("bodies.bar.supports.0.at=1.5", r"supports\.0: the body is on both sides of the plane x = 1\.5 m"),
         (
             'bodies.bar.supports.0={from=[5,5,5], to=[6,6,6], fixed="x"}',
             r"supports\.0: none of .* in the box",
