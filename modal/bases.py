@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.modal.eigen import eigenmodes
-from heavylift.modal.flexibility import Flexibility, apply_mass, held_nodes
+from heavylift.modal.flexibility import Flexibility, apply_mass, held_dofs, held_nodes
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 
@@ -239,7 +239,7 @@ def craig_bampton(
     Raises
     ------
     InputError
-        If an interface node is clamped, or clamped and interface nodes together do not hold the body.
+        If an interface node is held, or held and interface nodes together do not hold the body.
 
     Notes
     -----
@@ -249,10 +249,10 @@ def craig_bampton(
     """
     boundary = _checked_nodes(model, interface, "interface")
     clamped = held_nodes(model, fixed_nodes)
-    both = np.intersect1d(boundary, clamped)
+    both = np.intersect1d(boundary, held_dofs(model, clamped) // 3)
     if both.size:
         raise InputError(
-            f"node {both[0]} is clamped and an interface node",
+            f"node {both[0]} is held and an interface node",
             source=model.name or "finite element model",
             key="interface",
             expected="free nodes",
@@ -260,7 +260,7 @@ def craig_bampton(
     inner = Flexibility(model, np.union1d(clamped, boundary), backend=backend)
     if inner.rigid_count:
         raise InputError(
-            f"clamped and interface nodes leave {inner.rigid_count} rigid motion(s)",
+            f"held and interface nodes leave {inner.rigid_count} rigid motion(s)",
             source=model.name or "finite element model",
             key="interface",
             expected="at least three nodes that are not on one line",

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "NORMAL",
     "contact_loads",
+    "face_rule",
     "footprint_loads",
     "footprint_weights",
     "grid_normals",
@@ -326,7 +327,7 @@ def footprint_weights(
     shares, normals = np.zeros(model.node_count), np.zeros((model.node_count, 3))
     for face, x in zip(faces[near], corners[near], strict=True):
         cells = int(np.ceil(np.ptp(x, axis=0).max() * _CELLS / radius))
-        N, tangents, rule = _face_rule(len(face), min(max(cells, 1), 8 * _CELLS))
+        N, tangents, rule = face_rule(len(face), min(max(cells, 1), 8 * _CELLS))
         normal = np.cross(tangents[0] @ x, tangents[1] @ x)
         squared = np.sum((N @ x - middle) ** 2, axis=1) / radius**2
         w = rule * np.maximum(1.0 - squared, 0.0) ** 2
@@ -345,7 +346,7 @@ def footprint_weights(
     return shares / total, normals / total
 
 
-def _face_rule(
+def face_rule(
     count: int, cells: int
 ) -> tuple[NDArray[np.float64], tuple[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
     """Shape functions (nq, count), their two derivatives and weights (nq,) on a face cut into cells."""

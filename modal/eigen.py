@@ -116,8 +116,8 @@ def eigenmodes(
     count
         Number of flexible modes.
     fixed_nodes
-        Clamped nodes besides those that the model clamps itself. None at all: a free body, whose six
-        rigid modes are found analytically and removed.
+        Clamped nodes besides the nodes and directions that the model holds itself. None at all: a free body,
+        whose six rigid modes are found analytically and removed, as are those that supports leave.
     backend
         Factorisation, see `heavylift.modal.factor.factorise`.
     flexibility
@@ -233,9 +233,10 @@ def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[
     model, free = body.model, body.unknowns
     K = model.stiffness[free][:, free].toarray()
     M = np.zeros_like(K)
-    scalar = model.mass[body.free_nodes][:, body.free_nodes].toarray()
+    nodes, axes = np.divmod(free, 3)
     for k in range(3):
-        M[k::3, k::3] = scalar
+        along = np.flatnonzero(axes == k)
+        M[np.ix_(along, along)] = model.mass[nodes[along]][:, nodes[along]].toarray()
     complement = np.eye(len(free))
     if body.rigid_count:
         inertia = apply_mass(model.mass, body.rigid)[free]

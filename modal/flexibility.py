@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.finite_elements.model import FEModel
 
-__all__ = ["Flexibility", "apply_mass", "held_nodes", "rigid_basis", "rigid_motions"]
+__all__ = ["Flexibility", "apply_mass", "held_dofs", "held_nodes", "rigid_basis", "rigid_motions"]
 
 _RIGID_ENERGY = 1e-10  # of that of the stiffest node moving alone: below it a motion stores no energy
 
@@ -73,17 +73,23 @@ def held_nodes(model: FEModel, fixed_nodes: Sequence[int] | NDArray[np.int64]) -
     return np.union1d(chosen, model.fixed_nodes).astype(np.int64)
 
 
+def held_dofs(model: FEModel, fixed_nodes: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
+    """Sorted degrees of freedom that do not move: all of clamped nodes, and those that the model holds one by one."""
+    of_nodes = (3 * held_nodes(model, fixed_nodes)[:, None] + np.arange(3)).ravel()
+    return np.union1d(of_nodes, model.fixed_dofs).astype(np.int64)
+
+
 def rigid_basis(
     model: FEModel, held: NDArray[np.int64], *, stored_energy: bool = False
 ) -> NDArray[np.float64]:
-    """Mass-orthonormal rigid motions of a body with some nodes held.
+    """Mass-orthonormal rigid motions of a body with some degrees of freedom held.
 
     Parameters
     ----------
     model
         Finite element model.
     held
-        Nodes that do not move.
+        Degrees of freedom that do not move.
     stored_energy
         Leave out motions that the stiffness resists, as elastic supports inside it do.
 
@@ -99,18 +105,18 @@ def rigid_basis(
     """
     motions = rigid_motions(model.nodes)
     if held.size:
-        at_supports = motions.reshape(-1, 3, 6)[held].reshape(-1, 6)
-        _, singular, right = np.linalg.svd(at_supports)
+        _, singular, right = np.linalg.svd(motions[held], full_matrices=held.size < 6)
         stopped = np.zeros(6, dtype=bool)
         stopped[: len(singular)] = singular > 1e-9 * max(singular[0], 1.0)
         motions = motions @ right[~stopped].T
-        motions.reshape(model.node_count, 3, -1)[held] = 0.0
+        motions[held] = 0.0
     if not motions.shape[1]:
         return motions
     if stored_energy:
         motions = np.linalg.qr(motions)[0]
         energy, axes = np.linalg.eigh(motions.T @ (model.stiffness @ motions))
         motions = motions @ axes[:, energy <= _RIGID_ENERGY * model.stiffness.diagonal().max()]
+        motions[held] = 0.0  # but for rounding they were
     if not motions.shape[1]:
         return motions
     weight, axes = np.linalg.eigh(motions.T @ apply_mass(model.mass, motions))
@@ -125,23 +131,23 @@ def rigid_basis(
 
 
 class Flexibility:
-    """Factorised stiffness of a body with some nodes held, whether or not it can still move rigidly.
+    """Factorised stiffness of a body with some nodes or directions held, whether or not it can still move rigidly.
 
     Parameters
     ----------
     model
         Finite element model.
     fixed_nodes
-        Clamped nodes, besides those that the model clamps itself.
+        Clamped nodes, besides the nodes and directions that the model holds itself.
     backend
         See `heavylift.modal.factor.factorise`.
 
     Attributes
     ----------
     fixed
-        All clamped nodes, sorted.
+        All nodes that are held in every direction, sorted.
     unknowns
-        Indices of the degrees of freedom that are not clamped, shape (N,).
+        Indices of the degrees of freedom that are not held, shape (N,).
     rigid
         Rigid motions that are left, mass-orthonormal [kg^-1/2], shape (3n, r); r = 6 for a free body,
         0 for a supported one, 1 if only a hinge axis is held.
@@ -168,8 +174,10 @@ class Flexibility:
         backend: str = "auto",
     ) -> None:
         self.model = model
-        self.fixed = held_nodes(model, fixed_nodes)
-        self.free_nodes = np.setdiff1d(np.arange(model.node_count), self.fixed)
+        held = np.zeros((model.node_count, 3), dtype=bool)
+        held.ravel()[held_dofs(model, fixed_nodes)] = True
+        self.fixed = np.flatnonzero(held.all(axis=1))
+        self.free_nodes = np.flatnonzero(~held.all(axis=1))
         if not self.free_nodes.size:
             raise InputError(
                 f"all {model.node_count} nodes are clamped",
@@ -177,8 +185,11 @@ class Flexibility:
                 key="fixed_nodes",
                 expected="at least one free node",
             )
-        self.unknowns = (3 * self.free_nodes[:, None] + np.arange(3)).ravel()
-        self.rigid = rigid_basis(model, self.fixed, stored_energy=True)
+        self.unknowns = np.flatnonzero(~held.ravel())
+        # whole nodes are factorised; directions of theirs that are held stay in the matrix without coupling
+        self._rows = (3 * self.free_nodes[:, None] + np.arange(3)).ravel()
+        self._held = np.flatnonzero(held.ravel()[self._rows])
+        self.rigid = rigid_basis(model, np.flatnonzero(held.ravel()), stored_energy=True)
         self._rigid_inertia = apply_mass(model.mass, self.rigid)
         stiffness = self._held_stiffness()
         try:
@@ -198,10 +209,10 @@ class Flexibility:
 
     def solve(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacements [m] from forces [N], both (3n,) or (3n, m); zero at clamped nodes."""
-        loads = self.equilibrated(np.asarray(forces, dtype=np.float64))[self.unknowns]
-        loads[self._pinned] = 0.0  # rounding only: the loads are in equilibrium
+        loads = self.equilibrated(np.asarray(forces, dtype=np.float64))[self._rows]
+        loads[self._pinned] = 0.0  # where nothing is held rounding only: the loads are in equilibrium
         result = np.zeros(np.shape(forces))
-        result[self.unknowns] = self.factor.solve(loads)
+        result[self._rows] = self.factor.solve(loads)
         return self.without_rigid(result)
 
     def equilibrated(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -217,18 +228,19 @@ class Flexibility:
         return displacements - self.rigid @ (self._rigid_inertia.T @ displacements)
 
     def _held_stiffness(self) -> sparray:
-        """Stiffness of the free nodes, with r degrees of freedom held if r rigid motions are left."""
+        """Stiffness of the free nodes, with what is held of them, and r more directions if r rigid motions are left."""
         from scipy.linalg import qr
         from scipy.sparse import csr_array
 
         stiffness = csr_array(self.model.stiffness)
         if self.fixed.size:
-            stiffness = stiffness[self.unknowns][:, self.unknowns]
-        self._pinned = np.empty(0, dtype=np.int64)
+            stiffness = stiffness[self._rows][:, self._rows]
+        self._pinned = self._held
         if self.rigid_count:
-            pivots = qr(self.rigid[self.unknowns].T, mode="r", pivoting=True)[1]
-            self._pinned = np.sort(pivots[: self.rigid_count]).astype(np.int64)
-            held = np.zeros(len(self.unknowns), dtype=bool)
+            pivots = qr(self.rigid[self._rows].T, mode="r", pivoting=True)[1]
+            self._pinned = np.union1d(self._held, pivots[: self.rigid_count]).astype(np.int64)
+        if self._pinned.size:
+            held = np.zeros(len(self._rows), dtype=bool)
             held[self._pinned] = True
             keep = np.where(held, 0.0, 1.0)
             data = stiffness.data * keep[stiffness.indices] * np.repeat(keep, np.diff(stiffness.indptr))

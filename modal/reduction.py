@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.modal.eigen import orthogonality_error, signed
-from heavylift.modal.flexibility import apply_mass, held_nodes, rigid_basis
+from heavylift.modal.flexibility import apply_mass, held_dofs, rigid_basis
 from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.reduced import ReducedBody
 from heavylift.numerics.outcome import InputError
@@ -91,7 +91,7 @@ def ritz_vectors(
     labels
         One name a vector.
     fixed_nodes
-        Clamped nodes besides those that the model clamps itself.
+        Clamped nodes besides the nodes and directions that the model holds itself.
     mean_axis
         Take all six rigid motions out. Otherwise only those that the supports leave are: the
         floating frame carries them.
@@ -99,7 +99,7 @@ def ritz_vectors(
     Raises
     ------
     InputError
-        Arrays that do not fit, vectors that move clamped nodes, or none that is left.
+        Arrays that do not fit, vectors that move what is held, or none that is left.
 
     Notes
     -----
@@ -107,7 +107,7 @@ def ritz_vectors(
     part. So the stiffness may have lost its rows at clamped nodes and need not be free of penalties.
     """
     V = np.array(vectors, dtype=np.float64)
-    clamped = held_nodes(model, fixed_nodes)
+    held = held_dofs(model, fixed_nodes)
     source = model.name or "finite element model"
     if V.ndim != 2 or V.shape != (3 * model.node_count, len(labels)) or not np.all(np.isfinite(V)):
         raise InputError(
@@ -116,15 +116,14 @@ def ritz_vectors(
             key="basis",
             expected=f"finite numbers of shape ({3 * model.node_count}, number of labels)",
         )
-    fixed_rows = (3 * clamped[:, None] + np.arange(3)).ravel()
-    if np.abs(V[fixed_rows]).max(initial=0.0) > 1e-9 * np.abs(V).max(initial=0.0):
+    if np.abs(V[held]).max(initial=0.0) > 1e-9 * np.abs(V).max(initial=0.0):
         raise InputError(
-            "a vector moves a clamped node",
+            "a vector moves what is held",
             source=source,
             key="basis",
             expected="vectors of the same supports",
         )
-    supports = np.empty(0, dtype=np.int64) if mean_axis else clamped
+    supports = np.empty(0, dtype=np.int64) if mean_axis else held
     rigid = rigid_basis(model, supports, stored_energy=not mean_axis)
     dropped: list[str] = []
     V /= np.maximum(np.sqrt(_squares(model, V)), np.finfo(float).tiny)
@@ -154,7 +153,7 @@ def ritz_vectors(
         shapes,
         _matched(given @ total / np.sqrt(np.diag(given))[:, None].clip(_DEPENDENT), values, kept, labels),
         tuple(dropped),
-        _residuals(model, values, V, shapes, fixed_rows),
+        _residuals(model, values, V, shapes, held),
     )
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import Material
 
-__all__ = ["VOIGT", "nodal_gradients", "stress_modes", "von_mises"]
+__all__ = ["VOIGT", "nodal_gradients", "stress_component", "stress_modes", "von_mises"]
 
 VOIGT = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Order of the six stress components."""
@@ -84,6 +84,11 @@ def von_mises(stress: NDArray[np.float64]) -> NDArray[np.float64]:
     xx, yy, zz, xy, yz, zx = np.moveaxis(np.asarray(stress, dtype=np.float64), -1, 0)
     deviatoric = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2)
     return np.sqrt(deviatoric + 3.0 * (xy**2 + yz**2 + zx**2))
+
+
+def stress_component(stress: NDArray[np.float64], component: str) -> NDArray[np.float64]:
+    """One of `VOIGT`, or ``"von_mises"``, of stresses (..., 6); shape (...)."""
+    return von_mises(stress) if component == "von_mises" else stress[..., VOIGT.index(component)]
 
 
 def nodal_gradients(mesh: Mesh) -> tuple[csr_array, csr_array, csr_array]:

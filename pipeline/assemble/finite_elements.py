@@ -57,7 +57,7 @@ _CASE_KEYS = (
     (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
     (re.compile(r"(add|cut)"), r"geometry.\1"),
     (re.compile(r"modes"), "modes.count"),
-    (re.compile(r"((?:modes|mesh)\..*|interface)"), r"\1"),
+    (re.compile(r"((?:modes|mesh|supports|static)\..*|interface)"), r"\1"),
 )
 """Keys in messages of the stages, and what they are below the body in a case file."""
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import check_on_body, four_files, in_body
+from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,10 +17,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.modal.bases import Loads
+    from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.modal.statics import StaticState
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.modes import ContactPatchSection, ModesSection
+    from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection, StaticLoadSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel
 
@@ -27,27 +32,112 @@ __all__ = ["reduce_model", "reduced_properties"]
 
 def reduce_model(
     case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float]]:
-    """Reduced body of a model that is in a folder, and the origin of its frame in coordinates of the geometry [m]."""
+) -> tuple[ReducedBody, tuple[float, float, float], list[StaticState]]:
+    """Reduced body of a model in a folder, origin of its frame in coordinates of the geometry [m], static states."""
     name = next(name for name, other in case.bodies.items() if other is body)
     with in_body(case, name, model.name):
         for index, point in enumerate(body.modes.static_points):
             key = f"modes.static_points.{index}"
             elements = None if model.mesh is None else model.mesh.elements
             check_on_body(point, model.nodes, elements, source=case.file, key=key)
-        return _reduce(case, name, body, model, folder)
+        held = held_directions(model, body.supports)
+        return _reduce(case, name, body, replace(model, fixed_dofs=held), folder)
+
+
+def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> NDArray[np.int64]:
+    """Degrees of freedom that the supports of a body hold, sorted.
+
+    Raises
+    ------
+    InputError
+        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry.
+    """
+    held = [np.empty(0, dtype=np.int64)]
+    for index, support in enumerate(supports):
+        key = f"supports.{index}"
+        if support.symmetry is not None:
+            axis = "xyz".index(support.symmetry)
+            slack = RELATIVE_TOLERANCE * float(np.linalg.norm(np.ptp(model.nodes, axis=0)))
+            nodes = np.flatnonzero(np.abs(model.nodes[:, axis] - support.at) <= slack)
+            low, high = float(model.nodes[:, axis].min()), float(model.nodes[:, axis].max())
+            both = low < support.at - slack and high > support.at + slack
+            if not nodes.size or both:
+                plane = f"the plane {support.symmetry} = {support.at:.9g} m"
+                raise InputError(
+                    f"the body is on both sides of {plane}" if both else f"no node in {plane}",
+                    key=key,
+                    expected="half of a body, which ends at its plane of symmetry, or 'on' a group and 'fixed'; it "
+                    f"spans {low:.6g} to {high:.6g} m",
+                )
+            held.append(3 * nodes + axis)
+        else:
+            assert support.fixed is not None
+            nodes = _place_nodes(model, support, key)
+            held += [3 * nodes + "xyz".index(axis) for axis in support.fixed]
+    return np.unique(np.concatenate(held))
+
+
+def _place_nodes(
+    model: FEModel, place: BodySupportSection | StaticLoadSection, key: str
+) -> NDArray[np.int64]:
+    """Nodes of the groups of a support or load that lie in its box."""
+    from heavylift.modal.contact_vectors import patch_nodes
+
+    nodes = _nodes_of(model, place.on, f"{key}.on") if place.on else np.arange(model.node_count)
+    if place.lower is None or place.upper is None:
+        return nodes
+    return patch_nodes(model, nodes, box=(place.lower, place.upper), name=key)
+
+
+def _static_states(flexibility: Flexibility, cases: Sequence[StaticCaseSection]) -> list[StaticState]:
+    """Equilibrium under each static load case of a body."""
+    from heavylift.modal.statics import solve_static
+
+    model = flexibility.model
+    states = []
+    for index, one in enumerate(cases):
+        forces = np.zeros(3 * model.node_count)
+        for number, load in enumerate(one.loads):
+            forces += _nodal_forces(model, load, f"static.{index}.loads.{number}")
+        states.append(solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name))
+    return states
+
+
+def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[np.float64]:
+    """Nodal forces of a load [N], node-major, shape (3n,)."""
+    from heavylift.modal.contact_vectors import outer_faces
+    from heavylift.modal.flexibility import apply_mass
+    from heavylift.modal.statics import face_area, face_forces
+
+    if load.acceleration is not None:
+        return apply_mass(model.mass, np.tile(load.acceleration, model.node_count))
+    nodes = _place_nodes(model, load, key)
+    try:
+        faces = outer_faces(model, nodes, name=key)
+    except InputError:
+        if load.force is None:
+            raise
+        forces = np.zeros((model.node_count, 3))
+        forces[nodes] = np.asarray(load.force) / len(nodes)
+        return forces.ravel()
+    if load.pressure is not None:
+        return face_forces(model, faces, pressure=load.pressure)
+    if load.traction is not None:
+        return face_forces(model, faces, traction=load.traction)
+    assert load.force is not None
+    return face_forces(model, faces, traction=np.asarray(load.force) / face_area(model, faces))
 
 
 def _reduce(
     case: Case, name: str, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float]]:
+) -> tuple[ReducedBody, tuple[float, float, float], list[StaticState]]:
     from heavylift.modal import bases
     from heavylift.modal.eigen import eigenmodes
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduction import reduce_body
 
     options = body.modes
-    clamped = _nodes_of(model, options.clamp, "clamp")
+    clamped = _nodes_of(model, options.clamp, "modes.clamp")
     static_loads = _loads(options, model, clamped)
     if options.attach and not options.patches:
         static_loads += contour_loads(case, name, model, folder, fixed_nodes=clamped)
@@ -69,7 +159,7 @@ def _reduce(
         basis = bases.Basis(shapes[:, chosen], tuple(f"stored {number + 1}" for number in chosen))
         flexibility = Flexibility(model, clamped) if options.has_static else None
     elif options.basis == "craig_bampton":
-        interface = _nodes_of(model, options.interface, "interface")
+        interface = _nodes_of(model, options.interface, "modes.interface")
         basis = bases.craig_bampton(model, interface, options.count, fixed_nodes=clamped)
         flexibility = Flexibility(model, clamped) if options.has_static else None
     else:
@@ -92,7 +182,10 @@ def _reduce(
         origin=origin,
         mean_axis=body.frame.motion == "free",
     )
-    return reduced, tuple(float(x) for x in origin)  # type: ignore[return-value]
+    states = []
+    if body.static:
+        states = _static_states(flexibility or Flexibility(model, clamped), body.static)
+    return reduced, (float(origin[0]), float(origin[1]), float(origin[2])), states
 
 
 def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:
@@ -100,9 +193,7 @@ def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int
     for group in groups:
         if group not in model.node_groups:
             known = ", ".join(sorted(model.node_groups)) or "none"
-            raise InputError(
-                f"group {group!r} does not exist", key=f"modes.{key}", expected=f"one of: {known}"
-            )
+            raise InputError(f"group {group!r} does not exist", key=key, expected=f"one of: {known}")
     parts = [model.node_groups[group] for group in groups]
     return np.unique(np.concatenate(parts)).astype(np.int64) if parts else np.empty(0, dtype=np.int64)
 
@@ -118,10 +209,10 @@ def _loads(options: ModesSection, model: FEModel, clamped: NDArray[np.int64]) ->
         }
         loads.append(bases.point_loads(model, list(nearest), options.static_directions))
     for group in options.static_groups:
-        nodes = _nodes_of(model, [group], "static_groups")
+        nodes = _nodes_of(model, [group], "modes.static_groups")
         loads.append(bases.patch_loads(model, nodes, options.static_directions, name=group))
     for index, patch in enumerate(options.patches):
-        members = _nodes_of(model, [patch.on], f"patches.{index}.on")
+        members = _nodes_of(model, [patch.on], f"modes.patches.{index}.on")
         loads.append(patch_load(model, patch, members, fixed_nodes=clamped, key=f"modes.patches.{index}"))
     return loads
 
@@ -244,9 +335,10 @@ def contour_loads(
     return loads
 
 
-def reduced_properties(reduced: ReducedBody) -> dict[str, Any]:
-    """Numbers of a reduced body for its manifest."""
+def reduced_properties(reduced: ReducedBody, states: Sequence[StaticState] = ()) -> dict[str, Any]:
+    """Numbers of a reduced body and its static load cases for its manifest."""
     return {
+        "static": {state.name: f"residual {state.residual:.0e}" for state in states} or None,
         "vector_count": reduced.mode_count,
         "frequencies_hz": [float(f) for f in reduced.frequencies],
         "largest_residual": float(reduced.residuals.max()),

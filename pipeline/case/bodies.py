@@ -21,6 +21,7 @@ from heavylift.pipeline.case.fields import (
 )
 from heavylift.pipeline.case.geometry import Geometry, MaterialSection, MeshSection
 from heavylift.pipeline.case.modes import ModesSection
+from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection
 from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, RigidBody
 
 __all__ = [
@@ -250,6 +251,10 @@ class FlexibleBodySection(Section):
     """Elements; for geometries that are meshed here."""
     modes: ModesSection
     """Reduction to mode shapes."""
+    supports: tuple[BodySupportSection, ...] = ()
+    """What is held in single directions, and planes of symmetry; besides `modes.clamp`."""
+    static: tuple[StaticCaseSection, ...] = ()
+    """Static load cases, solved with the modes."""
     frame: Frame
     """How the body frame moves."""
     initial: InitialSection = Field(default_factory=InitialSection)
@@ -287,6 +292,16 @@ class FlexibleBodySection(Section):
                 "'static_groups' add shapes under loads), or frame motion 'fixed' or 'driven'",
                 key="modes.clamp",
             )
+        if self.frame.motion == "free" and self.supports:
+            reject(
+                "holds nodes of a body whose frame is free",
+                "no supports with a free frame, or frame motion 'fixed' or 'driven'",
+                key="supports",
+            )
+        names = [one.name for one in self.static]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            reject(f"load case {twice[0]!r} occurs {names.count(twice[0])} times", "one a name", key="static")
         count = self.modes.vector_count
         for key, given_count in (
             ("initial.modal_position", len(self.initial.modal_position)),

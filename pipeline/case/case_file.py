@@ -181,10 +181,14 @@ class Case(SceneTables, _CaseHeading):
         """What a quantity needs and the case does not have; empty if nothing."""
         if quantity.stage == "simulate" and self.simulate is None:
             return "a [simulate] section"
-        if quantity.family in {"mesh", "modes", "ringdown"}:
+        if quantity.family in {"mesh", "modes", "ringdown", "static"}:
             body = self.bodies[quantity.owner]
             if body.type != "flexible":
                 return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
+            if quantity.family == "static":
+                cases = [one.name for one in body.static]
+                known = f"one of the static load cases of {quantity.owner!r}: {', '.join(cases) or 'there are none'}"
+                return "" if quantity.item in cases else known
             count = body.modes.vector_count
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"

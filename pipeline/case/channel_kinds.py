@@ -107,6 +107,8 @@ class Declared:
         Types of the joints by name.
     hulls, fluids, lines
         Names of the bodies that float, of winds and currents, and of mooring lines.
+    sensors
+        Names of the material points, and of the bodies that carry them.
     channels
         By owner: last parts of its channels, and their kinds.
     references
@@ -130,6 +132,7 @@ class Declared:
     hulls: frozenset[str] = frozenset()
     fluids: frozenset[str] = frozenset()
     lines: frozenset[str] = frozenset()
+    sensors: Mapping[str, str] = field(default_factory=dict)
     channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
     checks: Mapping[str, str] = field(default_factory=dict)

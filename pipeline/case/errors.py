@@ -12,7 +12,7 @@ from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import TAG
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from pydantic import ValidationError
@@ -220,7 +220,7 @@ def is_chosen(section: type[BaseModel], node: Any) -> bool:
 
 
 def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
-    """Groups that reductions name but geometries do not have.
+    """Groups that reductions, supports and loads name but geometries do not have.
 
     Works on the plain document, so that these errors are found besides all others. Groups of mesh
     files are known only once the file is read; the modes stage checks those.
@@ -233,18 +233,35 @@ def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
             continue
         groups = geometry.get("groups", {})
         groups = list(groups) if isinstance(groups, dict) else []
-        for key in ("clamp", "interface", "static_groups"):
-            wanted = modes.get(key)
-            for index, group in enumerate(wanted if isinstance(wanted, list) else ()):
-                if isinstance(group, str) and group not in groups:
-                    near = get_close_matches(group, groups, 1)
-                    hint = f"; did you mean {near[0]!r}?" if near else ""
-                    found.append(
-                        InputError(
-                            f"group {group!r} does not exist{hint}",
-                            source=file,
-                            key=f"bodies.{name}.modes.{key}.{index}",
-                            expected=f"a group of the geometry: {', '.join(groups) or 'none'}",
-                        )
+        for key, group in _named_groups(body):
+            if group not in groups:
+                near = get_close_matches(group, groups, 1)
+                hint = f"; did you mean {near[0]!r}?" if near else ""
+                found.append(
+                    InputError(
+                        f"group {group!r} does not exist{hint}",
+                        source=file,
+                        key=f"bodies.{name}.{key}",
+                        expected=f"a group of the geometry: {', '.join(groups) or 'none'}",
                     )
+                )
     return found
+
+
+def _named_groups(body: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Keys of a flexible body that name a group, and the groups."""
+    lists = [(f"modes.{key}", body["modes"].get(key)) for key in ("clamp", "interface", "static_groups")]
+    rows = [("supports", body.get("supports"))]
+    cases = body.get("static")
+    for index, row in enumerate(cases if isinstance(cases, list) else ()):
+        rows.append((f"static.{index}.loads", row.get("loads") if isinstance(row, dict) else None))
+    for key, entries in rows:
+        for index, row in enumerate(entries if isinstance(entries, list) else ()):
+            on = row.get("on") if isinstance(row, dict) else None
+            if isinstance(on, str):
+                yield f"{key}.{index}.on", on
+            lists.append((f"{key}.{index}.on", on))
+    for key, names in lists:
+        for index, group in enumerate(names if isinstance(names, list) else ()):
+            if isinstance(group, str):
+                yield f"{key}.{index}", group

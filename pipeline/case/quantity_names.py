@@ -5,6 +5,10 @@
 ``modes.BODY.frequency.I``                     natural frequency of vector I of the reduced body
 ``modes.BODY.residual.I``                      relative residual of that vector in the full model
 ``modes.BODY.orthogonality``                   largest deviation of the modal mass from the identity
+``static.BODY.CASE.stress.POINT.COMPONENT``    stress at a sensor under a static load case, components below
+``static.BODY.CASE.displacement.POINT.AXIS``   displacement of a sensor, ``x``, ``y`` or ``z``
+``static.BODY.CASE.von_mises``                 largest stress of all nodes; ``static.BODY.CASE.reaction.AXIS``:
+                                               resultant of the forces of all supports
 ``ringdown.BODY.I``                            frequency of one sinusoid fitted to modal coordinate I
 ``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
                                                from the initial value, relative
@@ -12,6 +16,9 @@
                                                channel, e.g. ``channel.tip.position.y.max``, or its mean
                                                ``rate`` over the run, per second; component ``largest`` or
                                                ``smallest``: of all components; ``norm``: of the vector
+``stress.POINT.COMPONENT.STATISTIC``           ``end``, ``min``, ``max``, ``mean`` or ``rms`` over the records of the
+                                               stress at a sensor, see below
+``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
 ``deviation.NAME``                             largest distance of a channel from the reference history
@@ -27,6 +34,12 @@ Components of the channels of frames and shells begin with the number of a node 
 ``channel.plate.position.60.z.end``. Channels of joints along edges have the number of a node before their kind:
 ``channel.rim.0.reaction_force.z.max``. Channels of the recorded contacts of a collision have ``contact_1``,
 ``contact_2``, ... before their kind: ``channel.landing.contact_1.force.max``.
+
+A sensor on a flexible body has the stress ``xx``, ``yy``, ``zz``, ``xy``, ``yz``, ``zx`` in body axes and
+``von_mises``; on a shell ``von_mises``, the largest of its sides, and ``top.xx``, ``top.yy``, ``top.xy``,
+``top.von_mises``, likewise of ``middle`` and ``bottom``, in axes of the surface whose first one follows the mesh
+direction x; on a frame ``axial``, N/A, and ``largest``, N/A +- M c/I. Solids: at the nodes the mean of the elements
+around, between them interpolated. Shells and frames: of one element at the point, not averaged.
 
 What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
 `heavylift.pipeline.case.channel_kinds`.
@@ -84,6 +97,16 @@ HYDROSTATICS = {
     "wetted_area": "area",
 }
 """Figures of a floating hull, and their kinds."""
+_SIDES = ("top", "middle", "bottom")
+STRESSES = {
+    "flexible": ("von_mises", "xx", "yy", "zz", "xy", "yz", "zx"),
+    "shell": (
+        "von_mises",
+        *(f"{side}.{part}" for side in _SIDES for part in ("von_mises", "xx", "yy", "xy")),
+    ),
+    "frame": ("axial", "largest"),
+}
+"""Components of the stress at a material point, by the type of its body."""
 STATISTICS = ("end", "min", "max", "mean", "rms", "rate")
 _RATES = {
     "length": "velocity",
@@ -102,8 +125,8 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``ringdown``, ``drift``, ``channel``, ``frequency``, ``deviation``, ``lines``,
-    ``hydrostatics`` or ``errors``."""
+    """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``deviation``,
+    ``lines``, ``hydrostatics`` or ``errors``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
     item: str
@@ -120,6 +143,8 @@ class QuantityName(NamedTuple):
         """The last stage that must have run."""
         if self.family in {"hydrostatics", "errors"}:  # what checks need they say themselves
             return "mesh"
+        if self.family == "static":
+            return "modes"
         return self.family if self.family in {"mesh", "modes"} else "simulate"
 
 
@@ -144,15 +169,29 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
         return _channel(text, parts, names)
     if parts[0] == "frequency":
         return _frequency(text, parts, names)
+    if parts[0] == "stress":
+        return _stress(text, parts, names)
     if parts[0] == "deviation":
         return _deviation(text, parts, names)
     if parts[0] in {"lines", "hydrostatics"}:
         return _of_the_sea(text, parts, names)
     if parts[0] == "errors":
         return _errors(text, names)
+    if parts[0] == "static":
+        return _static(text, parts, names)
     readers = {"mesh": _mesh, "modes": _modes, "ringdown": _ringdown, "drift": _drift}
     if parts[0] not in readers:
-        known = [*readers, "channel", "frequency", "deviation", "lines", "hydrostatics", "errors"]
+        known = [
+            *readers,
+            "static",
+            "channel",
+            "stress",
+            "frequency",
+            "deviation",
+            "lines",
+            "hydrostatics",
+            "errors",
+        ]
         raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
     return readers[parts[0]](text, parts)
 
@@ -180,6 +219,33 @@ def _modes(text: str, parts: list[str]) -> QuantityName:
         )
     kind = KINDS["frequency" if parts[2] == "frequency" else "number"]
     return QuantityName(text, "modes", parts[1], parts[2], parts[3] if numbered else "", "", kind)
+
+
+def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    """``static.BODY.CASE.ITEM[.POINT][.COMPONENT]``; the component keeps the words from the item on."""
+    items = {
+        "stress": ("pressure", 6, STRESSES["flexible"]),
+        "displacement": ("length", 6, tuple("xyz")),
+        "reaction": ("force", 5, tuple("xyz")),
+        "von_mises": ("pressure", 4, ("von_mises",)),
+    }
+    item = parts[3] if len(parts) > 3 else ""
+    quantity, count, components = items.get(item, ("number", 0, ()))
+    if len(parts) != count or parts[-1] not in components:
+        word = parts[-1] if len(parts) == count else item
+        raise InputError(
+            _unknown(text, word, components if len(parts) == count else items),
+            expected="static.BODY.CASE.stress.SENSOR.COMPONENT with COMPONENT one of "
+            f"{', '.join(STRESSES['flexible'])}, static.BODY.CASE.displacement.SENSOR.AXIS, "
+            "static.BODY.CASE.reaction.AXIS or static.BODY.CASE.von_mises",
+        )
+    if count == 6 and names is not None and names.sensors.get(parts[4]) != parts[1]:
+        known = ", ".join(name for name, body in names.sensors.items() if body == parts[1])
+        raise InputError(
+            f"quantity {text!r}: {parts[4]!r} is no sensor on {parts[1]!r}",
+            expected=f"one of the sensors on it: {known or 'there are none'}",
+        )
+    return QuantityName(text, "static", parts[1], parts[2], ".".join(parts[3:]), "", KINDS[quantity])
 
 
 def _ringdown(text: str, parts: list[str]) -> QuantityName:
@@ -221,6 +287,35 @@ def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityN
     owner, name, component = _channel_parts(parts[1:])
     channel_kind(name, text, names)
     return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
+
+
+def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    statistics = [word for word in STATISTICS if word != "rate"]
+    if len(parts) < 4 or "" in parts or parts[-1] not in statistics:
+        raise InputError(
+            f"quantity {text!r} is unknown",
+            expected=f"stress.SENSOR.COMPONENT.STATISTIC with STATISTIC one of {', '.join(statistics)}",
+        )
+    owner, component = parts[1], ".".join(parts[2:-1])
+    if names is not None and owner in names.names:
+        body = names.sensors.get(owner)
+        if body is None and names.body_types.get(owner) != "flexible":
+            raise InputError(
+                f"quantity {text!r}: {owner!r} is neither a sensor nor a flexible body",
+                expected="a sensor on a flexible body, frame or shell, or a flexible body; the largest stress of a "
+                "shell is channel.NAME.von_mises.largest.max, of a frame channel.NAME.axial_stress.largest.max",
+            )
+        kind = "" if body is None else names.body_types.get(body, "")
+        known = ("von_mises",) if body is None else STRESSES.get(kind, ())
+        if component not in known:
+            whose = repr(owner) if body is None else f"{owner!r} on {body!r}"
+            raise InputError(
+                _unknown(text, component, known),
+                expected=f"of {whose} one of: {', '.join(known)}"
+                if known
+                else f"a body with stress, {body!r} has none",
+            )
+    return QuantityName(text, "stress", owner, "", component, parts[-1], KINDS["pressure"])
 
 
 def _channel_parts(parts: list[str]) -> tuple[str, str, str]:

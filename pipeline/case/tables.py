@@ -419,6 +419,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
         hulls=frozenset(name for name, _ in rows["hulls"] if name in bodies),
         fluids=frozenset(fluids),
         lines=frozenset(name for name, _ in rows["lines"]),
+        sensors={name: str(row.get("body")) for name, row in rows["sensors"]},
         channels=channels,
         references={
             name: (str(row.get("channel")), row.get("scale") is not None) for name, row in references

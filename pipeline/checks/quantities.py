@@ -10,7 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.results.histories import Results, load_results
-from heavylift.pipeline.results.model_io import open_hdf5
+from heavylift.pipeline.results.model_io import open_hdf5, read_states
 from heavylift.pipeline.results.sinusoid import fit_sinusoid
 from heavylift.pipeline.results.storage import OutputFolder, read_json
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.checks import CheckSection
     from heavylift.pipeline.case.quantity_names import QuantityName
+    from heavylift.pipeline.checks.stresses import SolidStresses
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
 
@@ -90,6 +91,7 @@ class Quantities:
         self._case = case
         self._folder = OutputFolder(out)
         self._positions: dict[str, Any] = {}
+        self._solids: dict[str, SolidStresses] = {}
 
     @cached_property
     def results(self) -> Results:
@@ -108,9 +110,11 @@ class Quantities:
         readers = {
             "mesh": self._mesh,
             "modes": self._modes,
+            "static": self._static,
             "ringdown": self._ringdown,
             "drift": self._drift,
             "channel": self._channel,
+            "stress": self._stress,
             "frequency": self._frequency,
             "deviation": self._deviation,
             "lines": self._lines,
@@ -143,6 +147,26 @@ class Quantities:
                 return float(file.attrs["orthogonality"])
             values = file["residuals"][:] if name.item == "residual" else _frequencies(file["eigenvalues"][:])
         return float(values[self._vector(name, len(values))])
+
+    def _static(self, name: QuantityName) -> float:
+        """Of a static load case: stress or displacement of a sensor, largest stress, a component of the reaction."""
+        from heavylift.pipeline.checks.stresses import interpolated
+
+        state = read_states(self._folder.reduced(name.owner)).get(name.item)
+        if state is None:
+            raise self._missing(name, "static load cases of this case file; `heavylift modes CASE`")
+        item, _, rest = name.component.partition(".")
+        if item == "reaction":
+            return float(state.reaction["xyz".index(rest)])
+        if item == "von_mises":
+            return float(self._solid(name.owner).nodal(state, "von_mises").max())
+        point, _, component = rest.rpartition(".")
+        sensor = next(one for one in self._case.sensors if one.name == point)
+        if item == "stress":
+            return self._solid(name.owner).at(state, sensor.point, component)
+        model = self._solid(name.owner).model
+        moved = interpolated(model, state.displacements[np.newaxis], sensor.point, self._case.file)[0]
+        return float(moved["xyz".index(component)])
 
     def _ringdown(self, name: QuantityName) -> float:
         history = self.results[f"{name.owner}.modal_position"]
@@ -180,7 +204,32 @@ class Quantities:
         return relative_drift(history)
 
     def _channel(self, name: QuantityName) -> NDArray[np.float64]:
-        history = self._history(name)
+        return self._statistic(name, self._history(name))
+
+    def _stress(self, name: QuantityName) -> NDArray[np.float64]:
+        return self._statistic(name, self._stress_history(name))
+
+    def _stress_history(self, name: QuantityName) -> NDArray[np.float64]:
+        """Stress at a sensor, or the largest of a flexible body, at all records [Pa], shape (nt,)."""
+        from heavylift.pipeline.checks.stresses import frame_point_stress, shell_point_stress
+
+        sensor = next((one for one in self._case.sensors if one.name == name.owner), None)
+        owner, point = (name.owner, None) if sensor is None else (sensor.body, sensor.point)
+        if self._case.bodies[owner].type == "flexible":
+            return self._solid(owner).history(self.results, point, name.component)
+        assert point is not None
+        shape = self.results.meshes[owner]
+        of_point = shell_point_stress if shape.type == "shell" else frame_point_stress
+        return of_point(shape, self.results, point, name.component, self._case.file)
+
+    def _solid(self, body: str) -> SolidStresses:
+        from heavylift.pipeline.checks.stresses import SolidStresses
+
+        if body not in self._solids:
+            self._solids[body] = SolidStresses(body, self._folder, self._case.file)
+        return self._solids[body]
+
+    def _statistic(self, name: QuantityName, history: NDArray[np.float64]) -> NDArray[np.float64]:
         reductions = {
             "end": lambda a: a[-1],
             "min": lambda a: a.min(axis=0),

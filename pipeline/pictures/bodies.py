@@ -143,7 +143,10 @@ class Painter:
         shown = float(seen.max())
         place = self._surface.nodes[int(np.argmax(seen))] * self._scale
         where = ", ".join(f"{value:.4g}" for value in np.round(place, 6) + 0.0)
-        facts = f"largest {shown:.4g} {unit} at ({where}) {self._unit} · deformation × {factor:g}"
+        facts = f"largest {shown:.4g} {unit} at ({where}) {self._unit}"
+        if largest > divisor * shown * (1.0 + 1.0e-9):
+            facts = f"largest {largest / divisor:.4g} {unit}, inside; on the surface {facts.removeprefix('largest ')}"
+        facts += f" · deformation × {factor:g}"
         bar = (f"von Mises stress [{unit}]", shown > drawing.limits[1] * (1.0 + 1.0e-9))
         figure, _, _ = self._figure(
             drawing, title=title, note=" · ".join(part for part in (note, facts) if part), bar=bar

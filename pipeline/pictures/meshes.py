@@ -19,6 +19,8 @@ from heavylift.solver.bodies.ancf.stress import (
     FrameStresses,
     ShellStresses,
     frame_stresses,
+    largest_frame_stress,
+    largest_shell_stress,
     shell_coordinates,
     shell_stresses,
 )
@@ -46,8 +48,8 @@ __all__ = [
 
 _POINTS = 120_000  # of one body at most, if its elements are many
 _AROUND = 16  # corners of the cross-section of a tube
-_FINEST = {"frame": 12, "shell": 6}  # parts of an element along a side
-_COARSEST = 2
+# parts of an element along a side: so that every place is one of those where the largest stress is looked for
+_PARTS = {"frame": (2, 3, 4, 6, 12), "shell": (2, 3, 6)}
 
 Side = Literal["largest", "top", "middle", "bottom"]
 
@@ -63,7 +65,7 @@ class Skin:
     values
         Stress at the points [Pa], shape (m,): von Mises, of frames the axial stress with its sign.
     largest, where
-        Stress of largest amount [Pa], which may lie between the points, and its element.
+        Stress of largest amount [Pa], which may lie between the points, and its element: as they are recorded.
     outline, edges
         Borders, and sides of elements: indices of points, shape (k, 2).
     """
@@ -144,12 +146,12 @@ class MeshSkin:
         count = len(body.elements)
         if isinstance(body, ShellBody):
             fit = int(np.sqrt(_POINTS / count)) - 1
-            self._places = np.linspace(0.0, 1.0, np.clip(fit, _COARSEST, _FINEST["shell"]) + 1)
+            self._places = _places(fit, "shell")
             self._triangles, self._sides = _grid_triangles(count, len(self._places))
             self._outline = self._sides[_lonely(body.elements)].reshape(-1, 2)
         else:
             fit = _POINTS // (_AROUND * count) - 3
-            self._places = np.linspace(0.0, 1.0, np.clip(fit, _COARSEST, _FINEST["frame"]) + 1)
+            self._places = _places(fit, "frame")
             self._triangles = _tube_triangles(count, len(self._places))
 
     @property
@@ -182,32 +184,36 @@ class MeshSkin:
         """
         found = self._stresses(coordinates)
         shown = found if drawn is None else self._stresses(drawn)
-        if isinstance(found, FrameStresses) and isinstance(shown, FrameStresses):
-            return self._tube(found, shown)
+        if isinstance(self.body, FrameBody):
+            assert isinstance(found, FrameStresses)
+            assert isinstance(shown, FrameStresses)
+            return self._tube(
+                found, shown, largest_frame_stress(self.body, coordinates, lengths=self._lengths)
+            )
         assert isinstance(found, ShellStresses)
         assert isinstance(shown, ShellStresses)
-        return self._surface(found, shown)
+        return self._surface(found, shown, largest_shell_stress(self.body, coordinates, self._side))
 
     def _stresses(self, coordinates: NDArray[np.float64]) -> FrameStresses | ShellStresses:
         if isinstance(self.body, ShellBody):
             return shell_stresses(self.body, coordinates, self._places, self._places)
         return frame_stresses(self.body, coordinates, self._places, lengths=self._lengths)
 
-    def _surface(self, found: ShellStresses, shown: ShellStresses) -> Skin:
+    def _surface(self, found: ShellStresses, shown: ShellStresses, largest: NDArray[np.float64]) -> Skin:
         values = found.von_mises(self._side)
-        place = int(np.argmax(values))
+        where = int(np.argmax(largest))
         return Skin(
             points=shown.places.reshape(-1, 3),
             normals=shown.normals.reshape(-1, 3),
             triangles=self._triangles,
             values=values.ravel(),
-            largest=float(values.flat[place]),
-            where=place // len(self._places) ** 2,
+            largest=float(largest[where]),
+            where=where,
             outline=self._outline,
             edges=self._sides.reshape(-1, 2),
         )
 
-    def _tube(self, found: FrameStresses, shown: FrameStresses) -> Skin:
+    def _tube(self, found: FrameStresses, shown: FrameStresses, largest: NDArray[np.float64]) -> Skin:
         assert isinstance(self.body, FrameBody)
         across, other = _transported(shown.tangents)
         angles = 2.0 * np.pi * np.arange(_AROUND) / _AROUND
@@ -230,19 +236,23 @@ class MeshSkin:
                 np.broadcast_to(sign * shown.tangents[:, [end], np.newaxis], rings[:, [end]].shape)
             )
             stress.append(values[:, [end]])
-        largest = found.largest
-        place = int(np.argmax(np.abs(largest)))
+        where = int(np.argmax(np.abs(largest)))
         none = np.empty((0, 2), dtype=np.int64)
         return Skin(
             points=np.concatenate(points, axis=1).reshape(-1, 3),
             normals=np.concatenate(normals, axis=1).reshape(-1, 3),
             triangles=self._triangles,
             values=np.concatenate(stress, axis=1).ravel(),
-            largest=float(largest.flat[place]),
-            where=place // len(self._places),
+            largest=float(largest[where]),
+            where=where,
             outline=none,
             edges=none,
         )
+
+
+def _places(fit: int, kind: str) -> NDArray[np.float64]:
+    """Places along an element of about so many parts."""
+    return np.linspace(0.0, 1.0, max([parts for parts in _PARTS[kind] if parts <= fit], default=2) + 1)
 
 
 def _grid_triangles(count: int, side: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -129,6 +129,7 @@ class ScenePainter:
         sides = {"largest": "the largest of top, middle and bottom"}.get(
             self._side, f"that of the {self._side}"
         )
+        sides += ", of each element without an average over neighbours"
         beams = f"; of frames the amount of {tubes}" if self._frames else ""
         return f"Colours: von Mises stress of shells, {sides}{beams}"
 

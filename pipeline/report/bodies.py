@@ -10,14 +10,17 @@ from heavylift.modal.reduced import EIGENMODE_RESIDUAL
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.report.document import Facts, Figure, Section, Table, Text
 from heavylift.pipeline.report.inputs import body_input_rows, mesh_input_rows
-from heavylift.pipeline.results.model_io import read_model, read_reduced
+from heavylift.pipeline.results.model_io import read_model, read_reduced, read_states
 from heavylift.pipeline.results.signals import scaled_unit
-from heavylift.pipeline.results.words import number_words
+from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.modal.statics import StaticState
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.pictures.bodies import Painter
     from heavylift.pipeline.pictures.render import Renderer
@@ -32,6 +35,7 @@ __all__ = ["body_sections"]
 
 _SHEET_MODES = 30  # modes on a contact sheet at most, unless the case asks for more pictures
 _TABLE_MODES = 100  # rows of the table of modes at most
+_NODAL = "At the nodes, as the mean of the elements around."
 _NOT_EIGENMODES = (
     "“Not an eigenmode”: the vector belongs to the basis but is no eigenmode of the full model (relative residual "
     f"{EIGENMODE_RESIDUAL:g} or more), as static, Krylov, component-mode and stored vectors after the Ritz step. "
@@ -84,14 +88,17 @@ def body_sections(
         reduced = read_reduced(stages.reduced(name))
     except InputError as error:
         return [*sections, Section(f"Modes of {name}", (Text(f"No modes: {error}", warning=True),))]
+    at_rest = read_states(stages.reduced(name))
     items = [_modes_table(reduced)]
     if not reduced.eigenmode_mask.all():
         items.append(Text(_NOT_EIGENMODES))
     if painter is not None:
         items += _mode_figures(case, name, reduced, painter, album)
     sections.append(Section(f"Modes of {name}", tuple(items)))
+    if at_rest:
+        sections.append(Section(f"Static load cases of {name}", (_static_table(model, at_rest),)))
     if painter is not None:
-        items = _stress_figures(case, name, model, reduced, results, painter, album)
+        items = _stress_figures(case, name, model, reduced, at_rest, results, painter, album)
         if items:
             sections.append(Section(f"Stress in {name}", tuple(items)))
     return sections
@@ -123,6 +130,11 @@ def _marks(model: FEModel, body: Any) -> dict[str, NDArray[np.int64]]:
     }
     if model.fixed_nodes.size:
         marks["fixed by the data"] = model.fixed_nodes
+    if body.supports:
+        from heavylift.pipeline.assemble.modes import held_directions
+
+        nodes, axes = np.divmod(held_directions(model, body.supports), 3)
+        marks |= {f"{axis} held": nodes[axes == k] for k, axis in enumerate("xyz") if np.any(axes == k)}
     return marks
 
 
@@ -155,11 +167,39 @@ def _model_facts(model: FEModel, body: Any) -> Facts:
     rows += body_input_rows(body)
     if body.modes.clamp:
         rows.append(("clamped", ", ".join(body.modes.clamp)))
+    rows += [("support", _support(support)) for support in body.supports]
+    rows += [(f"load case {one.name}", "; ".join(map(_static_load, one.loads))) for one in body.static]
     ratios = sorted({f"{ratio:.4g}" for ratio in body.modes.damping_ratio})
     rows.append(("damping ratio", " to ".join(dict.fromkeys((ratios[0], ratios[-1]))) if ratios else "0"))
     if body.modes.stiffness_damping:
         rows.append(("damping", f"{number_words(body.modes.stiffness_damping, 's')} times the stiffness"))
     return Facts(tuple(rows))
+
+
+def _place(place: Any) -> str:
+    """Groups and box of a support or load."""
+    words = [" and ".join(place.on)] if place.on else []
+    if place.lower is not None:
+        words.append(f"from {numbers_words(place.lower, 'm')} to {numbers_words(place.upper, 'm')}")
+    return ", ".join(words)
+
+
+def _support(support: Any) -> str:
+    if support.symmetry is not None:
+        return f"symmetry, {support.symmetry} = {number_words(support.at, 'm')}"
+    return f"{_place(support)}: {support.fixed} held"
+
+
+def _static_load(load: Any) -> str:
+    if load.pressure is not None:
+        return f"pressure {number_words(load.pressure, 'Pa')} on {_place(load)}"
+    key, unit = next(
+        (key, unit)
+        for key, unit in (("traction", "Pa"), ("force", "N"), ("acceleration", "m/s²"))
+        if getattr(load, key) is not None
+    )
+    where = f" on {_place(load)}" if key != "acceleration" else ""
+    return f"{key} {numbers_words(getattr(load, key), unit)}{where}"
 
 
 def _frequencies(reduced: ReducedBody) -> NDArray[np.float64]:
@@ -186,6 +226,24 @@ def _modes_table(reduced: ReducedBody) -> Table:
     return Table(
         ("no.", "vector", "frequency [Hz]", "relative residual"), tuple(rows), frozenset({0, 2, 3}), columns=2
     )
+
+
+def _static_table(model: FEModel, states: Mapping[str, StaticState]) -> Table:
+    """Reaction, largest displacement and what is left of the load, a row each load case."""
+    rows = []
+    for state in states.values():
+        size = np.linalg.norm(state.displacements, axis=1)
+        place = numbers_words(model.nodes[int(np.argmax(size))].tolist(), "m")
+        rows.append(
+            (
+                state.name,
+                numbers_words(state.reaction.tolist(), "N"),
+                f"{number_words(float(size.max()), 'm')} at {place}",
+                f"{state.residual:.0e}",
+            )
+        )
+    columns = ("load case", "reaction of the supports", "largest displacement", "load that is left")
+    return Table(columns, tuple(rows), frozenset({3}))
 
 
 def _mode_figures(case: Case, name: str, reduced: ReducedBody, painter: Painter, album: Album) -> list[Item]:
@@ -217,15 +275,16 @@ def _stress_figures(
     name: str,
     model: FEModel,
     reduced: ReducedBody,
+    at_rest: Mapping[str, StaticState],
     results: Results | None,
     painter: Painter,
     album: Album,
 ) -> list[Item]:
-    """Von Mises stress of the chosen modes and instants."""
+    """Von Mises stress of the static load cases, the chosen modes and instants."""
     channel = f"{name}.modal_position"
     instants = _instants(case, reduced, results, channel)
     chosen = [number for number in case.report.stress_modes if number <= len(reduced.eigenvalues)]
-    if not (chosen or instants):
+    if not (chosen or instants or at_rest):
         return []
     if model.mesh is None or model.material is None:
         return [Text("No stress: the model came without elements and material.")]
@@ -233,17 +292,21 @@ def _stress_figures(
 
     frequencies = _frequencies(reduced)
     states: list[tuple[NDArray[np.float64], str, str, str, str]] = []
+    for state in at_rest.values():
+        title = f"{name}: stress under {state.name}"
+        caption = f"Von Mises stress in {name} under {state.name}. {_NODAL}"
+        states.append((state.displacements, f"{name}_stress_static_{state.name}", title, "at rest", caption))
     for number in chosen:
         shape, words = _scaled_mode(reduced.mode_shapes[number - 1], painter)
         title = f"{name}: stress in mode {number}, {_hertz(frequencies[number - 1])}"
-        caption = f"Von Mises stress of mode {number} of {name} {words}."
+        caption = f"Von Mises stress of mode {number} of {name} {words}. {_NODAL}"
         states.append((shape, f"{name}_stress_mode_{number}", title, words, caption))
     for order, (index, words) in enumerate(instants, start=1):
         assert results is not None
         coordinates = results[channel].reshape(len(results.time), -1)[index]
         unit = scaled_unit("s", [results.time[[index]]])
         when = f"t = {results.time[index] / unit.divisor:.6g} {unit.text}"
-        caption = f"Von Mises stress in {name} at {when}{f', {words}' if words else ''}; body frame."
+        caption = f"Von Mises stress in {name} at {when}{f', {words}' if words else ''}; body frame. {_NODAL}"
         shape = np.tensordot(coordinates, reduced.mode_shapes, axes=1)
         states.append((shape, f"{name}_stress_time_{order}", f"{name}: stress at {when}", words, caption))
     stresses = von_mises(stress_modes(model.mesh, model.material, np.array([state[0] for state in states])))

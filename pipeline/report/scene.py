@@ -9,6 +9,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.report.document import Figure, Section, Text
+from heavylift.pipeline.results.mesh_results import mesh_body, mesh_coordinates
 from heavylift.pipeline.results.words import number_words
 
 if TYPE_CHECKING:
@@ -24,11 +25,9 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.solver.scene.meshes import FrameBody, ShellBody
 
-__all__ = ["mesh_body", "mesh_run", "scene_others", "scene_painter", "scene_sections"]
+__all__ = ["mesh_run", "scene_others", "scene_painter", "scene_sections"]
 
-_VECTORS = {"frame": ("position", "tangent"), "shell": ("position", "slope_x", "slope_y", "twist")}
 _STRESSES = {"frame": "axial_stress", "shell": "von_mises"}
 _SMALL = (800, 560)  # pixels of an animation
 
@@ -105,39 +104,11 @@ def mesh_run(shape: MeshShape, results: Results) -> MeshRun:
     """A recorded frame or shell, as pictures need it."""
     from heavylift.pipeline.pictures.meshes import MeshRun
 
-    channels = [f"{shape.name}.{vector}" for vector in _VECTORS[shape.type]]
-    count = len(shape.nodes)
-
     def coordinates(record: int) -> NDArray[np.float64]:
-        return np.stack([results[name][record].reshape(count, 3) for name in channels], axis=1)
+        return mesh_coordinates(shape, results, slice(record, record + 1))[0]
 
     lengths = shape.lengths[:, 0] if shape.type == "frame" else None
     return MeshRun(mesh_body(shape), coordinates, lengths)
-
-
-def mesh_body(shape: MeshShape) -> FrameBody | ShellBody:
-    """The body whose shape was stored; supports and loads are not part of it."""
-    from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
-
-    rows = [dict(zip(shape.section_columns, row.tolist(), strict=True)) for row in shape.sections]
-    common: dict[str, Any] = {
-        "name": shape.name,
-        "nodes": shape.nodes,
-        "elements": shape.elements,
-        "element_sections": shape.element_sections,
-        "position": shape.position,
-        "orientation": shape.orientation,
-    }
-    if shape.type == "shell":
-        sections = tuple(ShellSection(**row) for row in rows)
-        return ShellBody(slopes=shape.vectors, lengths=shape.lengths, sections=sections, **common)
-    return FrameBody(
-        tangents=shape.vectors[:, 0],
-        sections=tuple(FrameSection(**row) for row in rows),
-        model="exact" if shape.model == "exact" else "green-lagrange",
-        axial_strains=shape.axial_strains,
-        **common,
-    )
 
 
 def scene_others(

@@ -16,9 +16,18 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.pipeline.results.histories import Results
     from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 
-__all__ = ["MeshShape", "mesh_shape", "read_meshes", "save_meshes", "write_meshes"]
+__all__ = [
+    "MeshShape",
+    "mesh_body",
+    "mesh_coordinates",
+    "mesh_shape",
+    "read_meshes",
+    "save_meshes",
+    "write_meshes",
+]
 
 GROUP = "bodies"
 """Group of a result file with a group a frame or shell."""
@@ -147,6 +156,40 @@ def mesh_shape(body: MeshBody) -> MeshShape:
         model=body.model if isinstance(body, FrameBody) else "",
         elasticity=body.elasticity,
     )
+
+
+def mesh_body(shape: MeshShape) -> FrameBody | ShellBody:
+    """The body whose shape was stored; supports and loads are not part of it."""
+    from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
+
+    rows = [dict(zip(shape.section_columns, row.tolist(), strict=True)) for row in shape.sections]
+    common: dict[str, Any] = {
+        "name": shape.name,
+        "nodes": shape.nodes,
+        "elements": shape.elements,
+        "element_sections": shape.element_sections,
+        "position": shape.position,
+        "orientation": shape.orientation,
+    }
+    if shape.type == "shell":
+        sections = tuple(ShellSection(**row) for row in rows)
+        return ShellBody(slopes=shape.vectors, lengths=shape.lengths, sections=sections, **common)
+    return FrameBody(
+        tangents=shape.vectors[:, 0],
+        sections=tuple(FrameSection(**row) for row in rows),
+        model="exact" if shape.model == "exact" else "green-lagrange",
+        axial_strains=shape.axial_strains,
+        **common,
+    )
+
+
+def mesh_coordinates(shape: MeshShape, results: Results, records: slice) -> NDArray[np.float64]:
+    """Vectors of the nodes at some records in world axes, shape (records, n, 2 or 4, 3)."""
+    from heavylift.solver.scene.meshes import FRAME_VECTORS, SHELL_VECTORS
+
+    vectors = FRAME_VECTORS if shape.type == "frame" else SHELL_VECTORS
+    parts = [results[f"{shape.name}.{vector}"][records] for vector in vectors]
+    return np.stack([part.reshape(len(part), len(shape.nodes), 3) for part in parts], axis=2)
 
 
 def _prestrain(body: FrameBody | ShellBody) -> NDArray[np.float64]:

@@ -11,16 +11,25 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.results.storage import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     import h5py
     from scipy.sparse import csr_array
 
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.modal.statics import StaticState
     from heavylift.preprocess.finite_elements.model import FEModel
 
-__all__ = ["open_hdf5", "read_header", "read_model", "read_reduced", "write_model", "write_reduced"]
+__all__ = [
+    "open_hdf5",
+    "read_header",
+    "read_model",
+    "read_reduced",
+    "read_states",
+    "write_model",
+    "write_reduced",
+]
 
 MODEL_FORMAT = "heavylift finite-element model 1"
 REDUCED_FORMAT = "heavylift reduced body 1"
@@ -113,8 +122,10 @@ def read_model(path: Path) -> FEModel:
         )
 
 
-def write_reduced(path: Path, body: ReducedBody, header: Mapping[str, Any]) -> None:
-    """Write a reduced body in SI units; parameters as `write_model`."""
+def write_reduced(
+    path: Path, body: ReducedBody, header: Mapping[str, Any], states: Sequence[StaticState] = ()
+) -> None:
+    """Write a reduced body and its static load cases in SI units; parameters as `write_model`."""
     import h5py
 
     with replacing(path) as temporary, h5py.File(temporary, "w") as file:
@@ -130,6 +141,12 @@ def write_reduced(path: Path, body: ReducedBody, header: Mapping[str, Any]) -> N
         integrals = file.create_group("integrals")
         for key, value in body.integrals._asdict().items():
             _write(integrals, key, value, _INTEGRAL_UNITS[key], key.replace("_", " "))
+        statics = file.create_group("static")
+        for state in states:
+            group = statics.create_group(state.name)
+            group.attrs["residual"] = state.residual
+            _write(group, "displacements", state.displacements, "m", "of all nodes under a static load case")
+            _write(group, "reaction", state.reaction, "N", "resultant of the forces of all supports")
 
 
 _INTEGRAL_UNITS = {
@@ -162,6 +179,20 @@ def read_reduced(path: Path) -> ReducedBody:
             orthogonality=float(file.attrs["orthogonality"]),
             dropped=tuple(json.loads(file.attrs["dropped"])),
         )
+
+
+def read_states(path: Path) -> dict[str, StaticState]:
+    """Static load cases that `write_reduced` wrote, by name; errors as `read_model`."""
+    from heavylift.modal.statics import StaticState
+
+    with open_hdf5(path, "make it with `heavylift modes CASE --force`") as file:
+        _check_format(file, path, REDUCED_FORMAT)
+        return {
+            name: StaticState(
+                name, group["displacements"][:], group["reaction"][:], float(group.attrs["residual"])
+            )
+            for name, group in file["static"].items()
+        }
 
 
 def read_header(path: Path) -> dict[str, Any]:

@@ -167,6 +167,8 @@ def modes_digest(case: Case, body: FlexibleBodySection) -> str:
         {
             "model": mesh_digest(case, body),
             "modes": reduction,
+            "supports": [support.model_dump(mode="json") for support in body.supports],
+            "static": [one.model_dump(mode="json") for one in body.static],
             "origin": body.frame.origin,
             "free": body.frame.motion == "free",
         },

@@ -381,9 +381,9 @@ def modes_stage(work: Work) -> StageReport:
         from heavylift.pipeline.results.model_io import read_model, write_reduced
 
         model = work.models.pop(name, None) or read_model(work.folder.model(name))
-        reduced, origin = reduce_model(work.case, body, model, work.folder)
-        write_reduced(work.folder.reduced(name), reduced, {**header, "frame_origin": origin})
-        return reduced_properties(reduced)
+        reduced, origin, states = reduce_model(work.case, body, model, work.folder)
+        write_reduced(work.folder.reduced(name), reduced, {**header, "frame_origin": origin}, states)
+        return reduced_properties(reduced, states)
 
     return _body_stage(work, "modes", work.folder.reduced, modes_digest, make)
 

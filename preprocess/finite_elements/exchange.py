@@ -267,7 +267,7 @@ def expand_omitted_rows(
         raise InputError("all mode shapes are zero", source=path, expected="modes that move")
     count = n - rows // 3
     if count == 0:
-        if given is not None:
+        if given is not None and len(given):
             raise InputError(
                 f"{len(given)} nodes",
                 source=path,
@@ -446,7 +446,8 @@ def read_four_files(
         N/m per unit of ``stiffnessMatrix.dat``. A Young's modulus in Pa on lengths in mm gives 1e-3, N/mm
         gives 1e3.
     clamped_nodes
-        Zero-based nodes whose rows the mode file omits, when the reader cannot find them itself.
+        Zero-based nodes whose rows the mode file omits, when the reader cannot find them itself. None at all,
+        ``[]``, is a free body: then nodes whose rows are zero are not clamped either.
     check_units
         Refuse a body of impossible density or wave speed, the sign of factors that do not fit together.
 
@@ -491,7 +492,15 @@ def read_four_files(
     modes, omitted = expand_omitted_rows(
         folder / MODE_FILE, table.values, nodes, masses, stiffness, clamped, clamped_nodes, notes
     )
-    still = zero_row_nodes(modes)
+    if clamped_nodes is not None and not len(clamped_nodes) and clamped.size:
+        raise InputError(
+            f"none, and {STIFFNESS_FILE} clamps {clamped.size}, {_words(clamped)}",
+            source=folder,
+            key="clamped_nodes",
+            expected="a stiffness matrix without boundary conditions, or no 'clamped_nodes'",
+        )
+    free = clamped_nodes is not None and not len(clamped_nodes)
+    still = np.empty(0, dtype=np.int64) if free else zero_row_nodes(modes)
     moving = np.setdiff1d(clamped, still)
     if moving.size:
         raise InputError(

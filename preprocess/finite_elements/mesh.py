@@ -15,15 +15,18 @@ from heavylift.preprocess.finite_elements.reference_elements import (
     NODE_COUNT,
     REFERENCE_NODES,
     jacobians,
+    shape_functions,
     shape_gradients,
     volume_rule,
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Mesh"]
 
+_AT, _BESIDE = 1e-9, 1e-2  # of the largest extent: a point is in an element; a point is not of the body
+_NEWTON_STEPS = 30
 _CHUNK = 4096  # elements handled at once, so that memory does not grow with the mesh
 
 
@@ -130,6 +133,65 @@ class Mesh:
     def volume(self) -> float:
         """Volume of the body [m3]."""
         return float(self.element_volumes().sum())
+
+    def locate(
+        self, point: ArrayLike, *, source: object = ""
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Nodes of the element at a point, and their shape functions there.
+
+        Parameters
+        ----------
+        point
+            Coordinates [m], shape (3,). Beside the mesh, as where straight edges stand for a curved face, a point of
+            an element counts that is as near, to a factor of about two.
+        source
+            Named in the message.
+
+        Returns
+        -------
+        tuple
+            Node indices and weights of sum 1, shapes (nodes per element,).
+
+        Raises
+        ------
+        InputError
+            If the point is farther from the mesh than 1 % of the largest extent of the body.
+        """
+        place = np.asarray(point, dtype=np.float64)
+        corners = self.nodes[self.elements]
+        lower, upper = corners.min(axis=1), corners.max(axis=1)
+        # an element is no nearer than its box: look at near ones only, nearest first
+        beside = np.linalg.norm(np.maximum(np.maximum(lower - place, place - upper), 0.0), axis=1)
+        size = float(np.ptp(self.nodes, axis=0).max())
+        best, found = np.inf, (self.elements[0], np.zeros(self.elements.shape[1]))
+        for element in np.argsort(beside, kind="stable"):
+            if beside[element] > best or best <= _AT * size:
+                break
+            weights = self._nearest(corners[element], place)
+            distance = float(np.linalg.norm(weights @ corners[element] - place))
+            if distance < best:
+                best, found = distance, (self.elements[element], weights)
+        if not best <= _BESIDE * size:
+            raise InputError(
+                f"point {np.round(place, 9).tolist()} m is {best:.6g} m away from the body",
+                source=str(source) or self.name or "mesh",
+                expected="a point of the body, in the coordinates of the geometry (are the units right?)",
+            )
+        return found
+
+    def _nearest(self, corners: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Shape functions at a point of an element, by Newton's method; at a nearby point of it if it is outside."""
+        brick = self.element_type == "hex8"
+        local = REFERENCE_NODES[self.element_type].mean(axis=0)
+        for _ in range(_NEWTON_STEPS):
+            N = shape_functions(self.element_type, local[np.newaxis])[0]
+            J = jacobians(corners[np.newaxis], shape_gradients(self.element_type, local[np.newaxis]))[0, 0]
+            step = np.linalg.lstsq(J, point - N @ corners, rcond=None)[0]
+            before, local = local, _inside(local + step, brick)
+            if np.abs(local - before).max() <= 1e-14:
+                break
+        weights: NDArray[np.float64] = shape_functions(self.element_type, local[np.newaxis])[0]
+        return weights
 
     def boundary_faces(self) -> NDArray[np.int64]:
         """Faces that belong to one element only.
@@ -243,3 +305,16 @@ class Mesh:
     def _element_words(self, index: int) -> str:
         centre = self.nodes[self.elements[index]].mean(axis=0)
         return f"element {index + 1} at ({centre[0]:.6g}, {centre[1]:.6g}, {centre[2]:.6g}) m"
+
+
+def _inside(local: NDArray[np.float64], brick: bool) -> NDArray[np.float64]:
+    """Reference coordinates moved into the element: clipped to the cube, or projected onto the tetrahedron."""
+    if brick:
+        return np.clip(local, -1.0, 1.0)
+    positive = np.maximum(local, 0.0)
+    if positive.sum() <= 1.0:
+        return positive
+    # projection onto the simplex: subtract what makes the positive rest sum to one
+    descending = np.sort(local)[::-1]
+    excess = (np.cumsum(descending) - 1.0) / np.arange(1, 4)
+    return np.maximum(local - excess[np.flatnonzero(descending > excess)[-1]], 0.0)

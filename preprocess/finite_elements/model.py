@@ -104,6 +104,8 @@ class FEModel:
         Named, sorted node indices.
     fixed_nodes
         Sorted indices of nodes clamped by the data itself; usually empty.
+    fixed_dofs
+        Sorted degrees of freedom that are held besides, one by one, as symmetry planes and sliding supports do.
     name
         Where the model comes from, for messages.
 
@@ -120,12 +122,14 @@ class FEModel:
     material: Material | None = None
     node_groups: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     fixed_nodes: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    fixed_dofs: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     name: str = ""
 
     def __post_init__(self) -> None:
         source = self.name or "finite element model"
         object.__setattr__(self, "nodes", np.ascontiguousarray(self.nodes, dtype=np.float64))
-        object.__setattr__(self, "fixed_nodes", np.unique(np.asarray(self.fixed_nodes, dtype=np.int64)))
+        for key in ("fixed_nodes", "fixed_dofs"):
+            object.__setattr__(self, key, np.unique(np.asarray(getattr(self, key), dtype=np.int64)))
         n = len(self.nodes)
         for key, matrix, size in (("stiffness", self.stiffness, 3 * n), ("mass", self.mass, n)):
             if matrix.shape != (size, size):
@@ -139,13 +143,14 @@ class FEModel:
                 raise InputError(
                     "has entries that are not finite", source=source, key=key, expected="finite numbers"
                 )
-        if self.fixed_nodes.size and (self.fixed_nodes[0] < 0 or self.fixed_nodes[-1] >= n):
-            raise InputError(
-                f"node indices {self.fixed_nodes[0]} to {self.fixed_nodes[-1]}",
-                source=source,
-                key="fixed_nodes",
-                expected=f"zero-based indices below {n}",
-            )
+        for key, held, size in (("fixed_nodes", self.fixed_nodes, n), ("fixed_dofs", self.fixed_dofs, 3 * n)):
+            if held.size and (held[0] < 0 or held[-1] >= size):
+                raise InputError(
+                    f"indices {held[0]} to {held[-1]}",
+                    source=source,
+                    key=key,
+                    expected=f"zero-based indices below {size}",
+                )
         if not self.total_mass > 0.0:
             raise InputError(
                 f"total mass {self.total_mass} kg", source=source, key="mass", expected="a positive mass"

@@ -232,7 +232,7 @@ class FrameBody(MeshBody):
         ChannelKind(
             "axial_stress",
             "pressure",
-            "largest stress of the outermost fibres at the ends of every element",
+            "stress of largest amount of the outermost fibres of every element, N/A ± M c/I, of 13 places along it",
             None,
         ),
         STRAIN_DRIFT,
@@ -303,7 +303,8 @@ class ShellBody(MeshBody):
         ChannelKind(
             "von_mises",
             "pressure",
-            "von Mises stress in the middle of every element; at supports and edges it may be higher",
+            "von Mises stress of top, middle and bottom of every element: the largest of a grid of 7 x 7 places, sides "
+            "and corners included; elements are not averaged",
             None,
         ),
         STRAIN_DRIFT,

@@ -71,7 +71,7 @@ class Sensor(OnBody):
     CHANNELS: ClassVar = POINT_CHANNELS
     """What it records, in the order of its columns."""
     SENTENCES: ClassVar = {
-        "name": "Name; its channels are ``NAME.position`` and ``NAME.velocity``.",
+        "name": "Name; its channels are ``NAME.position`` and ``NAME.velocity``; checks may ask for the stress at it.",
         "body": "Body that carries it.",
         "point": "Point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame or "
         "shell any point of its mesh.",

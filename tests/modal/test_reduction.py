@@ -147,7 +147,7 @@ def test_bad_input_is_named(brick_beam):
     vectors = np.ones((3 * brick_beam.node_count, 2))
     with pytest.raises(InputError, match="2\\) with 1 labels"):
         reduce_body(brick_beam, vectors, ["a"], mean_axis=True)
-    with pytest.raises(InputError, match="moves a clamped node"):
+    with pytest.raises(InputError, match="moves what is held"):
         reduce_body(brick_beam, vectors, ["a", "b"], fixed_nodes=fixed, mean_axis=True)
     with pytest.raises(InputError, match="origin"):
         reduce_body(brick_beam, vectors, ["a", "b"], origin=(0, 0, np.nan), mean_axis=True)

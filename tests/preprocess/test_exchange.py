@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 import shutil
 import time
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from scipy.sparse import csr_array
 
+from heavylift.modal.eigen import eigenmodes
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
@@ -320,3 +323,22 @@ def test_what_the_files_cannot_hold_is_not_written(bar, tmp_path):
     with pytest.raises(InputError, match=r"modes: array of shape \(5, 6\)"):
         write_four_files(tmp_path, model, modes[:5])
     assert not list(tmp_path.iterdir())
+
+
+def test_an_empty_list_of_clamped_nodes_is_a_free_body(bar, files):
+    """Nodes that rest in every stored shape, as those of a nodal plane, are not clamped then."""
+    model, modes, clamp = bar
+    assert read_four_files(files).fixed_nodes.size == clamp.size
+    data = read_four_files(files, clamped_nodes=[])
+    assert data.fixed_nodes.size == 0
+    np.testing.assert_array_equal(data.modes, modes)
+    assert eigenmodes(data.model, 3).rigid_count == 6
+    _edit(files / "modeShapeMatrix.dat", lambda lines: _without_rows(lines, clamp))
+    with pytest.raises(InputError, match="clamped_nodes: 0 nodes; expected the 6"):
+        read_four_files(files, clamped_nodes=[])
+    stiffness = model.stiffness.tolil()
+    for row in (3 * clamp[:, None] + np.arange(3)).ravel():
+        stiffness[row, row] = 1e36
+    write_four_files(files, dataclasses.replace(model, stiffness=csr_array(stiffness)), modes)
+    with pytest.raises(InputError, match=r"clamped_nodes: none, and stiffnessMatrix\.dat clamps 6"):
+        read_four_files(files, clamped_nodes=[])

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
@@ -92,3 +95,29 @@ def test_malformed_arrays_are_refused(change, message):
     Mesh(**good).check()
     with pytest.raises(InputError, match=message):
         Mesh(**{**good, **change})
+
+
+@pytest.mark.parametrize("element_type", ["tet10", "hex8"])
+def test_point_of_a_body_is_found_with_its_shape_functions(element_type):
+    """Weights of the element at a point reproduce the point and linear fields; nodes have weight one."""
+    mesh = mesh_blocks([Box("block", (0, 0, 0), (2.0, 1.0, 0.5))], element_type=element_type, size=0.4)
+    bent = replace(mesh, nodes=mesh.nodes + 0.02 * np.sin(3.0 * mesh.nodes[:, [1, 2, 0]]))
+    for body in (mesh, bent):
+        middles = body.nodes[body.elements].mean(axis=1)
+        for point in (*middles[::7], *body.nodes[::11]):
+            nodes, weights = body.locate(point)
+            np.testing.assert_allclose(weights @ body.nodes[nodes], point, atol=2e-9)
+            assert weights.sum() == pytest.approx(1.0, abs=1e-12)
+    nodes, weights = mesh.locate(mesh.nodes[5])
+    assert weights[nodes == 5] == pytest.approx(1.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("element_type", ["tet10", "hex8"])
+def test_point_beside_a_body_has_a_near_point_of_it_or_is_refused(element_type):
+    mesh = mesh_blocks([Box("block", (0, 0, 0), (2.0, 1.0, 0.5))], element_type=element_type, size=0.4)
+    nodes, weights = mesh.locate([1.1, 0.3, 0.51])
+    found = weights @ mesh.nodes[nodes]
+    assert found[2] == pytest.approx(0.5, abs=1e-12)  # on the face
+    assert np.linalg.norm(found - [1.1, 0.3, 0.51]) < 0.02
+    with pytest.raises(InputError, match=r"0\.1\d* m away from the body"):
+        mesh.locate([1.1, 0.3, 0.6])

@@ -24,6 +24,7 @@ from heavylift.solver.bodies.ancf.kind import Meshes
 __all__ = [
     "AXIAL_POINTS",
     "BENDING_POINTS",
+    "STRESS_PLACES",
     "AxialPoint",
     "BendingPoint",
     "FrameData",
@@ -55,6 +56,11 @@ BENDING_POINTS = 3
 """Gauss points of the curvature: its error is two orders smaller than that of the cubic."""
 
 
+STRESS_PLACES = 13
+"""Places along an element, ends and centre included, at which the largest stress is looked for. Pictures draw some of
+these and no others, so that none shows more than is recorded."""
+
+
 class FrameData(Record):
     """Data of an element; its axial points follow, then the bending points of the exact model.
 
@@ -72,12 +78,10 @@ class FrameData(Record):
         Whether the reference is, of the exact model.
     initial_strain
         Of the reference shape.
-    centre
-        (a, b, c) at the centre.
-    end_second
-        (A, B, C) at both ends.
-    end_curvature
-        Of the reference at both ends.
+    first, second
+        (a, b, c) and (A, B, C) at the places of stress.
+    curvature
+        Of the reference at these places.
     """
 
     mass: Annotated[NDArray[np.float64], (4, 4)]
@@ -89,9 +93,9 @@ class FrameData(Record):
     height: float
     curved: bool
     initial_strain: float
-    centre: VectorField
-    end_second: Annotated[NDArray[np.float64], (2, 3)]
-    end_curvature: Annotated[NDArray[np.float64], (2,)]
+    first: Annotated[NDArray[np.float64], (STRESS_PLACES, 3)]
+    second: Annotated[NDArray[np.float64], (STRESS_PLACES, 3)]
+    curvature: Annotated[NDArray[np.float64], (STRESS_PLACES,)]
 
 
 class AxialPoint(Record):

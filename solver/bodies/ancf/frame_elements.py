@@ -2,9 +2,9 @@
 
 Results of an element: at its centre the axial force ``E A e`` (Green-Lagrange: ``E A e |r'|``, conjugate to the
 length); at both ends the magnitude of the moment ``E I |K|``, K the material curvature ``r' x r'' / |r'|^2`` (in curved
-elements ``E I (|K| - |K_0|)``); of the outer fibres the largest stress, with the sign of the axial force: ``N / A`` and
-the larger moment times ``outer_fibre / I``. Moments are linear along a cubic, so under a load q per length those at
-the ends are ``q l^2 / 12`` off, as in any cubic beam.
+elements ``E I (|K| - |K_0|)``); of the outer fibres the stress of largest amount, with the sign of the axial force:
+``N / A`` and the moment times ``outer_fibre / I``, both at the same place, of places spread over the element. Moments
+are linear along a cubic, so under a load q per length those at the ends are ``q l^2 / 12`` off, as in any cubic beam.
 
 Explicit schemes need elastic forces of all elements from coordinates alone, in one pass. With ``d = r'``,
 ``c = r''``, ``i = 1/d.d`` and ``g = i c.d``, the curvature ``K = i d x c`` has the square
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, add_scaled, cross, dot, scaled
+from heavylift.numerics.vectors import add_scaled, cross, dot, scaled
 from heavylift.solver.bodies.ancf.elements import (
     add_elastic_forces,
     add_follower_load,
@@ -41,6 +41,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     AXIAL_POINTS,
     BENDING_POINTS,
     GREEN_LAGRANGE,
+    STRESS_PLACES,
     axial_point,
     bending_point,
     combine,
@@ -209,38 +210,43 @@ def add_frame_follower(
         load[j + 3 + k] += f4[k]
 
 
-@kernel(inline=True, internal=True)
-def _bending_moment(kind: FrameMeshes, data: int, end: int, d: Vector, c: Vector) -> float:
-    """Magnitude of the moment at an end [N m]."""
-    k = curvature(d, c)
-    own = frame_data(kind.constants, data)
-    change = math.sqrt(dot(k, k)) - own.end_curvature[end]
-    return abs(own.bending_stiffness * change)
+@kernel(internal=True)
+def section_forces(kind: FrameMeshes, element: int, place: int, exact: bool) -> tuple[float, float]:
+    """Axial force and magnitude of the moment at one of the places of stress [N], [N m]."""
+    own = frame_data(kind.constants, kind.elements[element].data)
+    x = load_element(kind, element, kind.position)
+    d = combine(own.first[place], x)
+    square = dot(d, d)
+    stretch = math.sqrt(square)
+    initial = own.initial_strain
+    strain = stretch - 1.0 + initial if exact else (0.5 * (square - 1.0) + initial) * stretch
+    k = curvature(d, combine(own.second[place], x))
+    change = math.sqrt(dot(k, k)) - own.curvature[place]
+    return own.axial_stiffness * strain, abs(own.bending_stiffness * change)
 
 
 @implement(record_elements, FrameMeshes)
 @kernel(internal=True)
 def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64], column: int) -> None:
-    """Axial forces of all elements, then two moments of each, then stresses."""
-    constants = kind.constants
+    """Axial forces of all elements, then two moments of each, then the stress of largest amount of each."""
     exact = _is_exact(kind, body)
     first, count = kind.table[body].first_element, kind.table[body].element_count
     for number in range(count):
-        data = kind.elements[first + number].data
-        own, x = frame_data(constants, data), load_element(kind, first + number, kind.position)
-        d = combine(own.centre, x)
-        square = dot(d, d)
-        stretch = math.sqrt(square)
-        initial = own.initial_strain
-        strain = stretch - 1.0 + initial if exact else (0.5 * (square - 1.0) + initial) * stretch
-        force = own.axial_stiffness * strain
-        start = _bending_moment(kind, data, 0, x[1], combine(own.end_second[0], x))
-        end = _bending_moment(kind, data, 1, x[2], combine(own.end_second[1], x))
-        row[column + number] = force
-        row[column + count + 2 * number] = start
-        row[column + count + 2 * number + 1] = end
-        bending = max(start, end) * own.stress
-        row[column + 3 * count + number] = force / own.area + math.copysign(bending, force)
+        own = frame_data(kind.constants, kind.elements[first + number].data)
+        row[column + number], _ = section_forces(kind, first + number, STRESS_PLACES // 2, exact)
+        largest = lost = 0.0
+        for place in range(STRESS_PLACES):
+            force, moment = section_forces(kind, first + number, place, exact)
+            if place == 0:
+                row[column + count + 2 * number] = moment
+            elif place == STRESS_PLACES - 1:
+                row[column + count + 2 * number + 1] = moment
+            bending = moment * own.stress
+            stress = force / own.area + (-bending if force < 0.0 else bending)
+            if abs(stress) > abs(largest):
+                largest = stress
+            lost += 0.0 * stress  # NaN, which a comparison passes over
+        row[column + 3 * count + number] = largest + lost
 
 
 # ---- in one pass, for explicit schemes ----

@@ -23,6 +23,7 @@ from heavylift.solver.bodies.ancf.frame_data import (
     EXACT,
     EXACT_LENGTH,
     GREEN_LAGRANGE,
+    STRESS_PLACES,
     AxialPoint,
     BendingPoint,
     frame_data,
@@ -329,10 +330,10 @@ def _data(
     numbers.stress = section.outer_fibre / section.second_moment if section.second_moment > 0.0 else 0.0
     numbers.height = section.outer_fibre or np.sqrt(section.second_moment / section.area)
     numbers.curved, numbers.initial_strain = not element.straight, strain
-    ends = np.array([0.0, 1.0])
-    numbers.centre[:] = element.slopes(0.5)[[2, 1, 3]]
-    numbers.end_second[:] = element.second(ends)[:, [2, 1, 3]]
-    numbers.end_curvature[:] = element.curvature(ends)
+    places = np.linspace(0.0, 1.0, STRESS_PLACES)
+    numbers.first[:] = element.slopes(places)[:, [2, 1, 3]]
+    numbers.second[:] = element.second(places)[:, [2, 1, 3]]
+    numbers.curvature[:] = element.curvature(places)
 
     xi, weights = gauss_points(AXIAL_POINTS)
     lengths = weights * element.metric(xi)

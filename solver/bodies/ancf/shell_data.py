@@ -18,6 +18,7 @@ from heavylift.numerics.records import Record, record_at
 __all__ = [
     "FUNCTIONS",
     "NODE_PLACES",
+    "STRESS_PLACES",
     "XI_PAIRS",
     "ShellData",
     "ShellLine",
@@ -33,6 +34,10 @@ __all__ = [
 
 LANES = 8
 
+STRESS_PLACES = 7
+"""Places along each side of an element, ends included, at whose grid the largest stress is looked for. Pictures draw
+some of these and no others, so that none shows more than is recorded."""
+
 
 class ShellData(Record, whole_lines=True):
     """Data of an element; its lines of Gauss points follow.
@@ -47,6 +52,9 @@ class ShellData(Record, whole_lines=True):
         ``E t / (1 - nu^2)``, nu, ``E t^3 / (12 (1 - nu^2))``, t.
     centre
         Rows for r_1, r_2, r_11, r_22, r_12 at the centre in orthonormal axes, the first along X_xi.
+    axes
+        At the places of stress, by xi and eta: ``|X_1|``, and the components of ``X_2`` along and across ``X_1``;
+        derivatives on a unit square.
     """
 
     mass: Annotated[NDArray[np.float64], (16, 16)]
@@ -57,6 +65,7 @@ class ShellData(Record, whole_lines=True):
     plate_stiffness: float
     thickness: float
     centre: Annotated[NDArray[np.float64], (5, 16)]
+    axes: Annotated[NDArray[np.float64], (STRESS_PLACES, STRESS_PLACES, 3)]
 
 
 class ShellLine(Record):
@@ -91,6 +100,8 @@ class ShellTables(Record, whole_lines=True):
         By lane: H_j H_l, H_j H'_l, H'_j H_l, H'_j H'_l, 16 numbers each.
     count
         Gauss points of a line.
+    places
+        At the places of stress: four functions, then their first and second derivatives on the unit interval.
     """
 
     eta: Annotated[NDArray[np.float64], (2, 4, 8)]
@@ -99,6 +110,7 @@ class ShellTables(Record, whole_lines=True):
     pairs: Annotated[NDArray[np.float64], (10, 8, 4)]
     products: Annotated[NDArray[np.float64], (8, 4, 4, 4)]
     count: int
+    places: Annotated[NDArray[np.float64], (STRESS_PLACES, 3, 4)]
 
 
 WORD = 8
@@ -168,4 +180,5 @@ def tables(count: int) -> NDArray[np.float64]:
         )
     for number, (left, right) in enumerate(((H, H), (H, dH), (dH, H), (dH, dH))):
         out.products[:count, number] = left[:, :, np.newaxis] * right[:, np.newaxis, :]
+    out.places[:] = np.swapaxes(hermite(np.linspace(0.0, 1.0, STRESS_PLACES)), 0, 1)
     return out.words.copy()

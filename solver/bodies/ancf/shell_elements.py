@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, cross, dot
+from heavylift.numerics.vectors import Vector, add_scaled, cross, dot, scaled
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
     add_stiffness,
@@ -28,6 +28,7 @@ from heavylift.solver.bodies.ancf.kind import ShellMeshes
 from heavylift.solver.bodies.ancf.shell_data import (
     LANES,
     STRAINS_PER_LINE,
+    STRESS_PLACES,
     shell_data,
     shell_line,
     shell_tables,
@@ -196,16 +197,86 @@ def centre_vector(kind: ShellMeshes, element: int, row: NDArray[np.float64]) -> 
     return x, y, z
 
 
+@kernel(internal=True)
+def _across(kind: ShellMeshes, element: int, lengths: Floats1, along_x: Floats1, function: int) -> Vector:
+    """What multiplies a function of eta on a line along it: four functions of xi times the carried coordinates.
+
+    A derivative by xi comes from derivatives in `along_x`; all are those on a unit square.
+    """
+    side, slope = function // 2, function % 2
+    x = y = z = 0.0
+    for end in range(2):
+        first = kind.elements[element].nodes[end if side == 0 else 3 - end] + 6 * slope
+        scale = lengths[1] if slope == 1 else 1.0
+        value, rate = scale * along_x[2 * end], scale * lengths[0] * along_x[2 * end + 1]
+        x += value * kind.position[first] + rate * kind.position[first + 3]
+        y += value * kind.position[first + 1] + rate * kind.position[first + 4]
+        z += value * kind.position[first + 2] + rate * kind.position[first + 5]
+    return x, y, z
+
+
 @kernel(inline=True, internal=True)
-def von_mises(xx: float, yy: float, xy: float) -> float:
-    """Equivalent stress of plane stress."""
-    return math.sqrt(max(xx * xx - xx * yy + yy * yy + 3.0 * xy * xy, 0.0))
+def _sum(h: Floats1, a: Vector, b: Vector, c: Vector, d: Vector) -> Vector:
+    return add_scaled(add_scaled(add_scaled(scaled(h[0], a), h[1], b), h[2], c), h[3], d)
+
+
+@kernel(inline=True, internal=True)
+def _square(xx: float, yy: float, xy: float) -> float:
+    """Square of the von Mises stress of plane stress."""
+    return xx * xx - xx * yy + yy * yy + 3.0 * xy * xy
+
+
+@kernel(internal=True)
+def largest_stresses(kind: ShellMeshes, body: int, element: int) -> Vector:
+    """Von Mises stress of top, middle and bottom, each the largest of the places of an element.
+
+    Covariant strains ``(r_a.r_b - X_a.X_b)/2`` and curvatures ``n.r_ab``, turned into orthonormal axes by the inverse
+    of ``[[p, 0], [q, s]]`` from both sides, with ``X_1 = p t_1`` and ``X_2 = q t_1 + s t_2``. A fibre at the height z
+    has the strain of the middle less z times the curvature.
+    """
+    own = shell_data(kind.constants, kind.elements[element].data)
+    places = shell_tables(kind.constants, kind.table[body].constants).places
+    lengths, nu, half = own.lengths, own.poissons_ratio, 0.5 * own.thickness
+    plane = own.stretching / own.thickness
+    top = middle = bottom = lost = 0.0
+    for i in range(STRESS_PLACES):
+        h, dh, ddh = places[i, 0], places[i, 1], places[i, 2]
+        a0, a1 = _across(kind, element, lengths, h, 0), _across(kind, element, lengths, h, 1)
+        a2, a3 = _across(kind, element, lengths, h, 2), _across(kind, element, lengths, h, 3)
+        b0, b1 = _across(kind, element, lengths, dh, 0), _across(kind, element, lengths, dh, 1)
+        b2, b3 = _across(kind, element, lengths, dh, 2), _across(kind, element, lengths, dh, 3)
+        c0, c1 = _across(kind, element, lengths, ddh, 0), _across(kind, element, lengths, ddh, 1)
+        c2, c3 = _across(kind, element, lengths, ddh, 2), _across(kind, element, lengths, ddh, 3)
+        for j in range(STRESS_PLACES):
+            g, dg, ddg = places[j, 0], places[j, 1], places[j, 2]
+            r1, r2 = _sum(g, b0, b1, b2, b3), _sum(dg, a0, a1, a2, a3)
+            n = cross(r1, r2)
+            inverse = 1.0 / math.sqrt(dot(n, n))
+            p, q, s = own.axes[i, j, 0], own.axes[i, j, 1], own.axes[i, j, 2]
+            e11, e12 = 0.5 * (dot(r1, r1) - p * p), 0.5 * (dot(r1, r2) - p * q)
+            e22 = 0.5 * (dot(r2, r2) - q * q - s * s)
+            k11 = -half * inverse * dot(n, _sum(g, c0, c1, c2, c3))
+            k22 = -half * inverse * dot(n, _sum(ddg, a0, a1, a2, a3))
+            k12 = -half * inverse * dot(n, _sum(dg, b0, b1, b2, b3))
+            skew, xx_, yy_, xy_ = q / p, 1.0 / (p * p), 1.0 / (s * s), 1.0 / (p * s)
+            ex, kx = xx_ * e11, xx_ * k11
+            ey = yy_ * (e22 - skew * (2.0 * e12 - skew * e11))
+            ky = yy_ * (k22 - skew * (2.0 * k12 - skew * k11))
+            mx, my = plane * (ex + nu * ey), plane * (ey + nu * ex)
+            bx, by = plane * (kx + nu * ky), plane * (ky + nu * kx)
+            shear = plane * (1.0 - nu) * xy_
+            mxy, bxy = shear * (e12 - skew * e11), shear * (k12 - skew * k11)
+            top = max(top, _square(mx + bx, my + by, mxy + bxy))
+            middle = max(middle, _square(mx, my, mxy))
+            bottom = max(bottom, _square(mx - bx, my - by, mxy - bxy))
+            lost += 0.0 * (mx + my + mxy + bx + by + bxy)  # NaN, which `max` passes over
+    return math.sqrt(top) + lost, math.sqrt(middle) + lost, math.sqrt(bottom) + lost
 
 
 @implement(record_elements, ShellMeshes)
 @kernel(internal=True)
 def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column: int) -> None:
-    """Membrane forces, bending moments and equivalent stresses at the centres, each for all elements.
+    """Membrane forces and bending moments at the centres, then the largest equivalent stresses, each for all elements.
 
     Axes are those of the surface, the first along ``X_xi`` of the unloaded shape. Curvatures are ``n.r_ab`` with
     ``n`` along ``r_1 x r_2``; a fibre at the height z along n has the strain of the middle less z times the curvature.
@@ -213,7 +284,7 @@ def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column:
     begin, count = kind.table[body].first_element, kind.table[body].element_count
     for e in range(count):
         own = shell_data(kind.constants, kind.elements[begin + e].data)
-        stretch, nu, bend, thickness = own.stretching, own.poissons_ratio, own.plate_stiffness, own.thickness
+        stretch, nu, bend = own.stretching, own.poissons_ratio, own.plate_stiffness
         a = centre_vector(kind, begin + e, own.centre[0])
         b = centre_vector(kind, begin + e, own.centre[1])
         xx, yy, xy = 0.5 * (dot(a, a) - 1.0), 0.5 * (dot(b, b) - 1.0), 0.5 * dot(a, b)
@@ -229,7 +300,4 @@ def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column:
         at += 3 * count
         row[at], row[at + 1], row[at + 2] = Mx, My, Mxy
         at += 3 * count
-        flat, high = 1.0 / thickness, 6.0 / (thickness * thickness)
-        for side in range(3):
-            up = (side - 1) * high  # top first: its fibres are shortened by a positive curvature
-            row[at + side] = von_mises(flat * Nx + up * Mx, flat * Ny + up * My, flat * Nxy + up * Mxy)
+        row[at], row[at + 1], row[at + 2] = largest_stresses(kind, body, begin + e)

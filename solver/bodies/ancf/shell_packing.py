@@ -13,6 +13,7 @@ from heavylift.solver.bodies.ancf.shell_data import (
     LINE,
     POINTS,
     STRAINS_PER_LINE,
+    STRESS_PLACES,
     ShellData,
     ShellLine,
     gauss_rule,
@@ -247,6 +248,7 @@ def _blocks(
     middle = _points(vectors, np.array([0.5]), np.array([0.5]))
     rows = np.concatenate([middle.first, middle.second], axis=2)[:, 0]
     numbers["centre"] = rows * scales[:, np.newaxis, :]
+    numbers["axes"] = _axes(vectors).reshape(count, STRESS_PLACES, STRESS_PLACES, 3)
 
     points, weights = gauss_rule(gauss_points)
     metric, moduli = _membrane(vectors, points, weights, elastic)
@@ -255,6 +257,17 @@ def _blocks(
         lines[name][..., :gauss_points] = np.swapaxes(by_line, 2, 3)
     out.flags.writeable = False
     return list(out)
+
+
+def _axes(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``|X_1|`` and ``X_2`` along and across ``X_1`` at the places of stress, shape (e, p, 3)."""
+    xi, eta = grid(np.linspace(0.0, 1.0, STRESS_PLACES))
+    X_1 = np.einsum("pn,enx->epx", shapes(xi, eta, 1, 0), vectors)
+    X_2 = np.einsum("pn,enx->epx", shapes(xi, eta, 0, 1), vectors)
+    length = np.linalg.norm(X_1, axis=-1)
+    along = np.einsum("epx,epx->ep", X_1, X_2) / length
+    across = (X_1[..., 0] * X_2[..., 1] - X_1[..., 1] * X_2[..., 0]) / length
+    return np.stack([length, along, across], axis=-1)
 
 
 def _membrane(
@@ -594,7 +607,7 @@ def _inverse(shape: FlatShape, element: int, point: NDArray[np.float64]) -> NDAr
 
 
 def result_columns(body: ShellBody) -> dict[str, tuple[str, ...]]:
-    """Components of what is recorded of all elements, at their centres.
+    """Components of what is recorded of all elements: forces and moments at their centres, the largest stress.
 
     Axes are those of the surface, the first along the lines of the mesh direction x; moments are those of
     curvatures along ``n = r_x x r_y``, whose side is the top.

@@ -1,6 +1,7 @@
 """Section forces of frames, stresses of frames and shells, anywhere on their elements, from the vectors of the nodes.
 
-Plain numpy, for pictures and checks: it shares nothing with the compiled elements.
+Plain numpy, for pictures and checks: it shares nothing with the compiled elements but the places at which these look
+for the largest stress, so that pictures and records agree on it.
 """
 
 from __future__ import annotations
@@ -8,6 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
+
+from heavylift.solver.bodies.ancf import frame_data, shell_data
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,6 +25,8 @@ __all__ = [
     "cubic_shapes",
     "frame_lengths",
     "frame_stresses",
+    "largest_frame_stress",
+    "largest_shell_stress",
     "shell_coordinates",
     "shell_stresses",
     "von_mises",
@@ -41,11 +46,11 @@ class FrameStresses(NamedTuple):
     tangents
         Unit vectors, shape (..., e, p, 3).
     axial_force
-        ``EA e`` [N], shape (..., e, p).
+        ``EA e``; with the strain of Green-Lagrange ``EA e |r'|``, conjugate to the length [N], shape (..., e, p).
     bending
         Change of the curvature vector [1/m], which points to the centre of curvature, shape (..., e, p, 3).
     axial_stress
-        ``E e`` [Pa], shape (..., e, p).
+        Axial force by the unloaded area [Pa], shape (..., e, p).
     fibre_stress
         Amplitude of the stress of bending at the outermost fibre, ``E |K| c`` [Pa], shape (..., e, p).
     """
@@ -127,25 +132,28 @@ def frame_stresses(
 
     Notes
     -----
-    Strain ``e`` of the axis as the model of the frame has it: ``(|r'|^2 - |X'|^2)/2`` or ``|r'| - |X'|``, and the
-    strain in the given shape on top; curvature ``K = r' x r'' / |r'|^2``, material ("Integrated simulation ...
-    (2018)", section 2.2, with the curvature by arc length of the unloaded shape). The unloaded curvature is
-    taken off in its amount, because the model knows of no twist.
+    Strain ``e`` of the axis as the model of the frame has it: ``(|r'|^2 - 1)/2`` or ``|r'| - 1``, and the strain in
+    the given shape on top; curvature ``K = r' x r'' / |r'|^2``, material ("Integrated simulation ...
+    (2018)", section 2.2), both by the arc length of the unloaded shape. The unloaded curvature is taken off in its
+    amount, because the model knows of no twist.
     """
     l = frame_lengths(body.nodes, body.tangents, body.elements) if lengths is None else lengths
     shapes = cubic_shapes(places)
     rest = np.stack([body.nodes, body.tangents], axis=1)
     _, X_s, X_ss = _frame_derivatives(shapes, rest[body.elements], l)
     r, r_s, r_ss = _frame_derivatives(shapes, np.asarray(coordinates)[..., body.elements, :, :], l)
-    stretch, stretch_0 = np.linalg.norm(r_s, axis=-1), np.linalg.norm(X_s, axis=-1)
+    speed = np.linalg.norm(X_s, axis=-1)  # of the arc length, nearly 1
+    stretch = np.linalg.norm(r_s, axis=-1) / speed
     exact = body.model == "exact"
-    strain = stretch - stretch_0 if exact else 0.5 * (stretch**2 - stretch_0**2)
+    strain = stretch - 1.0 if exact else 0.5 * (stretch**2 - 1.0)
     if len(body.axial_strains):
         strain = strain + body.axial_strains[:, np.newaxis]
-    tangents = r_s / np.maximum(stretch, _TINY)[..., np.newaxis]
-    curvature = _material_curvature(r_s, r_ss)
+    if not exact:
+        strain = strain * stretch
+    tangents = r_s / np.maximum(stretch * speed, _TINY)[..., np.newaxis]
+    curvature = _material_curvature(r_s, r_ss) / speed[..., np.newaxis]
     amount = np.linalg.norm(curvature, axis=-1)
-    amount_0 = np.linalg.norm(_material_curvature(X_s, X_ss), axis=-1)
+    amount_0 = np.linalg.norm(_material_curvature(X_s, X_ss), axis=-1) / speed
     change = np.where(amount > 0.0, 1.0 - amount_0 / np.maximum(amount, _TINY), 0.0)
     which = body.element_sections if len(body.element_sections) else np.zeros(len(body.elements), np.int64)
     E, A, c = (
@@ -161,6 +169,22 @@ def frame_stresses(
         axial_stress=E * strain,
         fibre_stress=E * c * np.abs(amount - amount_0),
     )
+
+
+def largest_frame_stress(
+    body: FrameBody, coordinates: NDArray[np.float64], *, lengths: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """Stress of largest amount of each element of a frame, with its sign [Pa], shape (..., e): as it is recorded.
+
+    Parameters
+    ----------
+    body, coordinates, lengths
+        As in `frame_stresses`.
+    """
+    places = np.linspace(0.0, 1.0, frame_data.STRESS_PLACES)
+    largest = frame_stresses(body, coordinates, places, lengths=lengths).largest
+    at = np.argmax(np.abs(largest), axis=-1)[..., np.newaxis]
+    return np.take_along_axis(largest, at, axis=-1)[..., 0]
 
 
 _TINY = np.finfo(np.float64).tiny
@@ -288,6 +312,25 @@ def shell_stresses(
         membrane=_stress(turn(strain), E, nu),
         bending=_stress(turn(-0.5 * t[..., np.newaxis] * curvature), E, nu),
     )
+
+
+def largest_shell_stress(
+    body: ShellBody, coordinates: NDArray[np.float64], side: Side = "largest"
+) -> NDArray[np.float64]:
+    """Largest von Mises stress of each element of a shell [Pa], shape (..., e): as it is recorded.
+
+    Parameters
+    ----------
+    body, coordinates
+        As in `shell_stresses`.
+    side
+        One of the three, or the largest of them.
+    """
+    places = np.linspace(0.0, 1.0, shell_data.STRESS_PLACES)
+    values: NDArray[np.float64] = (
+        shell_stresses(body, coordinates, places, places).von_mises(side).max(axis=(-2, -1))
+    )
+    return values
 
 
 def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:

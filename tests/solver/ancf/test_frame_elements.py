@@ -9,8 +9,10 @@ from frame_examples import EA, EI, EXAMPLES, MASS, SECTION, Example, arc, line
 from frame_meshes import get, matrix, pack, put
 from scipy.linalg import eigh, expm
 
+from heavylift.pipeline.pictures.meshes import MeshSkin
 from heavylift.solver.bodies.ancf.frame_packing import load_shape, result_columns
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
+from heavylift.solver.bodies.ancf.stress import largest_frame_stress
 
 
 @pytest.fixture(params=EXAMPLES)
@@ -371,6 +373,29 @@ def test_bending_adds_to_the_stress_with_the_sign_of_the_force() -> None:
     put(kind.position, q.ravel())
     stress = recorded(kind, body)["axial_stress"][0]
     assert stress == pytest.approx(-2e5 * (0.001 + 1e-3 * 0.05), rel=1e-3)
+
+
+def test_recorded_stress_is_the_largest_that_a_picture_shows(example: Example) -> None:
+    """At any deformation, to rounding; the stresses of pictures are computed without the compiled elements."""
+    kind = pack(example.body)
+    q = deformed(kind, 1e-3)
+    put(kind.position, q)
+    found = recorded(kind, example.body)["axial_stress"]
+    coordinates = q.reshape(-1, 2, 3)
+    np.testing.assert_allclose(found, largest_frame_stress(example.body, coordinates), rtol=1e-7)
+    shown = MeshSkin(example.body).skin(coordinates)
+    assert shown.largest == pytest.approx(found[np.argmax(np.abs(found))], rel=1e-7)
+
+
+def test_a_diverged_frame_has_no_stress() -> None:
+    body = line([0.5, 0.5])
+    kind = pack(body)
+    q = get(kind.position)
+    q[6] = np.nan
+    put(kind.position, q)
+    row = np.zeros(8)
+    fm.record_elements(kind, 0, row, 0)
+    assert np.isnan(row[6:]).all()
 
 
 def test_drift_is_the_largest_difference_and_names_its_element(example: Example) -> None:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
 
+from heavylift.pipeline.pictures.meshes import MeshSkin
 from heavylift.solver.bodies.ancf.shell_packing import result_columns, start_coordinates
+from heavylift.solver.bodies.ancf.stress import largest_shell_stress
 from heavylift.solver.scene.mesh_shapes import rectangle
 from heavylift.solver.scene.meshes import ShellBody, ShellSection
 
@@ -44,18 +46,72 @@ def test_section_forces_of_constant_strain_and_curvature() -> None:
     M = D * np.array([kxx + 0.3 * kyy, kyy + 0.3 * kxx, 0.7 * kxy])
     np.testing.assert_allclose(got["membrane_force"][0], N, rtol=1e-9)
     np.testing.assert_allclose(got["bending_moment"][0], M, rtol=1e-9)
-    sides = [N / t - 6 * M / t**2, N / t, N / t + 6 * M / t**2]
-    mises = [np.sqrt(s[0] ** 2 - s[0] * s[1] + s[1] ** 2 + 3 * s[2] ** 2) for s in sides]
+    # the slope of w strains the surface away from the centre by grad w grad w^T / 2: the largest is at a corner
+    x, y = (part.ravel() for part in np.meshgrid(np.linspace(-0.65, 0.65, 7), np.linspace(-0.4, 0.4, 7)))
+    H = np.array([[kxx, kxy], [kxy, kyy]])
+    slope = np.stack([x, y], axis=1) @ H
+    strain = E[:2, :2] + 0.5 * slope[:, :, np.newaxis] * slope[:, np.newaxis, :]
+    rows = np.zeros((len(x), 2, 3))
+    rows[:, :, :2], rows[:, :, 2] = stretch[:2, :2], slope
+    normals = np.cross(rows[:, 0], rows[:, 1])
+    level = (normals / np.linalg.norm(normals, axis=1, keepdims=True))[:, 2]
+    mises = []
+    for z in (0.01, 0.0, -0.01):
+        e = strain - z * level[:, np.newaxis, np.newaxis] * H
+        s = C / t * (0.7 * e + 0.3 * np.trace(e, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(2))
+        square = s[:, 0, 0] ** 2 - s[:, 0, 0] * s[:, 1, 1] + s[:, 1, 1] ** 2 + 3 * s[:, 0, 1] ** 2
+        mises.append(np.sqrt(square.max()))
     np.testing.assert_allclose(got["von_mises"][0], mises, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "body", [shell(rectangle(1.3, 0.8, 2, 1)), distorted_element()], ids=["rectangles", "distorted"]
+)
+def test_recorded_stress_is_the_largest_that_a_picture_shows(body: ShellBody) -> None:
+    """At any deformation, to rounding; the stresses of pictures are computed without the compiled elements."""
+    coordinates = start_coordinates(body)
+    coordinates = coordinates + 1e-3 * np.random.default_rng(3).normal(size=coordinates.shape)
+    got = record(body, coordinates)["von_mises"]
+    for column, side in enumerate(("top", "middle", "bottom")):
+        np.testing.assert_allclose(got[:, column], largest_shell_stress(body, coordinates, side), rtol=1e-9)
+    shown = MeshSkin(body).skin(coordinates)
+    assert shown.largest == pytest.approx(got.max(), rel=1e-9)
+    assert shown.values.max() <= shown.largest
+
+
+def test_clamped_strip_has_the_stress_of_its_clamp_not_of_the_middle_of_its_element() -> None:
+    """Force P at the end of a strip without lateral contraction: 6 P L / (b t^2) at the clamp, 7/8 of it in the middle
+    of the first of four elements."""
+    E, t, L, b, P = 2.1e11, 0.01, 2.0, 0.5, 1e-3
+    body = shell(rectangle(L, b, 4, 1), ShellSection(t, 7850.0, E, 0.0))
+    stiffness = E * b * t**3 / 12.0
+    q, x = start_coordinates(body), body.nodes[:, 0]
+    q[:, 0, 2] = P / stiffness * (L * x**2 / 2.0 - x**3 / 6.0)
+    q[:, 1, 2] = P / stiffness * (L * x - x**2 / 2.0)
+    got = record(body, q)
+    clamp = 6.0 * P * L / (b * t**2)
+    assert got["von_mises"].max() == pytest.approx(clamp, rel=1e-6)
+    assert 6.0 / t**2 * got["bending_moment"][0, 0] == pytest.approx(7.0 / 8.0 * clamp, rel=1e-6)
+
+
+def test_a_diverged_shell_has_no_stress() -> None:
+    body = shell(rectangle(1.3, 0.8, 1, 1))
+    coordinates = start_coordinates(body)
+    coordinates[2] = np.nan
+    kind = pack([body])
+    put(kind.position, coordinates)
+    row = np.zeros(9)
+    recorded(kind, 0, row, 0)
+    assert np.isnan(row[6:]).all()
 
 
 def test_a_positive_moment_presses_the_top() -> None:
     # bent towards +z, the top (z > 0) is shortened; a stretch that balances it leaves the bottom with twice the stress
-    body = shell(rectangle(1.0, 1.0, 1, 1), ShellSection(0.02, 1.0, 1e9, 0.0))
+    body = shell(rectangle(1.0, 1.0, 1, 1), ShellSection(0.2, 1.0, 1e9, 0.0))
     q, x, k = (
         start_coordinates(body),
         np.array([-0.5, 0.5])[np.round(start_coordinates(body)[:, 0, 0]).astype(int)],
-        1e-2,
+        1e-3,
     )
     q[..., 0] *= 1.0 + 1e-4
     q[:, 0, 2], q[:, 1, 2] = 0.5 * k * x**2, k * x

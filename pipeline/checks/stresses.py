@@ -1,0 +1,167 @@
+"""Stresses that checks name: of material points of bodies, and the largest of a solid; by the rules of pictures.
+
+Solids: stress at the nodes, averaged over the elements around (`heavylift.modal.stress`), in body axes; at a point
+between them interpolated by the shape functions of its element. Shells and frames: stress of the element at the point,
+without an average over neighbours (`heavylift.solver.bodies.ancf.stress`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.results.mesh_results import mesh_body, mesh_coordinates
+from heavylift.pipeline.results.model_io import read_model, read_reduced
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.modal.statics import StaticState
+    from heavylift.pipeline.results.histories import Results
+    from heavylift.pipeline.results.mesh_results import MeshShape
+    from heavylift.pipeline.results.storage import OutputFolder
+    from heavylift.preprocess.finite_elements.model import FEModel
+    from heavylift.solver.bodies.ancf.stress import Side
+
+__all__ = ["SolidStresses", "frame_point_stress", "interpolated", "shell_point_stress"]
+
+_VALUES = 1_000_000  # stresses handled at once
+
+
+class SolidStresses:
+    """Stresses of a flexible body.
+
+    Parameters
+    ----------
+    name
+        Of the body.
+    folder
+        Output folder with its model and modes.
+    source
+        Named in messages.
+    """
+
+    def __init__(self, name: str, folder: OutputFolder, source: object) -> None:
+        model = read_model(folder.model(name))
+        if model.mesh is None or model.material is None:
+            raise InputError(
+                f"{name!r} has no stress: its model came without elements and material",
+                source=str(source),
+                expected="a body with geometry 'blocks', 'step' or 'mesh'",
+            )
+        self.model, self._name, self._source, self._folder = model, name, source, folder
+        self._states: dict[str, NDArray[np.float64]] = {}
+
+    @cached_property
+    def _modes(self) -> NDArray[np.float64]:
+        """Stress at the nodes by modal coordinate, shape (nf, n, 6)."""
+        return self._nodal_stress(read_reduced(self._folder.reduced(self._name)).mode_shapes)
+
+    def _nodal_stress(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
+        from heavylift.modal.stress import stress_modes
+
+        assert self.model.mesh is not None
+        assert self.model.material is not None
+        return stress_modes(self.model.mesh, self.model.material, displacements)
+
+    def _of(self, state: StaticState) -> NDArray[np.float64]:
+        """Stress at the nodes under a static load case [Pa], shape (n, 6)."""
+        if state.name not in self._states:
+            self._states[state.name] = self._nodal_stress(state.displacements[np.newaxis])[0]
+        return self._states[state.name]
+
+    def nodal(self, state: StaticState, component: str) -> NDArray[np.float64]:
+        """Component of the stress at all nodes under a static load case [Pa], shape (n,)."""
+        from heavylift.modal.stress import stress_component
+
+        return stress_component(self._of(state), component)
+
+    def at(self, state: StaticState, point: ArrayLike, component: str) -> float:
+        """Component of the stress at a point under a static load case [Pa]."""
+        from heavylift.modal.stress import stress_component
+
+        stress = interpolated(self.model, self._of(state)[np.newaxis], point, self._source)[0]
+        return float(stress_component(stress, component))
+
+    def history(self, results: Results, point: ArrayLike | None, component: str) -> NDArray[np.float64]:
+        """Component of the stress at a point, or the largest of all nodes if it is None [Pa], shape (records,)."""
+        from heavylift.modal.stress import stress_component
+
+        coordinates = results[f"{self._name}.modal_position"].reshape(len(results.time), -1)
+        modes = (
+            self._modes
+            if point is None
+            else interpolated(self.model, self._modes, point, self._source)[:, np.newaxis]
+        )
+        found = np.empty(len(coordinates))
+        size = max(1, _VALUES // modes.shape[1])
+        for start in range(0, len(coordinates), size):
+            part = slice(start, start + size)
+            values = stress_component(np.tensordot(coordinates[part], modes, axes=1), component)
+            found[part] = values.max(axis=1)
+        return found
+
+
+def interpolated(
+    model: FEModel, nodal: NDArray[np.float64], point: ArrayLike, source: object
+) -> NDArray[np.float64]:
+    """Nodal values, shape (m, n, k), at a point in coordinates of the geometry [m], shape (m, k)."""
+    assert model.mesh is not None
+    nodes, weights = model.mesh.locate(point, source=source)
+    values: NDArray[np.float64] = np.einsum("a,mak->mk", weights, nodal[:, nodes])
+    return values
+
+
+def shell_point_stress(
+    shape: MeshShape, results: Results, point: ArrayLike, component: str, source: object
+) -> NDArray[np.float64]:
+    """``von_mises``, or ``SIDE.von_mises``, ``SIDE.xx``, ``SIDE.yy``, ``SIDE.xy`` of a point [Pa], shape (records,).
+
+    Axes are those of the surface, the first along the lines of the mesh direction x.
+    """
+    from heavylift.solver.bodies.ancf.shell_packing import locate
+    from heavylift.solver.bodies.ancf.stress import shell_stresses
+
+    body: Any = mesh_body(shape)
+    element, (x, y) = locate(body, np.asarray(point, dtype=np.float64), str(source), "sensor")
+    own = slice(element, element + 1)
+    body = replace(
+        body,
+        elements=body.elements[own],
+        lengths=body.lengths[own],
+        element_sections=body.element_sections[own],
+    )
+    found = shell_stresses(body, mesh_coordinates(shape, results, slice(None)), [x], [y])
+    side, _, part = component.rpartition(".")
+    if part == "von_mises":
+        mises: NDArray[np.float64] = found.von_mises(cast("Side", side or "largest"))[:, 0, 0, 0]
+        return mises
+    stress = found.membrane + {"top": 1.0, "middle": 0.0, "bottom": -1.0}[side] * found.bending
+    values: NDArray[np.float64] = stress[:, 0, 0, 0, ("xx", "yy", "xy").index(part)]
+    return values
+
+
+def frame_point_stress(
+    shape: MeshShape, results: Results, point: ArrayLike, component: str, source: object
+) -> NDArray[np.float64]:
+    """``axial``, N/A, or ``largest``, N/A +- M c/I with the sign of N, at a point [Pa], shape (records,)."""
+    from heavylift.solver.bodies.ancf.frame_packing import locate
+    from heavylift.solver.bodies.ancf.stress import frame_stresses
+
+    body: Any = mesh_body(shape)
+    element, (x,) = locate(body, np.asarray(point, dtype=np.float64), str(source), "sensor")
+    own = slice(element, element + 1)
+    body = replace(
+        body,
+        elements=body.elements[own],
+        element_sections=body.element_sections[own],
+        axial_strains=body.axial_strains[own],
+    )
+    coordinates = mesh_coordinates(shape, results, slice(None))
+    found = frame_stresses(body, coordinates, [x], lengths=shape.lengths[own, 0])
+    values: NDArray[np.float64] = (found.axial_stress if component == "axial" else found.largest)[:, 0, 0]
+    return values
