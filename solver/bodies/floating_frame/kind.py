@@ -72,6 +72,9 @@ class FloatingFrame(Frame, whole_lines=True):
         Integrals of ``x`` [kg m], and of ``x x^T``: 11 22 33 12 13 23 [kg m2], body axes.
     transported_momentum
         Angular momentum about the midpoint origin, world axes.
+    slender, axis, axial_momentum
+        Whether the smallest moment of inertia about the centre of mass is well below the others; the axis of it, body
+        axes; momentum about that axis through the centre of mass, at the start of the step and then at its end.
     first_moment, inertia
         ``S_t = I1 + S q`` and ``I_tt``: 11 22 33 12 13 23.
     right_hand_side
@@ -97,6 +100,9 @@ class FloatingFrame(Frame, whole_lines=True):
     undeformed_first_moment: Vector
     undeformed_second_moments: Vector6
     transported_momentum: Vector
+    slender: bool
+    axis: Vector
+    axial_momentum: float
     first_moment: Vector
     inertia: Vector6
     right_hand_side: Vector6

@@ -13,6 +13,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.floating_frame.kind import FlexibleIndex, FloatingFrame, FloatingFrameBodies
+from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, Free
@@ -117,6 +118,9 @@ def pack_floating_frames(
         frame.undeformed_first_moment[:] = integrals.first_moment
         I = integrals.inertia_kl
         frame.undeformed_second_moments[:] = [*np.diag(I), I[0, 1], I[0, 2], I[1, 2]]
+        moments, axes = _central_inertia(integrals)
+        frame.slender = moments[0] < SLENDER * moments[1]
+        frame.axis[:] = axes[:, 0]
         if body.modal_position.size:
             kind.modal_position[modes] = body.modal_position
         if body.modal_velocity.size:
@@ -172,6 +176,14 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
         driven=False,
         moves=False,
     )
+
+
+def _central_inertia(integrals: ShapeIntegrals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Principal moments about the centre of mass, the smallest first, and their axes as columns."""
+    c = integrals.first_moment / integrals.mass
+    second = integrals.inertia_kl - integrals.mass * np.outer(c, c)
+    moments, axes = np.linalg.eigh(np.trace(second) * np.eye(3) - second)
+    return moments, axes
 
 
 def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:

@@ -25,6 +25,12 @@ midpoint velocity from the mean of both ends, as the last steps found it, in pro
 step. Half of the news a step: all of it would feed a step-to-step alternation.
 
 Impulses of joints (`heavylift.solver.bodies.floating_frame.joints`) are part of Ub, hence of p1 and L1.
+
+Of a slender body the momentum about its axis a through the centre of mass c is not the part of Lb along the predicted
+axis: where that is off by an angle, the momentum across it has a part along it that is far too large for the spin. It
+is found from the orientation at the start and carried by its own equation, in body axes with ``l_c = l - c x p``::
+
+    a.l_c(middle) = a.l_c(start) - h/2 a.(w x l_c) + h/2 a.T_c,   a.l_c(end) = 2 a.l_c(middle) - a.l_c(start)
 """
 
 from __future__ import annotations
@@ -33,8 +39,18 @@ import math
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.rotation import write_rotation_matrix
-from heavylift.numerics.vectors import add_scaled, cross, rotate, rotate_back, subtract, vector, vector_at
+from heavylift.numerics.rotation import rotate_by_quaternion, write_rotation_matrix
+from heavylift.numerics.vectors import (
+    Vector,
+    add_scaled,
+    cross,
+    dot,
+    rotate,
+    rotate_back,
+    subtract,
+    vector,
+    vector_at,
+)
 from heavylift.solver.bodies.floating_frame.fixed_frame import advance_fixed, factor_fixed, predict_fixed
 from heavylift.solver.bodies.floating_frame.inertia import (
     antisymmetric_products,
@@ -45,6 +61,7 @@ from heavylift.solver.bodies.floating_frame.inertia import (
     quadratic_modal_force,
 )
 from heavylift.solver.bodies.floating_frame.kind import (
+    FloatingFrame,
     FloatingFrameBodies,
     lag_scale,
     product_columns,
@@ -66,6 +83,40 @@ from heavylift.solver.kinds import implement
 __all__ = [
     "evaluate_end",
 ]
+
+
+@kernel(inline=True, internal=True)
+def _about_axis(frame: FloatingFrame, p: Vector, l: Vector) -> float:
+    """Momentum about the axis of a slender body, through its centre of mass, from those of the frame in body axes."""
+    moved = cross(vector(frame.first_moment), p)
+    return dot(vector(frame.axis), add_scaled(l, -1.0 / frame.mass, moved))
+
+
+@kernel(internal=True)
+def _correct_axial_momentum(kind: FloatingFrameBodies, body: int, step: float) -> None:
+    """Put the momentum about the axis in the middle of a step without moments into the right-hand side.
+
+    The turning of the axes is that of the predicted velocities.
+    """
+    frame = kind.frame[body]
+    n, first = kind.table[body].mode_count, kind.table[body].first_mode
+    modes = slice(first, first + n)
+    R, w = frame.mid_rotation, vector(frame.mid_spin)
+    p, l = body_momenta(
+        shape_of(kind, body),
+        frame,
+        kind.coupling[:, modes],
+        vector(frame.mid_velocity),
+        w,
+        kind.mid_modal_velocity[modes],
+    )
+    l = add_scaled(l, -1.0 / frame.mass, cross(vector(frame.first_moment), p))
+    wanted = frame.axial_momentum - 0.5 * step * dot(vector(frame.axis), cross(w, l))
+    p = rotate_back(R, vector(frame.linear_momentum))
+    l = rotate_back(R, vector(frame.transported_momentum))
+    change = wanted - _about_axis(frame, p, l)
+    for k in range(3):
+        frame.right_hand_side[3 + k] += change * frame.axis[k]
 
 
 @implement(predict, FloatingFrameBodies)
@@ -110,6 +161,16 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             frame.start_velocity[k] = frame.velocity[k]
             frame.start_velocity[3 + k] = frame.spin[k]
         rows = slice(8 * first, 8 * (first + n))
+        if frame.slender:  # the first moment is still that of the start
+            q = orientation_of(frame)
+            back = (q[0], -q[1], -q[2], -q[3])
+            p = rotate_by_quaternion(
+                back, frame.linear_momentum[0], frame.linear_momentum[1], frame.linear_momentum[2]
+            )
+            l = rotate_by_quaternion(
+                back, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2]
+            )
+            frame.axial_momentum = _about_axis(frame, p, l)
         midpoint_products = kind.midpoint_products[rows]
         position_products = kind.position_products[rows]
         velocity_products = kind.velocity_products[rows]
@@ -200,6 +261,8 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             for k in range(3):
                 frame.right_hand_side[k] = p[k]
                 frame.right_hand_side[3 + k] = l[k] + 0.5 * h * (frame.moment[k] + t[k])
+            if frame.slender:
+                _correct_axial_momentum(kind, body, h)
             factor_frame(frame, inverse_diagonal, kind.translation[:, modes], coupling)
         elif motion == DRIVEN:
             v = rotate_back(R, frame.mean_twist)
@@ -302,6 +365,8 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
             p, l = body_momenta(
                 shape_of(kind, body), frame, kind.coupling[:, first : first + n], v, w, velocity[6:]
             )
+            if frame.slender:
+                frame.axial_momentum = 2.0 * _about_axis(frame, p, l) - frame.axial_momentum
             p, l = rotate(R, p), rotate(R, l)
             advance_pose(frame, velocity, h)
             for k in range(3):
@@ -341,6 +406,11 @@ def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
     if kind.table[body].motion == FREE:
         p = rotate_back(R, frame.linear_momentum)
         l = rotate_back(R, frame.angular_momentum)
+        if frame.slender:
+            l = add_scaled(l, frame.axial_momentum - _about_axis(frame, p, l), vector(frame.axis))
+            turned = rotate(R, l)
+            for k in range(3):
+                frame.angular_momentum[k] = turned[k]
         v, w = frame_velocity_from_momenta(
             shape, frame, kind.coupling[:, modes], p, l, kind.modal_velocity[modes]
         )

@@ -19,7 +19,12 @@ from heavylift.solver.drive import FREE
 from heavylift.solver.interface import FORCES, BodyKind, Workspace
 from heavylift.solver.markers import PackedMarker
 
-__all__ = ["Frame", "FrameBodies", "FrameIndex", "FrameMotion"]
+__all__ = ["SLENDER", "Frame", "FrameBodies", "FrameIndex", "FrameMotion"]
+
+
+SLENDER = 0.05
+"""Smallest moment of inertia over the next one, below which a body is slender: where the coupler of a spatial four-bar
+has this ratio, errors are 1 to 3 % larger without an axial momentum of its own, and grow with the inverse of it."""
 
 
 class FrameIndex(Record):

@@ -32,11 +32,6 @@ from heavylift.solver.interface import Coordinates
 __all__ = ["RigidBodies", "RigidFrame", "RigidFrames", "RigidIndex"]
 
 
-SLENDER = 0.05
-"""Smallest moment of inertia over the next one, below which a body is slender: where the coupler of a spatial four-bar
-has this ratio, errors are 1 to 3 % larger without an axial momentum of its own, and grow with the inverse of it."""
-
-
 class RigidIndex(FrameIndex):
     """Where a rigid body is among the others.
 

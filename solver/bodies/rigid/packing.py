@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
-from heavylift.solver.bodies.rigid.kind import SLENDER, RigidBodies, RigidFrame, RigidIndex
+from heavylift.solver.bodies.frames.base import SLENDER
+from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidIndex
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene.bodies import Driven, Fixed, Free, RigidBody
