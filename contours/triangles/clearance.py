@@ -19,11 +19,11 @@ import numpy as np
 from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_point, to_axes_of_b
 from heavylift.contours.triangles.surface_layout import pose_of
 from heavylift.contours.triangles.surface_tree import tree_depth
-from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
+from heavylift.contours.triangles.triangle_distance import point_of, point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Record, records
-from heavylift.numerics.vectors import Vector, add_scaled, between, cross, dot, rotate, subtract
+from heavylift.numerics.vectors import Vector, between, cross, dot, rotate, subtract
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -392,13 +392,13 @@ def triangle_distance(
             d, u, v = point_triangle(x, a, b, c)
             if d < best:
                 best = d
-                _keep(out, _point_of(a, b, c, u, v), x)
+                _keep(out, point_of(a, b, c, u, v), x)
         x, height = (a, sa) if i == 0 else ((b, sb) if i == 1 else (c, sc))
         if abs(height) < best:
             d, u, v = point_triangle(x, p, q, r)
             if d < best:
                 best = d
-                _keep(out, x, _point_of(p, q, r, u, v))
+                _keep(out, x, point_of(p, q, r, u, v))
     for i in range(3):
         e0, e1 = (a, b) if i == 0 else ((b, c) if i == 1 else (c, a))
         s0, s1 = (sa, sb) if i == 0 else ((sb, sc) if i == 1 else (sc, sa))
@@ -425,12 +425,6 @@ def _line_goes_through(e: Vector, f: Vector, a: Vector, b: Vector, c: Vector) ->
     y = dot(along, cross(b, c))
     z = dot(along, cross(c, a))
     return min(x, y, z) >= 0.0 or max(x, y, z) <= 0.0
-
-
-@kernel(inline=True, internal=True)
-def _point_of(a: Vector, b: Vector, c: Vector, u: float, v: float) -> Vector:
-    """``a + u (b - a) + v (c - a)``."""
-    return add_scaled(between(a, b, u), v, subtract(c, a))
 
 
 @kernel(inline=True, internal=True)
