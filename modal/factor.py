@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from heavylift.modal.multifrontal import MultifrontalCholesky, NotPositiveDefiniteError
+from heavylift.modal.multifrontal import MultifrontalCholesky, NotPositiveDefiniteError, block_graph
 from heavylift.numerics.elimination import dissect
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
@@ -129,15 +129,10 @@ def _dissected(
     matrix: csr_array, coordinates: NDArray[np.float64] | None
 ) -> tuple[NDArray[np.int64], csc_matrix]:
     """Nested-dissection order of the unknowns and the matrix in this order."""
-    from scipy.sparse import csc_matrix, csr_array
+    from scipy.sparse import csc_matrix
 
-    size = matrix.shape[0]
-    block = (3 if size % 3 == 0 else 1) if coordinates is None else size // len(coordinates)
-    blocks = matrix.tobsr(blocksize=(block, block))
-    n = size // block
-    graph = csr_array(
-        (np.ones(len(blocks.indices), dtype=np.int8), blocks.indices, blocks.indptr), shape=(n, n)
-    )
+    blocks, graph = block_graph(matrix, coordinates)
+    block = blocks.blocksize[0]
     del blocks
     unknowns = (block * dissect(graph, coordinates).order[:, None] + np.arange(block)).ravel()
     return unknowns, csc_matrix(matrix[unknowns][:, unknowns])

@@ -16,11 +16,11 @@ from heavylift.numerics.objects import entry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from scipy.sparse import csr_array
+    from scipy.sparse import bsr_array, csr_array
 
     from heavylift.numerics.arrays import Floats2, Floats3, Ints1
 
-__all__ = ["MultifrontalCholesky", "NotPositiveDefiniteError"]
+__all__ = ["MultifrontalCholesky", "NotPositiveDefiniteError", "block_graph"]
 
 
 _SINGULAR = 1e-14
@@ -29,6 +29,17 @@ _SINGULAR = 1e-14
 
 class NotPositiveDefiniteError(RuntimeError):
     """A pivot was not positive: the matrix is singular or indefinite."""
+
+
+def block_graph(matrix: csr_array, coordinates: NDArray[np.float64] | None) -> tuple[bsr_array, csr_array]:
+    """Matrix in square blocks, one a node, and the graph of its nodes; parameters as of `MultifrontalCholesky`."""
+    from scipy.sparse import csr_array
+
+    size = matrix.shape[0]
+    block = (3 if size % 3 == 0 else 1) if coordinates is None else size // len(coordinates)
+    blocks = matrix.tobsr(blocksize=(block, block))
+    ones = np.ones(len(blocks.indices), dtype=np.int8)
+    return blocks, csr_array((ones, blocks.indices, blocks.indptr), shape=(size // block, size // block))
 
 
 class _Front(NamedTuple):
@@ -66,15 +77,8 @@ class MultifrontalCholesky:
     """
 
     def __init__(self, matrix: csr_array, coordinates: NDArray[np.float64] | None = None) -> None:
-        from scipy.sparse import csr_array
-
-        size = matrix.shape[0]
-        block = (3 if size % 3 == 0 else 1) if coordinates is None else size // len(coordinates)
-        blocks = matrix.tobsr(blocksize=(block, block))
-        n = size // block
-        graph = csr_array(
-            (np.ones(len(blocks.indices), dtype=np.int8), blocks.indices, blocks.indptr), shape=(n, n)
-        )
+        blocks, graph = block_graph(matrix, coordinates)
+        size, n, block = matrix.shape[0], graph.shape[0], blocks.blocksize[0]
         order, starts = dissect(graph, coordinates)
         place = np.empty(n, dtype=np.int64)
         place[order] = np.arange(n)

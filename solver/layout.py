@@ -187,7 +187,7 @@ def _moving(scene: Scene) -> dict[str, int]:
     """Points of frames and shells that contacts touch."""
     if not scene.touches:
         return {}
-    from heavylift.solver.contact.triangles.facet_counts import count_moving
+    from heavylift.solver.contact.moving_points import count_moving
 
     return count_moving(scene)
 

@@ -1,4 +1,7 @@
-"""What a contour must be for something to touch it: smooth, unfolded, with its normal out of the material."""
+"""What a contour must be for something to touch it: smooth, unfolded, with its normal out of the material.
+
+On which side of a surface the material is, is told from the other nodes of the body.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.splines.outward import inward_share
-from heavylift.contours.splines.sampling import evaluate_contour, sample_grid
+from heavylift.contours.splines.derivatives import evaluate_contour, sample_grid
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ __all__ = [
     "check_folding",
     "check_kinks",
     "check_outward",
+    "inward_share",
 ]
 
 SMALLEST_DEGREE = 3
@@ -38,6 +41,9 @@ LARGEST_KINK = 1e-6
 
 MOST_SAMPLES = 400
 """Points at which the side of the material is looked for."""
+
+CLEARLY_SMALLER = 1.5
+"""Ratio of the largest empty balls on both sides from which the smaller one tells the material."""
 
 
 def check_contour(
@@ -243,3 +249,40 @@ def _direction(contour: NeutralContour, axis: int) -> str:
 
 def _at(parameters: NDArray[np.float64]) -> str:
     return ", ".join(f"{name} = {value:.4g}" for name, value in zip("uv", parameters, strict=False))
+
+
+def inward_share(
+    points: NDArray[np.float64], normals: NDArray[np.float64], nodes: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Shares of points of a surface whose normal points out of, and into, the material.
+
+    At every point a ball that touches the surface there grows on either side until it meets a node: one of diameter
+    ``r^2 / h`` meets a node at the distance r and the height h. In the material it meets one soon, outside late (of a
+    hollow, on its other side) or never. A point with balls of about one size has no say.
+
+    Parameters
+    ----------
+    points, normals
+        Of the surface, shape (k, 3) [m] and unit vectors.
+    nodes
+        Of the body, shape (n, 3).
+
+    Returns
+    -------
+    tuple
+        Outward and inward share; what is missing to 1 is undecided.
+    """
+    outward = inward = 0
+    for point, normal in zip(points, normals, strict=True):
+        way = nodes - point
+        square = np.sum(way * way, axis=1)
+        away = square > 0.0
+        # inverse diameters: finite for nodes in the tangent plane
+        height = (way[away] @ normal) / square[away]
+        before = np.max(height, initial=0.0)
+        behind = -np.min(height, initial=0.0)
+        if behind > CLEARLY_SMALLER * before:
+            outward += 1
+        elif before > CLEARLY_SMALLER * behind:
+            inward += 1
+    return outward / len(points), inward / len(points)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.splines.outward import inward_share
+from heavylift.contours.splines.checks import inward_share
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from heavylift.contours.splines.basis import find_span, wrap, write_basis
-from heavylift.contours.splines.layout import LARGEST_DEGREE
+from heavylift.contours.splines.limits import LARGEST_DEGREE
 from heavylift.contours.splines.spaces import SplineSpace, clamped_space, closed_space
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError

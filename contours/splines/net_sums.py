@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.contours.splines.layout import LARGEST_DEGREE
+from heavylift.contours.splines.limits import LARGEST_DEGREE
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Vector
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.contours.splines.basis import find_span, write_basis
-from heavylift.contours.splines.layout import LARGEST_DEGREE
+from heavylift.contours.splines.limits import LARGEST_DEGREE
 from heavylift.contours.splines.samples import RING_ANGLES, SampleGrid, Samples, sample_points
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import records

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.contours.splines.layout import LARGEST_DEGREE
+from heavylift.contours.splines.limits import LARGEST_DEGREE
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:

@@ -1,13 +1,29 @@
 """Whether a vertex and a face, or two edges, are a contact: hit during the interval or near at its end; on which side.
 
-What is near but cannot push is left out by the regions of `feature_regions`. A hit may be left out too, without
-anything passing through: let a vertex hit the inside of a face while a neighbour of the vertex lies further along the
-direction `d` to the face. Shortly before, at distance s, the edge to that neighbour cuts the plane of the face at a
-distance of the order of s from the foot of the vertex, so inside the face: the surfaces were not clear of each other,
-and the crossing of that edge (by its other end, or over an edge of the face) is itself a hit, and an earlier one. For
-two edges with the separation `d` along their common normal, and a triangle at one of them that leads along `d`, the
-other edge cuts that triangle at a distance of the order of s from the first in the same way. Going back from hit to
-hit, the first one between surfaces that were clear of each other satisfies the condition, and it is reported.
+Two triangles near each other offer up to fifteen pairs of features, of which at most a few can push: the others have a
+neighbour that is nearer to the other surface. A contact of one of those would push sideways at the seam of two
+coplanar triangles, or from within a body. What is near is tested by Voronoi regions (Ericson, *Real-Time Collision
+Detection*, 2005, section 9.5): the direction `d` from a feature to the other surface must lead away from everything
+that is joined to the feature. It holds for open surfaces, wound either way, as only neighbours are asked.
+
+The same neighbours tell on which side a feature begins that touches from the start, where the sign of its distance is
+rounding.
+
+Put a box exactly on another of the same size: its lower corners lie in the planes of the sides of the other too, on
+their borders. Nothing in their distances tells that those sides do not face them, nor do the neighbours of the corners.
+But the edges that lead up from them leave the other box through its top: whatever has an edge that goes through a
+triangle near by must be held by that triangle, and not by the ones behind. So the fan of triangles around a corner of
+what is touched is asked as well. A corner that stands in the corner of a room passes, as its edges lead back into the
+room.
+
+A hit may be left out too, without anything passing through: let a vertex hit the inside of a face while a neighbour of
+the vertex lies further along the direction `d` to the face. Shortly before, at distance s, the edge to that neighbour
+cuts the plane of the face at a distance of the order of s from the foot of the vertex, so inside the face: the surfaces
+were not clear of each other, and the crossing of that edge (by its other end, or over an edge of the face) is itself a
+hit, and an earlier one. For two edges with the separation `d` along their common normal, and a triangle at one of them
+that leads along `d`, the other edge cuts that triangle at a distance of the order of s from the first in the same way.
+Going back from hit to hit, the first one between surfaces that were clear of each other satisfies the condition, and it
+is reported.
 
 Surfaces that are pressed into each other are not clear. A vertex behind a face that an edge of it goes through has come
 through: it is a contact from the side where its edges are, from the first interval that it spends wholly behind one
@@ -20,19 +36,10 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from heavylift.contours.triangles.feature_gap import PARALLEL, beyond_face, fixed_point
-from heavylift.contours.triangles.feature_regions import (
-    NEAR_PART,
-    SLACK,
-    edge_inward_sum,
-    edge_is_nearest,
-    fan_is_crossed,
-    fan_rises,
-    vertex_is_nearest,
-    vertex_neighbour_sum,
-)
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import (
     Vector,
+    add,
     add_scaled,
     between,
     cross,
@@ -51,15 +58,18 @@ __all__ = [
     "HIT",
     "NEAR",
     "NEITHER",
+    "SLACK",
     "Meeting",
     "Verdict",
     "centroid",
     "corners_of",
+    "edge_is_nearest",
     "inside_face",
     "judge_edges",
     "judge_vertex",
     "no_contact",
     "turn_at",
+    "vertex_is_nearest",
 ]
 
 NEITHER = 0
@@ -72,6 +82,16 @@ ON_BORDER = 1e-9
 
 LEVEL = 1e-6
 """Cosine below which a neighbourhood tells no side."""
+
+SLACK = 0.02
+"""Sine of the angle by which a neighbour may be nearer. Flat faces that rest on each other must not lose a corner to
+the tilt that their compliance gives them."""
+
+NEAR_PART = 0.5
+"""A feature belongs to the other side of a triangle if most of its edge lies there."""
+
+INSIDE = -1e-9
+"""Weight of a corner from which on a point counts as inside a triangle."""
 
 
 class Meeting(NamedTuple):
@@ -481,3 +501,126 @@ def judge_edges(
     gap *= side
     verdict, time = touch_of_rounding(hit, time, start_gap, gap - radius, radius)
     return Verdict(verdict, time, side, gap - radius), along_a, along_b
+
+
+@kernel(internal=True)
+def vertex_is_nearest(surfaces: CollisionSurfaces, vertex: int, d: Vector, slack: float) -> bool:
+    """Whether no neighbour of a vertex lies further along the unit direction `d`, given in the axes of the vertex."""
+    points, vertex_first = surfaces.points, surfaces.vertex_first
+    x = fixed_point(points, vertex)
+    for k in range(vertex_first[vertex], vertex_first[vertex + 1]):
+        e = subtract(fixed_point(points, surfaces.vertex_neighbours[k]), x)
+        along = dot(e, d)
+        if slack >= 0.0:
+            if along > 0.0 and along * along > slack * slack * dot(e, e):
+                return False
+        elif along > 0.0 or along * along < slack * slack * dot(e, e):
+            return False
+    return True
+
+
+@kernel(internal=True)
+def edge_is_nearest(surfaces: CollisionSurfaces, edge: int, d: Vector, slack: float) -> bool:
+    """Whether no triangle at an edge leads along the unit direction `d`, given in the axes of the edge."""
+    for k in range(surfaces.edge_first[edge], surfaces.edge_first[edge + 1]):
+        if dot(fixed_point(surfaces.edge_inward, k), d) > slack:
+            return False
+    return True
+
+
+@kernel(inline=True, internal=True)
+def vertex_neighbour_sum(surfaces: CollisionSurfaces, vertex: int) -> Vector:
+    """Sum of the edges [m] that leave a vertex: points into its surface."""
+    points, vertex_first = surfaces.points, surfaces.vertex_first
+    x = fixed_point(points, vertex)
+    s = (0.0, 0.0, 0.0)
+    for k in range(vertex_first[vertex], vertex_first[vertex + 1]):
+        s = add(s, subtract(fixed_point(points, surfaces.vertex_neighbours[k]), x))
+    return s
+
+
+@kernel(inline=True, internal=True)
+def edge_inward_sum(surfaces: CollisionSurfaces, edge: int) -> Vector:
+    """Sum of the directions from an edge into its triangles."""
+    s = (0.0, 0.0, 0.0)
+    for k in range(surfaces.edge_first[edge], surfaces.edge_first[edge + 1]):
+        s = add(s, fixed_point(surfaces.edge_inward, k))
+    return s
+
+
+@kernel(internal=True)
+def fan_rises(surfaces: CollisionSurfaces, corner: int, d: Vector) -> bool:
+    """Whether any edge of a corner leads along the unit direction `d`; seldom so: nothing is in the way then."""
+    return not vertex_is_nearest(surfaces, corner, d, SLACK)
+
+
+@kernel(internal=True)
+def fan_is_crossed(
+    surfaces: CollisionSurfaces,
+    corner: int,
+    d: Vector,
+    x: Vector,
+    e: Vector,
+    reference: Vector,
+    rounding: float,
+) -> bool:
+    """Whether the near part of an edge from x goes through a triangle around a corner.
+
+    Parameters
+    ----------
+    surfaces
+        All surfaces of a scene.
+    corner
+        Row of its points.
+    d
+        Unit direction in which x is seen from its contact; triangles with no side that leads along it do not matter.
+    x, e
+        Where the edge begins, and its direction and length [m], in the axes of the corner.
+    reference
+        Point of what x touches [m]: an x that lies on a triangle counts as on this side of it.
+    rounding
+        Distance [m] below which x lies on a triangle.
+    """
+    points = surfaces.points
+    vertex_first, vertex_neighbours = surfaces.vertex_first, surfaces.vertex_neighbours
+    p = fixed_point(points, corner)
+    r = subtract(x, p)
+    for i in range(vertex_first[corner], vertex_first[corner + 1]):
+        second = vertex_neighbours[i]
+        a = subtract(fixed_point(points, second), p)
+        along = dot(a, d)
+        if along <= 0.0 or along * along <= SLACK * SLACK * dot(a, a):
+            continue
+        for j in range(vertex_first[second], vertex_first[second + 1]):
+            third = vertex_neighbours[j]
+            joined = False
+            for k in range(vertex_first[corner], vertex_first[corner + 1]):
+                joined = joined or vertex_neighbours[k] == third
+            if not joined:
+                continue
+            # three points of which each two are joined: a triangle
+            b = subtract(fixed_point(points, third), p)
+            n = cross(a, b)
+            area = math.sqrt(dot(n, n))
+            if area == 0.0:
+                continue
+            height = dot(n, r) / area
+            from_side = height
+            if abs(height) <= rounding:
+                from_side = dot(n, subtract(reference, p)) / area
+                if abs(from_side) <= rounding:
+                    continue
+            fall = -dot(n, e) / area
+            if from_side < 0.0:
+                height, fall = -height, -fall
+            if fall <= 0.0 or height > NEAR_PART * fall:
+                continue
+            if fall * fall <= SLACK * SLACK * dot(e, e):
+                continue
+            foot = add_scaled(r, max(height, 0.0) / fall, e)
+            # weights of the corners
+            u = dot(cross(foot, b), n) / (area * area)
+            v = dot(cross(a, foot), n) / (area * area)
+            if u >= INSIDE and v >= INSIDE and u + v <= 1.0 - INSIDE:
+                return True
+    return False

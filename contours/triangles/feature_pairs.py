@@ -286,10 +286,7 @@ def vertices_on_face(
             continue
         a, b, c = corners_of(surfaces, ta)
         if meeting.method == POSITION_DIFFERENCE:
-            hit, time = difference_vertex_face(
-                x0[0], x0[1], x0[2], x1[0], x1[1], x1[2], a[0], a[1], a[2], a[0], a[1], a[2], b[0], b[1],
-                b[2], b[0], b[1], b[2], c[0], c[1], c[2], c[0], c[1], c[2], VERTEX_MOVES,
-            )  # fmt: skip
+            hit, time = difference_vertex_face(x0, x1, a, a, b, b, c, c, VERTEX_MOVES)
         else:
             p, q, r = grown(a, b, c, growth(meeting))
             hit, time = swept_vertex_face(x0, x1, p, q, r)
@@ -329,10 +326,7 @@ def face_on_vertices(
         b0, b1 = fixed_point(out.corners, 1), fixed_point(out.corners, 4)
         c0, c1 = fixed_point(out.corners, 2), fixed_point(out.corners, 5)
         if meeting.method == POSITION_DIFFERENCE:
-            hit, time = difference_vertex_face(
-                x[0], x[1], x[2], x[0], x[1], x[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], b0[0], b0[1],
-                b0[2], b1[0], b1[1], b1[2], c0[0], c0[1], c0[2], c1[0], c1[1], c1[2], FACE_SWEEPS,
-            )  # fmt: skip
+            hit, time = difference_vertex_face(x, x, a0, a1, b0, b1, c0, c1, FACE_SWEEPS)
         else:
             a0, b0, c0 = grown(a0, b0, c0, growth(meeting))
             a1, b1, c1 = grown(a1, b1, c1, growth(meeting))
@@ -387,11 +381,7 @@ def edges_on_edges(
             if apart(box, box_around(box_of(p0, p1, meeting.far), box_of(q0, q1, meeting.far))):
                 continue
             if meeting.method == POSITION_DIFFERENCE:
-                hit, time = difference_edges(
-                    a0[0], a0[1], a0[2], a0[0], a0[1], a0[2], a1[0], a1[1], a1[2], a1[0], a1[1], a1[2], p0[0],
-                    p0[1], p0[2], p1[0], p1[1], p1[2], q0[0], q0[1], q0[2], q1[0], q1[1], q1[2],
-                    SECOND_EDGE_SWEEPS,
-                )  # fmt: skip
+                hit, time = difference_edges(a0, a0, a1, a1, p0, p1, q0, q1, SECOND_EDGE_SWEEPS)
             else:
                 hit, time = swept_edges(a0, a1, p0, p1, q0, q1)
             verdict, at = unjudged(hit, time), UNIQUE

@@ -16,8 +16,17 @@ from heavylift.contours.triangles.feature_gap import (
     fixed_point,
     to_axes_of_b,
 )
-from heavylift.contours.triangles.feature_judge import HIT, NEAR, NEITHER, Verdict, no_contact, turn_at
-from heavylift.contours.triangles.feature_regions import SLACK, edge_is_nearest, vertex_is_nearest
+from heavylift.contours.triangles.feature_judge import (
+    HIT,
+    NEAR,
+    NEITHER,
+    SLACK,
+    Verdict,
+    edge_is_nearest,
+    no_contact,
+    turn_at,
+    vertex_is_nearest,
+)
 from heavylift.contours.triangles.feature_report import UNIQUE, report
 from heavylift.contours.triangles.surface_layout import OWNS_A, OWNS_AB
 from heavylift.numerics.jit import kernel

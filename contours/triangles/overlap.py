@@ -16,7 +16,7 @@ from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_p
 from heavylift.contours.triangles.feature_judge import inside_face
 from heavylift.contours.triangles.surface_layout import IS_FACE, pose_of
 from heavylift.contours.triangles.surface_tree import tree_depth
-from heavylift.contours.triangles.triangle_distance import point_triangle, segment_segment
+from heavylift.contours.triangles.triangle_distance import point_of, point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.vectors import Vector, between, cross, dot, rotate, subtract
@@ -139,16 +139,12 @@ def _rounded_distance(
         d, u, v = point_triangle(x, a, b, c)
         if d < best:
             best = d
-            foot = between(a, b, u)
-            foot = (foot[0] + v * (c[0] - a[0]), foot[1] + v * (c[1] - a[1]), foot[2] + v * (c[2] - a[2]))
-            place = between(x, foot, 0.5)
+            place = between(x, point_of(a, b, c, u, v), 0.5)
         x = a if i == 0 else (b if i == 1 else c)
         d, u, v = point_triangle(x, p, q, r)
         if d < best:
             best = d
-            foot = between(p, q, u)
-            foot = (foot[0] + v * (r[0] - p[0]), foot[1] + v * (r[1] - p[1]), foot[2] + v * (r[2] - p[2]))
-            place = between(x, foot, 0.5)
+            place = between(x, point_of(p, q, r, u, v), 0.5)
         e0, e1 = (a, b) if i == 0 else ((b, c) if i == 1 else (c, a))
         for j in range(3):
             f0, f1 = (p, q) if j == 0 else ((q, r) if j == 1 else (r, p))

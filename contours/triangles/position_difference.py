@@ -32,13 +32,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.contours.triangles.position_difference_shapes import (
-    edge_through_rectangle,
-    inside_prism,
-    path_through_triangle,
-)
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.vectors import Vector, add, between, cross, dot, scaled, subtract, vector_at
 
 __all__ = [
     "EDGE_CASES",
@@ -83,49 +79,96 @@ FIRST_EDGE_SWEEPS = 4
 EDGE_CASES = 7
 """All cases of edges."""
 
+ROUNDING = 1e-24
+"""Squared sine of the angle to the plane below which a prism has no volume: a face that does not move."""
+
 Points = NDArray[np.float64]
 
 
 @kernel(internal=True)
+def path_through_triangle(
+    p: Vector, q: Vector, a: Vector, b: Vector, c: Vector
+) -> tuple[bool, float, float, float]:
+    """Intersection of the segment from p to q with a triangle: whether, where along it, and weights of b and c."""
+    e, f = subtract(b, a), subtract(c, a)
+    n = cross(e, f)
+    s0, s1 = dot(n, subtract(p, a)), dot(n, subtract(q, a))
+    if s0 * s1 > 0.0 or s0 == s1:
+        return False, 0.0, 0.0, 0.0
+    t = s0 / (s0 - s1)
+    w = subtract(between(p, q, t), a)
+    n2 = dot(n, n)
+    u, v = dot(cross(w, f), n) / n2, dot(cross(e, w), n) / n2
+    return u >= 0.0 and v >= 0.0 and u + v <= 1.0, t, u, v
+
+
+@kernel(internal=True)
+def same_side(o: Vector, u: Vector, v: Vector, x: Vector, m: Vector) -> bool:
+    """Whether x and m lie on the same side of the plane through o along u and v, m not within rounding of it."""
+    n, w = cross(u, v), subtract(m, o)
+    of_x, of_m = dot(n, subtract(x, o)), dot(n, w)
+    flat = of_m * of_m <= ROUNDING * dot(n, n) * dot(w, w)
+    return of_x * of_m > 0.0 and not flat
+
+
+@kernel(internal=True)
+def inside_strip(a0: Vector, b0: Vector, a1: Vector, b1: Vector, x: Vector, m: Vector) -> bool:
+    """Whether x and m lie on the same side of the strip that the edge a b sweeps.
+
+    Its plane goes through the middle of the strip along its mean directions: exact for a translation.
+    """
+    middle = scaled(0.25, add(add(add(a0, b0), a1), b1))
+    along = subtract(add(subtract(b0, a0), b1), a1)
+    across = subtract(add(subtract(a1, a0), b1), b0)
+    return same_side(middle, along, across, x, m)
+
+
+@kernel(internal=True)
+def inside_prism(x: Vector, a0: Vector, b0: Vector, c0: Vector, a1: Vector, b1: Vector, c1: Vector) -> bool:
+    """Whether a point lies inside the prism between a face at the start and at the end, by five planes."""
+    total = add(add(add(add(add(a0, b0), c0), a1), b1), c1)
+    m = total[0] / 6.0, total[1] / 6.0, total[2] / 6.0
+    return (
+        same_side(a0, subtract(b0, a0), subtract(c0, a0), x, m)
+        and same_side(a1, subtract(b1, a1), subtract(c1, a1), x, m)
+        and inside_strip(a0, b0, a1, b1, x, m)
+        and inside_strip(b0, c0, b1, c1, x, m)
+        and inside_strip(c0, a0, c1, a1, x, m)
+    )
+
+
+@kernel(internal=True)
+def edge_through_rectangle(
+    a: Vector, b: Vector, p0: Vector, q0: Vector, p1: Vector, q1: Vector
+) -> tuple[bool, float]:
+    """Whether the edge a b meets the rectangle that the edge p q sweeps, as two triangles, and how far along."""
+    hit, _, u, v = path_through_triangle(a, b, p0, q0, q1)
+    if hit:
+        return True, v
+    hit, _, u, v = path_through_triangle(a, b, p0, p1, q1)
+    return hit, u + v
+
+
+@kernel(internal=True)
 def difference_vertex_face(
-    x0x: float,
-    x0y: float,
-    x0z: float,
-    x1x: float,
-    x1y: float,
-    x1z: float,
-    a0x: float,
-    a0y: float,
-    a0z: float,
-    a1x: float,
-    a1y: float,
-    a1z: float,
-    b0x: float,
-    b0y: float,
-    b0z: float,
-    b1x: float,
-    b1y: float,
-    b1z: float,
-    c0x: float,
-    c0y: float,
-    c0z: float,
-    c1x: float,
-    c1y: float,
-    c1z: float,
+    x0: Vector,
+    x1: Vector,
+    a0: Vector,
+    a1: Vector,
+    b0: Vector,
+    b1: Vector,
+    c0: Vector,
+    c1: Vector,
     cases: int,
 ) -> tuple[bool, float]:
     """Test a vertex and a face by the position difference method.
 
     Parameters
     ----------
-    x0x, x0y, x0z, x1x, x1y, x1z
+    x0, x1
         Vertex at the start and at the end [m].
-    a0x, a0y, a0z, a1x, a1y, a1z
-        First corner of the face at the start and at the end [m].
-    b0x, b0y, b0z, b1x, b1y, b1z
-        Second corner.
-    c0x, c0y, c0z, c1x, c1y, c1z
-        Third corner.
+    a0, a1, b0, b1, c0, c1
+        Corners of the face, each at the start and at the end [m].
     cases
         Sum of the cases to try, such as `VERTEX_CASES`.
 
@@ -137,70 +180,40 @@ def difference_vertex_face(
         Of contact in [0, 1], a guess, because the method does not define it: along the path; 1 for a prism.
     """
     if cases & VERTEX_MOVES:
-        hit, time, _, _ = path_through_triangle(
-            x0x, x0y, x0z, x1x, x1y, x1z, a1x, a1y, a1z, b1x, b1y, b1z, c1x, c1y, c1z
-        )
+        hit, time, _, _ = path_through_triangle(x0, x1, a1, b1, c1)
         if hit:
             return True, time
     if cases & VERTEX_MOVES_START:
-        hit, time, _, _ = path_through_triangle(
-            x0x, x0y, x0z, x1x, x1y, x1z, a0x, a0y, a0z, b0x, b0y, b0z, c0x, c0y, c0z
-        )
+        hit, time, _, _ = path_through_triangle(x0, x1, a0, b0, c0)
         if hit:
             return True, time
-    if cases & FACE_SWEEPS and inside_prism(
-        x1x, x1y, x1z,
-        a0x, a0y, a0z, b0x, b0y, b0z, c0x, c0y, c0z, a1x, a1y, a1z, b1x, b1y, b1z, c1x, c1y, c1z,
-    ):  # fmt: skip
+    if cases & FACE_SWEEPS and inside_prism(x1, a0, b0, c0, a1, b1, c1):
         return True, 1.0
-    if cases & FACE_SWEEPS_START and inside_prism(
-        x0x, x0y, x0z,
-        a0x, a0y, a0z, b0x, b0y, b0z, c0x, c0y, c0z, a1x, a1y, a1z, b1x, b1y, b1z, c1x, c1y, c1z,
-    ):  # fmt: skip
+    if cases & FACE_SWEEPS_START and inside_prism(x0, a0, b0, c0, a1, b1, c1):
         return True, 1.0
     return False, 1.0
 
 
 @kernel(internal=True)
 def difference_edges(
-    a0x: float,
-    a0y: float,
-    a0z: float,
-    a1x: float,
-    a1y: float,
-    a1z: float,
-    b0x: float,
-    b0y: float,
-    b0z: float,
-    b1x: float,
-    b1y: float,
-    b1z: float,
-    p0x: float,
-    p0y: float,
-    p0z: float,
-    p1x: float,
-    p1y: float,
-    p1z: float,
-    q0x: float,
-    q0y: float,
-    q0z: float,
-    q1x: float,
-    q1y: float,
-    q1z: float,
+    a0: Vector,
+    a1: Vector,
+    b0: Vector,
+    b1: Vector,
+    p0: Vector,
+    p1: Vector,
+    q0: Vector,
+    q1: Vector,
     cases: int,
 ) -> tuple[bool, float]:
     """Test an edge of body 1 and an edge of body 2 by the position difference method.
 
     Parameters
     ----------
-    a0x, a0y, a0z, a1x, a1y, a1z
-        First end of the edge of body 1 at the start and at the end [m].
-    b0x, b0y, b0z, b1x, b1y, b1z
-        Its second end.
-    p0x, p0y, p0z, p1x, p1y, p1z
-        First end of the edge of body 2 at the start and at the end [m].
-    q0x, q0y, q0z, q1x, q1y, q1z
-        Its second end.
+    a0, a1, b0, b1
+        Ends of the edge of body 1, each at the start and at the end [m].
+    p0, p1, q0, q1
+        Ends of the edge of body 2.
     cases
         Sum of the cases to try, such as `EDGE_CASES`.
 
@@ -212,24 +225,15 @@ def difference_edges(
         Of contact in [0, 1], a guess, because the method does not define it: how far along the rectangle.
     """
     if cases & SECOND_EDGE_SWEEPS:
-        hit, time = edge_through_rectangle(
-            a1x, a1y, a1z, b1x, b1y, b1z,
-            p0x, p0y, p0z, q0x, q0y, q0z, p1x, p1y, p1z, q1x, q1y, q1z,
-        )  # fmt: skip
+        hit, time = edge_through_rectangle(a1, b1, p0, q0, p1, q1)
         if hit:
             return True, time
     if cases & SECOND_EDGE_SWEEPS_START:
-        hit, time = edge_through_rectangle(
-            a0x, a0y, a0z, b0x, b0y, b0z,
-            p0x, p0y, p0z, q0x, q0y, q0z, p1x, p1y, p1z, q1x, q1y, q1z,
-        )  # fmt: skip
+        hit, time = edge_through_rectangle(a0, b0, p0, q0, p1, q1)
         if hit:
             return True, time
     if cases & FIRST_EDGE_SWEEPS:
-        hit, time = edge_through_rectangle(
-            p0x, p0y, p0z, q0x, q0y, q0z,
-            a0x, a0y, a0z, b0x, b0y, b0z, a1x, a1y, a1z, b1x, b1y, b1z,
-        )  # fmt: skip
+        hit, time = edge_through_rectangle(p0, q0, a0, b0, a1, b1)
         if hit:
             return True, time
     return False, 1.0
@@ -252,17 +256,13 @@ def difference_pairs(points: Points, edges: bool, cases: int, hits: NDArray[np.b
         Filled, shape (n,).
     """
     for i in range(len(hits)):
-        p = points[i]
+        row = points[i]
+        a0, a1, b0, b1 = vector_at(row, 0), vector_at(row, 3), vector_at(row, 6), vector_at(row, 9)
+        c0, c1, d0, d1 = vector_at(row, 12), vector_at(row, 15), vector_at(row, 18), vector_at(row, 21)
         if edges:
-            hits[i], _ = difference_edges(
-                p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11],
-                p[12], p[13], p[14], p[15], p[16], p[17], p[18], p[19], p[20], p[21], p[22], p[23], cases,
-            )  # fmt: skip
+            hits[i], _ = difference_edges(a0, a1, b0, b1, c0, c1, d0, d1, cases)
         else:
-            hits[i], _ = difference_vertex_face(
-                p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11],
-                p[12], p[13], p[14], p[15], p[16], p[17], p[18], p[19], p[20], p[21], p[22], p[23], cases,
-            )  # fmt: skip
+            hits[i], _ = difference_vertex_face(a0, a1, b0, b1, c0, c1, d0, d1, cases)
 
 
 def to_axes(points: Points, rotations: Points, origins: Points) -> Points:

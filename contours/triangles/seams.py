@@ -1,6 +1,6 @@
 """Seams: triangles that meet without being joined, as the plates of CAD models do.
 
-What may push from an edge or a vertex is told by the triangles that it joins (`feature_regions`). Plates that abut,
+What may push from an edge or a vertex is told by the triangles that it joins (`feature_judge`). Plates that abut,
 overlap or meet in T-junctions join nothing: each of their borders would be an edge in the open, and what slides over
 the seam would be stopped by it. So the triangles that a border *lies in* become its neighbours too, found once from
 where things are:

@@ -12,12 +12,18 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, add_scaled, cross, dot, scaled, subtract
+from heavylift.numerics.vectors import Vector, add_scaled, between, cross, dot, scaled, subtract
 
-__all__ = ["point_segment", "point_triangle", "segment_segment"]
+__all__ = ["point_of", "point_segment", "point_triangle", "segment_segment"]
 
 THIN = 1e-4
 """Squared sine of the angle at the first corner below which every edge is looked at, and the inside with care."""
+
+
+@kernel(inline=True, internal=True)
+def point_of(a: Vector, b: Vector, c: Vector, u: float, v: float) -> Vector:
+    """Point of a triangle by the weights that `point_triangle` returns: ``a + u (b - a) + v (c - a)``."""
+    return add_scaled(between(a, b, u), v, subtract(c, a))
 
 
 @kernel(inline=True, internal=True)

@@ -121,7 +121,7 @@ def _director(
         assert isinstance(frame, FrameBody)
         tangent = frame.tangents[0]
     else:
-        from heavylift.contours.splines.sampling import evaluate_contour
+        from heavylift.contours.splines.derivatives import evaluate_contour
 
         tangent = evaluate_contour(neutral, np.zeros((1, 1)))[0, 1]
     across: NDArray[np.float64] = np.cross(tangent, normal)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-__all__ = ["Columns", "read_columns"]
+__all__ = ["Columns", "finite_rows", "read_columns", "read_lines"]
 
 
 class Columns(NamedTuple):
@@ -28,6 +28,45 @@ class Columns(NamedTuple):
 
     header: tuple[str, ...]
     values: tuple[tuple[float, ...], ...]
+
+
+def read_lines(file: Path) -> tuple[tuple[str, ...], list[tuple[int, str]]]:
+    """Names in the header of a table, and the lines below it with their numbers, without empty ones and comments.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(error), source=file, expected="a readable text file") from None
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    lines = [(n, line) for n, line in lines if not line.lstrip().startswith("#")]
+    return tuple(name.strip() for name in lines[0][1].split(",")) if lines else (), lines[1:]
+
+
+def finite_rows(
+    lines: Sequence[tuple[int, str]], width: int, file: Path
+) -> Iterator[tuple[int, list[float]]]:
+    """Numbers of each line, and its own number.
+
+    Raises
+    ------
+    InputError
+        If a line is not as many finite numbers as the width.
+    """
+    for number, line in lines:
+        try:
+            row = [float(entry) for entry in next(csv.reader([line]))]
+        except ValueError:
+            row = []
+        if len(row) != width or not all(map(math.isfinite, row)):
+            raise InputError(
+                f"{line!r}", source=file, key=f"line {number}", expected=f"{width} finite numbers"
+            )
+        yield number, row
 
 
 def read_columns(file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int = 2) -> Columns:
@@ -48,13 +87,7 @@ def read_columns(file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int 
         If the header is another one, a row is not one finite number a column, the first column does not increase, or
         there are too few rows.
     """
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(error), source=file, expected="a readable text file") from None
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    lines = [(n, line) for n, line in lines if not line.lstrip().startswith("#")]
-    header = tuple(name.strip() for name in lines[0][1].split(",")) if lines else ()
+    header, lines = read_lines(file)
     if header not in headers:
         raise InputError(
             f"header {','.join(header)!r}",
@@ -62,15 +95,7 @@ def read_columns(file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int 
             expected=" or ".join(repr(",".join(known)) for known in headers),
         )
     rows: list[list[float]] = []
-    for number, line in lines[1:]:
-        try:
-            row = [float(entry) for entry in next(csv.reader([line]))]
-        except ValueError:
-            row = []
-        if len(row) != len(header) or not all(map(math.isfinite, row)):
-            raise InputError(
-                f"{line!r}", source=file, key=f"line {number}", expected=f"{len(header)} finite numbers"
-            )
+    for number, row in finite_rows(lines, len(header), file):
         if rows and row[0] <= rows[-1][0]:
             raise InputError(
                 f"{row[0]:g} after {rows[-1][0]:g}",

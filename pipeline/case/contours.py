@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
-from heavylift.contours.splines.layout import LARGEST_DEGREE
+from heavylift.contours.splines.limits import LARGEST_DEGREE
 from heavylift.pipeline.case.fields import (
     GROUND,
     CaseContext,

@@ -2,8 +2,6 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-import csv
-import math
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -12,6 +10,7 @@ from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.channel_kinds import channel_components
+from heavylift.pipeline.case.columns import finite_rows, read_lines
 from heavylift.pipeline.case.fields import (
     CaseContext,
     InFolder,
@@ -113,30 +112,14 @@ def read_reference(file: Path, components: tuple[str, ...] | None) -> ReferenceH
     InputError
         If the header has another form, a row is not one finite number a column, or times do not increase.
     """
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(error), source=file, expected="a readable text file") from None
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    lines = [(n, line) for n, line in lines if not line.lstrip().startswith("#")]
+    header, lines = read_lines(file)
     known = "time," + ",".join(components or ("1", "2", "..."))
-    header = [name.strip() for name in lines[0][1].split(",")] if lines else []
     named = len(header) >= 2 and header[0] == "time" and len(set(header)) == len(header)
     if not named or (components is not None and not {*header[1:]} <= {*components}):
         raise InputError(
             f"header {','.join(header)!r}", source=file, expected=f"{known} (some of these, time first)"
         )
-    rows: list[list[float]] = []
-    for number, line in lines[1:]:
-        try:
-            row = [float(entry) for entry in next(csv.reader([line]))]
-        except ValueError:
-            row = []
-        if len(row) != len(header) or not all(map(math.isfinite, row)):
-            raise InputError(
-                f"{line!r}", source=file, key=f"line {number}", expected=f"{len(header)} finite numbers"
-            )
-        rows.append(row)
+    rows = [row for _, row in finite_rows(lines, len(header), file)]
     if len(rows) < 2 or any(b[0] <= a[0] for a, b in pairwise(rows)):
         raise InputError("times that do not increase", source=file, expected="two or more increasing times")
     columns = list(zip(*rows, strict=True))

@@ -12,10 +12,10 @@ from heavylift.pipeline.pictures.annotations import GREY, add_scale_bar, add_tri
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
 from heavylift.pipeline.pictures.contacts import force_arrow
 from heavylift.pipeline.pictures.drawings import INK, round_down
-from heavylift.pipeline.pictures.outer_surface import surface_from_triangles
+from heavylift.pipeline.pictures.outer_surface import feature_edges, surface_from_triangles
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points
-from heavylift.pipeline.pictures.triangles import clip_triangles, kinks, welded
+from heavylift.pipeline.pictures.triangles import clip_triangles, welded
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -35,6 +35,7 @@ _ARROW = 0.16  # length of the largest arrow, relative to the size of the smalle
 _AROUND = 0.35  # of the larger surface, so much of the size of the smaller one is shown round it,
 _FAR = 5.0  # and so much at most if it is far away
 _SEEN_THROUGH = 0.22  # opacity of what encloses the other surface
+_KINK = np.radians(30.0)  # between two triangles whose edge is drawn
 _EDGES = 60_000  # triangles up to which edges are drawn
 
 
@@ -196,7 +197,8 @@ def _drawing(parts: list[_Part], *, glass: int) -> Drawing:
             points.append(places)
             hues.append(np.where(excluded[:, None], _rgb(_EXCLUDED), _rgb(COLOURS[number])))
         if 0 < len(faces) <= _EDGES:
-            edges.append(Lines(places, kinks(places, faces), _EDGE, 0.8, 0.25 if number == glass else 0.6))
+            ends = feature_edges(places, faces, _KINK, wound=False)
+            edges.append(Lines(places, ends, _EDGE, 0.8, 0.25 if number == glass else 0.6))
     return Drawing(
         np.concatenate(points),
         np.concatenate(triangles),

@@ -173,7 +173,7 @@ def scene_size(scene: Scene) -> float:
 
 def contour_parts(contour: c.Contour, neutral: NeutralContour, *, filled: bool) -> Parts:
     """A contour in the axes of its body, its spline already deformed; `filled` adds the surface to its lines."""
-    from heavylift.contours.splines.sampling import sample_grid
+    from heavylift.contours.splines.derivatives import sample_grid
 
     _, values = sample_grid(neutral, _PIECES)
     points = values[..., 0, :]

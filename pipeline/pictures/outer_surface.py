@@ -122,9 +122,24 @@ def surface_from_nodes(nodes: NDArray[np.float64]) -> Surface:
 
 
 def feature_edges(
-    nodes: NDArray[np.float64], triangles: NDArray[np.int64], angle: float
+    nodes: NDArray[np.float64], triangles: NDArray[np.int64], angle: float, *, wound: bool = True
 ) -> NDArray[np.int64]:
-    """Edges whose two triangles meet at more than `angle` [rad], and edges of one triangle; shape (nk, 2)."""
+    """Edges whose two triangles meet at more than an angle, and edges of one triangle or more than two.
+
+    Parameters
+    ----------
+    nodes, triangles
+        Points [m], shape (n, 3), and corners, shape (m, 3).
+    angle
+        [rad].
+    wound
+        Whether all triangles are wound the same way; if not, normals may point to either side.
+
+    Returns
+    -------
+    NDArray
+        Ends of the edges, shape (k, 2).
+    """
     if not len(triangles):
         return np.empty((0, 2), dtype=np.int64)
     corner = nodes[triangles]
@@ -137,4 +152,4 @@ def feature_edges(
     unique, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
     second = np.minimum(first + 1, len(owner) - 1)
     cosine = np.einsum("ij,ij->i", normal[owner[first]], normal[owner[second]])
-    return unique[(count != 2) | (cosine < np.cos(angle))]
+    return unique[(count != 2) | ((cosine if wound else np.abs(cosine)) < np.cos(angle))]

@@ -11,9 +11,7 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
-__all__ = ["clip_triangles", "drawn_triangles", "kinks", "welded"]
-
-_KINK = np.radians(30.0)  # between two triangles whose edge is drawn
+__all__ = ["clip_triangles", "drawn_triangles", "welded"]
 
 
 def clip_triangles(
@@ -85,21 +83,6 @@ def welded(
     a, b, c = joined.T
     whole = (a != b) & (b != c) & (c != a)
     return points[first], joined[whole], whole
-
-
-def kinks(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Edges of one triangle or more than two, and those at which two make an angle, whichever way they are wound."""
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    owner = np.repeat(np.arange(len(triangles)), 3)
-    order = np.lexsort((sides[:, 1], sides[:, 0]))
-    sides, owner = sides[order], owner[order]
-    ends, first, count = np.unique(sides, axis=0, return_index=True, return_counts=True)
-    second = np.minimum(first + 1, len(owner) - 1)
-    cosine = np.abs(np.einsum("ij,ij->i", normals[owner[first]], normals[owner[second]]))
-    return ends[(count != 2) | (cosine < np.cos(_KINK))]
 
 
 def drawn_triangles(

@@ -9,7 +9,6 @@ import contextlib
 import errno
 import fcntl
 import os
-import shutil
 import socket
 import time
 from dataclasses import dataclass, field, replace
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.provenance import mesh_digest, modes_digest, source_digest, versions
-from heavylift.pipeline.results.storage import OutputFolder, StopError, read_json, replacing, write_json
+from heavylift.pipeline.results.storage import OutputFolder, StopError, read_json, write_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -396,6 +395,8 @@ def _body_stage(
     make: Callable[[str, FlexibleBodySection, dict[str, Any]], dict[str, Any]],
 ) -> StageReport:
     """Make the file of every flexible body that is not current."""
+    from heavylift.pipeline.stages.surfaces import reused
+
     manifest = read_json(work.folder.manifest(stage)) or {}
     items, skipped = dict(manifest.get("items", {})), True
     items = {name: item for name, item in items.items() if name in work.flexible}
@@ -409,7 +410,7 @@ def _body_stage(
             if file.is_file():
                 work.log.say(f"{stage}: {name}: {file} is damaged, made anew")
         skipped = False
-        found = None if stage in work.force else _reused(work, stage, name, digest, file)
+        found = None if stage in work.force else reused(work, work.folder.manifest(stage), name, digest, file)
         if found is not None:
             items[name] = found
         else:
@@ -470,21 +471,3 @@ def _located(case: Case, name: str) -> Any:
             key=case.place(f"bodies.{name}"),
             expected=error.expected,
         ) from None
-
-
-def _reused(work: Work, stage: str, name: str, digest: str, file: Path) -> dict[str, Any] | None:
-    """Manifest entry of a file taken from another output folder, or None if no folder has it."""
-    for other in work.reuse:
-        items = (read_json(other.manifest(stage)) or {}).get("items", {})
-        item = items.get(name, {})
-        source = other.stage(stage) / file.name
-        if item.get("digest") != digest or not source.is_file() or source.stat().st_size != item["size"]:
-            continue
-        with replacing(file) as temporary:
-            try:
-                os.link(source, temporary)
-            except OSError:
-                shutil.copyfile(source, temporary)
-        work.log.say(f"{stage}: {name}: unchanged, taken from {other.root}")
-        return dict(item)
-    return None

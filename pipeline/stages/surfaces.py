@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.stages.stages import Work
 
-__all__ = ["make_surfaces"]
+__all__ = ["make_surfaces", "reused"]
 
 
 def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
@@ -52,7 +52,7 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
             if file.is_file():
                 log.say(f"mesh: {name}: {file} is damaged, made anew")
         skipped = False
-        found = None if "mesh" in work.force else _reused(work, name, digest, file)
+        found = None if "mesh" in work.force else reused(work, manifest_file, name, digest, file)
         if found is None:
             begin = time.process_time()
             made[name] = make_surface(case, index)
@@ -97,11 +97,23 @@ def _words(report: dict[str, Any]) -> str:
     return ", ".join(words)
 
 
-def _reused(work: Work, name: str, digest: str, file: Path) -> dict[str, Any] | None:
-    """Manifest entry of a file taken from another output folder, or None if no folder has it."""
+def reused(work: Work, manifest: Path, name: str, digest: str, file: Path) -> dict[str, Any] | None:
+    """Take a file of a stage from another output folder: its entry in the manifest, None if no folder has it.
+
+    Parameters
+    ----------
+    work
+        Names the folders.
+    manifest, file
+        Where both are in the folder of this run.
+    name, digest
+        Of the entry.
+    """
+    root = work.folder.root
     for other in work.reuse:
-        item = (read_json(other.surface_manifest) or {}).get("items", {}).get(name, {})
-        source = other.surface(name)
+        entries = read_json(other.root / manifest.relative_to(root)) or {}
+        item = entries.get("items", {}).get(name, {})
+        source = other.root / file.relative_to(root)
         if item.get("digest") != digest or not source.is_file() or source.stat().st_size != item["size"]:
             continue
         with replacing(file) as temporary:
@@ -109,6 +121,6 @@ def _reused(work: Work, name: str, digest: str, file: Path) -> dict[str, Any] | 
                 os.link(source, temporary)
             except OSError:
                 shutil.copyfile(source, temporary)
-        work.log.say(f"mesh: {name}: unchanged, taken from {other.root}")
+        work.log.say(f"{file.parent.name}: {name}: unchanged, taken from {other.root}")
         return dict(item)
     return None

@@ -39,6 +39,7 @@ from heavylift.solver.contact.kind import (
     Scratch,
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
+from heavylift.solver.contact.moving_points import moving_points
 from heavylift.solver.contact.packed_collisions import no_collisions
 from heavylift.solver.contact.search.features import (
     Curves,
@@ -51,7 +52,6 @@ from heavylift.solver.contact.search.features import (
 )
 from heavylift.solver.contact.solve.newton import ContactSolvers, NonsmoothNewton
 from heavylift.solver.contact.solve.problem import make_work
-from heavylift.solver.contact.triangles.facet_counts import moving_points
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import DIAGONAL, PRESCRIBED, Attachment, Row, Side

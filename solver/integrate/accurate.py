@@ -372,7 +372,7 @@ def _sample(
     _evaluate(bodies, forces, joints, rows, work, integration, END, END_RATE, time, True)
 
 
-@entry
+@entry  # eleven parameters: the scene is five; which steps, how exact and where records go are six
 def run(
     bodies: Bodies,
     forces: Forces,

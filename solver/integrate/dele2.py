@@ -85,7 +85,7 @@ def refine(
         complete(bodies, systems, True, step, work)  # bodies that carry strains feel the joints of the others
 
 
-@entry
+@entry  # eleven parameters: the scene is five; which steps, how exact and where records go are six
 def run(
     bodies: Bodies,
     forces: Forces,

@@ -27,7 +27,7 @@ from heavylift.solver.rows.thesis import solve_thesis
 __all__ = ["run"]
 
 
-@entry
+@entry  # eleven parameters: the scene is five; which steps, how exact and where records go are six
 def run(
     bodies: Bodies,
     forces: Forces,

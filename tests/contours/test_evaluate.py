@@ -7,6 +7,7 @@ import pytest
 from scipy.interpolate import BSpline, NdBSpline
 
 from heavylift.contours.splines.basis import wrap
+from heavylift.contours.splines.derivatives import fill_curve, fill_surface
 from heavylift.contours.splines.evaluate import (
     SCRATCH,
     Evaluation,
@@ -16,7 +17,6 @@ from heavylift.contours.splines.evaluate import (
 from heavylift.contours.splines.imported import imported_contour
 from heavylift.contours.splines.neutral import NeutralContour, packed
 from heavylift.contours.splines.packed_contour import PackedContour
-from heavylift.contours.splines.sampling import fill_curve, fill_surface
 from heavylift.contours.splines.spaces import SplineSpace, clamped_space, closed_space
 from heavylift.numerics.arrays import Floats1, Ints1
 from heavylift.numerics.objects import entry

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
+from heavylift.contours.splines.derivatives import evaluate_contour
 from heavylift.contours.splines.imported import imported_contour
-from heavylift.contours.splines.sampling import evaluate_contour
 from heavylift.numerics.outcome import InputError
 
 RANDOM = np.random.default_rng(4)

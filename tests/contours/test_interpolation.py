@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, make_interp_spline
 
+from heavylift.contours.splines.derivatives import evaluate_contour
 from heavylift.contours.splines.interpolation import (
     basis_matrix,
     control_points,
@@ -14,7 +15,6 @@ from heavylift.contours.splines.interpolation import (
     parameters_averaged,
 )
 from heavylift.contours.splines.neutral import NeutralContour, neutral_curve, neutral_surface
-from heavylift.contours.splines.sampling import evaluate_contour
 from heavylift.contours.splines.spaces import SplineSpace
 from heavylift.numerics.outcome import InputError
 

@@ -27,9 +27,9 @@ from heavylift.solver.contact.kind import (
     ContourPose,
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
+from heavylift.solver.contact.moving_points import count_moving, count_slots, most_of
 from heavylift.solver.contact.packed_collisions import PackedCollisions
 from heavylift.solver.contact.triangles.clearance import make_clearances
-from heavylift.solver.contact.triangles.facet_counts import count_moving, count_slots, most_of
 from heavylift.solver.contact.triangles.facet_kind import FacetSurface, FacetSurfaces
 from heavylift.solver.contact.triangles.kind import (
     Clearing,

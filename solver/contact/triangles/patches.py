@@ -21,7 +21,7 @@ from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.triangles.kind import (
     SurfacePairs,
 )
-from heavylift.solver.contact.triangles.table import look_up
+from heavylift.solver.contact.triangles.slots import look_up
 
 __all__ = ["BORDER", "UNKNOWN", "choose_contacts", "share_stiffness", "sort_found"]
 

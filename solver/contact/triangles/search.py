@@ -28,8 +28,14 @@ from heavylift.solver.contact.triangles.sides import (
     holds,
     settle_sides,
 )
-from heavylift.solver.contact.triangles.slots import add_contact, put_placed, surface_count
-from heavylift.solver.contact.triangles.table import enter, fill_table, look_up
+from heavylift.solver.contact.triangles.slots import (
+    add_contact,
+    enter,
+    fill_table,
+    look_up,
+    put_placed,
+    surface_count,
+)
 from heavylift.solver.contact.triangles.touch import relative_pose, touch_mesh_contact
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement

@@ -12,7 +12,7 @@ from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.triangles.kind import SurfacePairs
 from heavylift.solver.contact.triangles.patches import UNKNOWN
-from heavylift.solver.contact.triangles.table import look_up
+from heavylift.solver.contact.triangles.slots import look_up
 
 __all__ = [
     "ABOUT_NOTHING",

@@ -1,7 +1,8 @@
-"""Contacts between triangles come and go: what is carried of them, and what follows from that.
+"""Contacts between triangles come and go: what is carried of them, what follows from that, and how they are looked up.
 
 What a contact is (the pair, the two features, the side) stands in its carried state, so a step that is taken back takes
-new contacts with it, and a checkpoint holds all of them. Laws and sides of its rows follow from its pair.
+new contacts with it, and a checkpoint holds all of them. Laws and sides of its rows follow from its pair. By their
+features they are found in a table of chains, which is made anew for every search.
 """
 
 from __future__ import annotations
@@ -18,7 +19,16 @@ from heavylift.solver.contact.triangles.kind import SurfacePairs, contact_header
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.structure import PRESCRIBED
 
-__all__ = ["add_contact", "header_row", "put_placed", "restore_contacts", "surface_count"]
+__all__ = [
+    "add_contact",
+    "enter",
+    "fill_table",
+    "header_row",
+    "look_up",
+    "put_placed",
+    "restore_contacts",
+    "surface_count",
+]
 
 FAR = 4.0
 """Reaches of the search at which an open contact goes."""
@@ -175,3 +185,43 @@ def place_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
     _drop_contacts(meshes, contacts)
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         _assign(meshes, contacts, c)
+
+
+@kernel(inline=True, internal=True)
+def _slot(meshes: SurfacePairs, pair: int, kind: int, feature: int, other: int) -> int:
+    """Place of the first contact with such features (Teschner et al., 2003)."""
+    mixed = (feature * 73856093) ^ (other * 19349663) ^ (kind * 83492791) ^ (pair * 26544357)
+    return mixed & (meshes.slots.shape[0] - 1)
+
+
+@kernel(internal=True)
+def fill_table(meshes: SurfacePairs, contacts: ContactRows) -> None:
+    """All contacts that are there."""
+    for i in range(meshes.slots.shape[0]):
+        meshes.slots[i] = -1
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        enter(meshes, contacts, c)
+
+
+@kernel(internal=True)
+def enter(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
+    """One contact."""
+    state = contacts.state[c]
+    at = _slot(meshes, state.pair, state.feature_kind, state.feature, state.other_feature)
+    meshes.chains[c] = meshes.slots[at]
+    meshes.slots[at] = c
+
+
+@kernel(internal=True)
+def look_up(
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, kind: int, feature: int, other: int
+) -> int:
+    """The contact with these features, -1 if there is none."""
+    c = int(meshes.slots[_slot(meshes, pair, kind, feature, other)])
+    while c >= 0:
+        state = contacts.state[c]
+        same = state.feature_kind == kind and state.feature == feature and state.other_feature == other
+        if same and state.pair == pair:
+            return c
+        c = int(meshes.chains[c])
+    return c

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import heavylift.solver.contact.search.search_start  # noqa: F401  its kernel for contours that deform
+from heavylift.contours.splines.derivatives import evaluate_contour
 from heavylift.contours.splines.neutral import neutral_curve, neutral_surface
-from heavylift.contours.splines.sampling import evaluate_contour
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.kind import (

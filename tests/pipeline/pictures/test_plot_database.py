@@ -17,7 +17,7 @@ from heavylift.pipeline.pictures.hull_plots import (
 )
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
-CASES = Path(__file__).parents[2] / "cases"
+CASES = Path(__file__).parents[3] / "cases"
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ CONTACT = {
 def folder(tmp_path):
     folder = tmp_path / "contacts"
     folder.mkdir()
-    shutil.copyfile(Path(__file__).parent / "contacts.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "contacts.toml", folder / "case.toml")
     return folder
 
 

@@ -10,7 +10,7 @@ import pytest
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline import load_case
 
-CASES = Path(__file__).parents[2] / "cases"
+CASES = Path(__file__).parents[3] / "cases"
 
 
 def edit(folder: Path, *changes: tuple[str, str]) -> Path:

@@ -23,7 +23,7 @@ from heavylift.solver.laws.wire_rope import Rope, SpringRope
 def folder(tmp_path):
     folder = tmp_path / "linkage"
     folder.mkdir()
-    shutil.copyfile(Path(__file__).parent / "linkage.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "linkage.toml", folder / "case.toml")
     return folder
 
 

@@ -16,7 +16,7 @@ from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.scene import contacts as c
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ CIRCLE = np.column_stack([np.cos(TIMES), np.sin(TIMES), 2.0 * TIMES])
 def folder(tmp_path):
     folder = tmp_path / "linkage"
     folder.mkdir()
-    shutil.copyfile(Path(__file__).parent / "linkage.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "linkage.toml", folder / "case.toml")
     return folder
 
 

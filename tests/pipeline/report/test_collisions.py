@@ -35,7 +35,7 @@ def case(tmp_path):
     """Tank, quay and ball of `collisions.toml`, without the rope."""
     folder = tmp_path / "collisions"
     folder.mkdir()
-    here = Path(__file__).parent
+    here = Path(__file__).parents[1]
     text = (here / "collisions.toml").read_text().partition("[[check]]")[0]
     for first, last in (
         ("[bodies.rope]", "[[surfaces]]"),
@@ -211,7 +211,7 @@ def test_surfaces_are_where_their_bodies_are(case, out):
 
 
 def test_a_frame_is_pictured_as_its_own_surface(case, tmp_path):
-    shutil.copyfile(Path(__file__).parent / "collisions.toml", case.file)
+    shutil.copyfile(Path(__file__).parents[1] / "collisions.toml", case.file)
     case = load_case(case.folder)
     folder = OutputFolder(tmp_path / "rope")
     scene = assemble_scene(case, folder)

@@ -25,7 +25,7 @@ from heavylift.solver.joints.edges import EdgeClamp, EdgeHinge
 def folder(tmp_path):
     folder = tmp_path / "edges"
     folder.mkdir()
-    shutil.copyfile(Path(__file__).parent / "edges.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "edges.toml", folder / "case.toml")
     return folder
 
 

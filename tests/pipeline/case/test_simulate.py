@@ -24,7 +24,7 @@ ADAPTIVE = ("simulate.step=",)
 def folder(tmp_path):
     folder = tmp_path / "linkage"
     folder.mkdir()
-    shutil.copyfile(Path(__file__).parent / "linkage.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "linkage.toml", folder / "case.toml")
     return folder
 
 

@@ -28,7 +28,7 @@ from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad
 def folder(tmp_path):
     folder = tmp_path / "meshes"
     folder.mkdir()
-    shutil.copyfile(Path(__file__).parent / "meshes.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "meshes.toml", folder / "case.toml")
     return folder
 
 

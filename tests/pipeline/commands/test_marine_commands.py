@@ -26,7 +26,7 @@ from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.sea import LinearRestoring
 from heavylift.solver.water.lines.mooring_lines import MooringLine
 
-DATABASE = Path(__file__).parents[2] / "cases" / "transport_barge" / "barge.nc"
+DATABASE = Path(__file__).parents[3] / "cases" / "transport_barge" / "barge.nc"
 LENGTH, BREADTH, DRAFT = 97.5, 36.0, 4.5
 MASS, LOAD, BALLAST = 15.8e6, 2.0e5, 1.0e5
 

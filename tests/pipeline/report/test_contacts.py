@@ -26,7 +26,7 @@ RECORDS = 11
 def folder(tmp_path):
     folder = tmp_path / "contacts"
     folder.mkdir()
-    text = (Path(__file__).parent / "contacts.toml").read_text()
+    text = (Path(__file__).parents[1] / "contacts.toml").read_text()
     (folder / "case.toml").write_text(text.partition("[[check]]")[0])
     return folder
 

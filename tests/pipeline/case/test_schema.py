@@ -14,7 +14,7 @@ from heavylift.pipeline.case.schema import case_schema, key_tables
 
 jsonschema = pytest.importorskip("jsonschema")
 
-FOLDER = Path(__file__).parent
+FOLDER = Path(__file__).parents[1]
 FILES = [
     *sorted((FOLDER.parents[1] / "cases").glob("*/case.toml")),
     FOLDER / "small_beam.toml",
@@ -190,7 +190,7 @@ def test_bad_contacts_are_invalid(changes):
 
 
 def test_the_tables_of_keys_in_the_docs_are_those_of_the_schema():
-    file = Path(__file__).parents[2] / "docs" / "case_keys.md"
+    file = Path(__file__).parents[3] / "docs" / "case_keys.md"
     assert file.read_text(encoding="utf-8") == key_tables() + "\n", (
         "heavylift schema --tables > docs/case_keys.md"
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from heavylift.contours.triangles.box_sweep import near, squared_gap, swept_box, swept_triangle
+from heavylift.contours.triangles.pair_search import near, squared_gap, swept_box, swept_triangle
 from heavylift.contours.triangles.surface_layout import RelativeMotion, Triangle
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import record_at, records

@@ -91,7 +91,7 @@ def study(tmp_path, monkeypatch):
 
     folder = tmp_path / "linkage"
     folder.mkdir()
-    text = (Path(__file__).parent / "linkage.toml").read_text()
+    text = (Path(__file__).parents[1] / "linkage.toml").read_text()
     history = '[[reference]]\nname = "hook"\nchannel = "hook.position"\nfile = "history.csv"\n'
     (folder / "case.toml").write_text(text + history + SERIES)
     (folder / "history.csv").write_text("time,x\n0,0\n1,1\n")

@@ -20,7 +20,7 @@ TIMES = 0.02 * np.arange(251)
 def evaluate(tmp_path):
     folder = tmp_path / "linkage"
     folder.mkdir()
-    shutil.copyfile(Path(__file__).parent / "linkage.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "linkage.toml", folder / "case.toml")
     case = load_case(folder)
     swing = 3e-4 * np.sin(2.0 * np.pi * 0.606 * TIMES + 0.4) - 1e-4
     columns = {

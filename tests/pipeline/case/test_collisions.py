@@ -43,7 +43,7 @@ RECORDED = {
 def folder(tmp_path):
     folder = tmp_path / "collisions"
     folder.mkdir()
-    here = Path(__file__).parent
+    here = Path(__file__).parents[1]
     shutil.copyfile(here / "collisions.toml", folder / "case.toml")
     shutil.copyfile(here / "tank.stl", folder / "tank.stl")
     return folder

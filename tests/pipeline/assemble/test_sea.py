@@ -33,7 +33,7 @@ from heavylift.preprocess.surfaces.refinement import refined_triangles
 from heavylift.solver.scene.sea import Hull, Radiation, Water
 from heavylift.solver.water.wind.packing import fluid_pieces
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 CASES = HERE.parents[1] / "cases"
 L, B, D = 40.0, 15.0, 5.0
 MASS, DENSITY = 1.23e6, 1025.0

@@ -25,7 +25,7 @@ def reduced(tmp_path_factory):
     import shutil
 
     folder = tmp_path_factory.mktemp("small_beam")
-    shutil.copyfile(Path(__file__).parent / "small_beam.toml", folder / "case.toml")
+    shutil.copyfile(Path(__file__).parents[1] / "small_beam.toml", folder / "case.toml")
     run_case(load_case(folder), stages=("mesh", "modes"))
     return folder
 
@@ -118,7 +118,7 @@ def test_a_mesh_size_that_leaves_one_reduced_brick_is_refused(small_case):
 
 def test_a_scene_imports_only_what_it_has(tmp_path):
     """A load on a rope: no contours, surfaces, meshes or water, no files of units, pictures or results."""
-    case = Path(__file__).parents[2] / "cases" / "hoist"
+    case = Path(__file__).parents[3] / "cases" / "hoist"
     code = (
         "import sys\n"
         "from heavylift.pipeline import load_case\n"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from heavylift.pipeline import load_case
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_the_example_is_a_valid_case(tmp_path):

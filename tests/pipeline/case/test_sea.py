@@ -17,7 +17,7 @@ from heavylift.pipeline.assemble.water import sea_gravity
 from heavylift.pipeline.case.places import places
 from heavylift.pipeline.case.tables import declared
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 
 
 @pytest.fixture
