@@ -495,7 +495,7 @@ class ContactRows(RowArrays):
     kernel_modules: ClassVar[tuple[str, ...]] = (
         "heavylift.solver.contact.solve.ends",
         "heavylift.solver.contact.solve.events",
-        "heavylift.solver.contact.search.locate",
+        "heavylift.solver.contact.search.contact_kinematics",
         "heavylift.solver.contact.record",
         "heavylift.solver.contact.solve.stage",
     )

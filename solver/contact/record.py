@@ -12,7 +12,7 @@ from heavylift.solver.contact.kind import (
     ContactRows,
 )
 from heavylift.solver.contact.laws.normal_force import stored_energy
-from heavylift.solver.contact.search.locate import locate
+from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.triangles.interface import record_pairs
 from heavylift.solver.interface import (
     Bodies,

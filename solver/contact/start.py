@@ -7,7 +7,7 @@ from heavylift.numerics.objects import entry
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
-from heavylift.solver.contact.search.locate import locate
+from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.ends import REST, pressed_force
 from heavylift.solver.contact.triangles.interface import search_surfaces

@@ -18,7 +18,7 @@ from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import bound_motion, pose_contours, settle_points
 from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
-from heavylift.solver.contact.search.locate import locate
+from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.stage import NEAR, looks_ahead
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back

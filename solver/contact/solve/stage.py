@@ -14,7 +14,7 @@ from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, DENSE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import hunt_crossley_damping
-from heavylift.solver.contact.search.locate import locate
+from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.search.search_end import judge_searches, mark_failure
 from heavylift.solver.contact.solve.delassus import assemble_delassus, contact_rates, push
 from heavylift.solver.contact.solve.newton import solve_contacts
