@@ -16,6 +16,7 @@ from heavylift.pipeline.case.fields import (
     Quantity,
     Section,
     VelocityVector,
+    parse_list,
     quantity_schema,
     reject,
 )
@@ -60,9 +61,9 @@ def parse_inertia(value: Any) -> Matrix3:
     if all(isinstance(row, (list, tuple)) for row in value):
         if any(len(row) != 3 for row in value):
             reject(f"{value!r}", _EXPECTED)
-        matrix = [[quantity.parse(entry) for entry in row] for row in value]
+        matrix = [parse_list(quantity, row, f"{i}.") for i, row in enumerate(value)]
     else:
-        diagonal = [quantity.parse(entry) for entry in value]
+        diagonal = parse_list(quantity, value)
         matrix = [[diagonal[i] if i == j else 0.0 for j in range(3)] for i in range(3)]
     scale = max(abs(entry) for row in matrix for entry in row)
     for i, j in ((0, 1), (0, 2), (1, 2)):
@@ -233,7 +234,7 @@ class InitialSection(RigidInitialSection):
             kind = "modal coordinate" if by_mass else "length"
         else:
             kind = "modal velocity" if by_mass else "velocity"
-        return [Quantity(kind).parse(value) for value in values]
+        return parse_list(Quantity(kind), values)
 
 
 class FlexibleBodySection(Section):

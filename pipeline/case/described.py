@@ -52,6 +52,7 @@ from heavylift.pipeline.case.fields import (
     Section,
     SideName,
     UniqueName,
+    parse_list,
     refuse_unknown,
     reject,
 )
@@ -271,9 +272,7 @@ class _InUnitsOfTheJoint:
         joints = {} if context is None else context.names.joints
         slides = joint_coordinate(joints.get(info.data["joint"], "")) == "travel"
         quantity = self.quantities.travel if slides else self.quantities.angle
-        return (
-            [quantity.parse(entry) for entry in value] if isinstance(value, list) else quantity.parse(value)
-        )
+        return parse_list(quantity, value) if isinstance(value, list) else quantity.parse(value)
 
 
 class _ReadsTable:
@@ -349,11 +348,10 @@ class Chosen:
         if not isinstance(value, dict):
             reject(f"{value!r} is not a table", "a table")
         word, described = self._word(value), self.described(value)
-        if word == "":
-            reject(f"key {self.family.key!r} is missing", "the kind of this table")
         if described is None:
             known = ", ".join(f"'{word}'" for word in self.family.words)
-            reject(f"{self.family.key} = {word!r}", f"one of {known}")
+            key = self.family.key
+            reject(f"{key} = {word!r}" if word != "" else f"key {key!r} is missing", f"one of {known}")
         return self.section(described).model_validate(value, context=info.context)
 
     def _word(self, row: Mapping[str, Any]) -> Any:

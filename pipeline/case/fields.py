@@ -55,6 +55,7 @@ __all__ = [
     "UniqueName",
     "VelocityVector",
     "is_parallel",
+    "parse_list",
     "quantity_schema",
     "refuse_unknown",
     "reject",
@@ -139,6 +140,23 @@ class AnyOf:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         return self.first.__get_pydantic_json_schema__(schema, handler)
+
+
+def parse_list(quantity: Quantity, values: Sequence[object], key: str = "") -> list[float]:
+    """SI numbers of a list.
+
+    Raises
+    ------
+    InputError
+        If one is wrong, with its index behind `key`.
+    """
+    found = []
+    for index, value in enumerate(values):
+        try:
+            found.append(quantity.parse(value))
+        except InputError as error:
+            raise InputError(error.problem, key=f"{key}{index}", expected=error.expected) from None
+    return found
 
 
 _Length = Annotated[float, Quantity("length")]

@@ -17,6 +17,7 @@ from heavylift.pipeline.case.fields import (
     Quantity,
     Section,
     UniqueName,
+    parse_list,
     refuse_unknown,
     reject,
 )
@@ -116,13 +117,11 @@ def _square(value: Any) -> Any:
     if all(isinstance(row, list) for row in rows):
         if any(len(row) != 6 for row in rows):
             reject("has a row that has not six numbers", expected)
-        return tuple(tuple(Quantity("number").parse(entry) for entry in row) for row in rows)
+        return tuple(tuple(parse_list(Quantity("number"), row, f"{i}.")) for i, row in enumerate(rows))
     if any(isinstance(row, list) for row in rows):
         reject("mixes rows and numbers", expected)
-    return tuple(
-        tuple(Quantity("number", minimum=0.0, closed=True).parse(row) if i == k else 0.0 for k in range(6))
-        for i, row in enumerate(rows)
-    )
+    diagonal = parse_list(Quantity("number", minimum=0.0, closed=True), rows)
+    return tuple(tuple(entry if i == k else 0.0 for k in range(6)) for i, entry in enumerate(diagonal))
 
 
 _MATRIX_SCHEMA: dict[str, Any] = {"type": "array", "minItems": 6, "maxItems": 6}

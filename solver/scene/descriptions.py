@@ -481,7 +481,9 @@ def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> An
         return _said(value, f"{key}.", coordinate)
     if isinstance(value, (tuple, list)):
         return [
-            _said(entry, f"{key}.{number}.", coordinate) if is_described(type(entry)) else entry
+            _as_said(field, entry, f"{key}.{number}", coordinate)
+            if isinstance(entry, (tuple, list)) or is_described(type(entry))
+            else entry
             for number, entry in enumerate(value)
         ]
     value = _listed(value)
