@@ -28,6 +28,7 @@ __all__ = [
     "Positive",
     "Quantity",
     "Shape",
+    "Square",
     "TableFile",
     "WorldDirection",
     "quantity_schema",
@@ -168,8 +169,8 @@ class NameOf:
     Attributes
     ----------
     what
-        ``"body"``; ``"side"``, a body or the ground; ``"joint"``, one with an angle or a travel; ``"fluid"``, a wind or
-        a current.
+        ``"body"``; ``"side"``, a body or the ground; ``"hull"``; ``"joint"``, one with an angle or a travel;
+        ``"fluid"``, a wind or a current.
     """
 
     what: str
@@ -196,6 +197,13 @@ class Shape:
     """Annotation of an array of numbers: how many a user lists along each axis, None for any number."""
 
     lengths: tuple[int | None, ...]
+
+
+@dataclass(frozen=True)
+class Square:
+    """Annotation of a square matrix: a user lists its rows, or the numbers on its diagonal if all others are zero."""
+
+    size: int
 
 
 @dataclass(frozen=True)

@@ -258,7 +258,7 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
         if isinstance(body, MeshBody):
             times += [time for load in body.loads for time in np.ravel(load.times)]
     if scene.sea is not None:
-        times += [time for tank in scene.sea.tanks for time in np.ravel(tank.times)]
+        times += [time for tank in scene.sea.tanks for time in tank.schedule[0]]
         turns = [np.asarray(field.direction) for field in scene.sea.fields]
         times += [time for turn in turns if turn.ndim == 2 for time in turn[:, 0]]
         times.append(scene.sea.ramp)

@@ -70,11 +70,11 @@ def float_bodies(scene: Scene) -> Scene:
     _check_direct(scene, sea)
     hulls = _floating_bodies(scene.bodies, sea)
     for tank in sea.tanks:
-        if tank.body not in hulls:
+        if tank.hull not in hulls:
             raise InputError(
-                f"there is no hull {tank.body!r}",
+                f"there is no hull {tank.hull!r}",
                 source=tank.name,
-                key="body",
+                key="hull",
                 expected=f"one of {', '.join(hulls)}" if hulls else "a hull in the scene",
             )
     if hulls:

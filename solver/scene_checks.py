@@ -51,7 +51,13 @@ def check_scene(scene: Scene) -> None:
         _check_joint(joint)
     described: list[Any] = [*scene.forces, *scene.ropes]
     if scene.sea is not None:
-        described += [*scene.sea.loads, *scene.sea.lines, *scene.sea.fenders]
+        described += [
+            *scene.sea.loads,
+            *scene.sea.lines,
+            *scene.sea.fenders,
+            *scene.sea.hulls,
+            *scene.sea.tanks,
+        ]
     coordinates = {joint.name: joint.COORDINATE for joint in scene.joints}
     for thing in described:
         check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""))

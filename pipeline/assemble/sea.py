@@ -67,7 +67,7 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
         water=water_of(case),
         hulls=hulls,
         radiation=radiation,
-        tanks=_tanks(case, sides),
+        tanks=tuple(assemble_list(case, "tanks", sides)),
         waves=make_waves(case),
         ramp=0.0 if section is None else section.ramp,
         excitation="summed" if section is None else section.excitation,
@@ -192,25 +192,6 @@ def _direction(direction: Any) -> float | NDArray[np.float64]:
     if isinstance(direction, float):
         return direction
     return np.column_stack([direction.times, direction.angles])
-
-
-def _tanks(case: Case, sides: Mapping[str, Side]) -> tuple[seas.Tank, ...]:
-    """Ballast water."""
-    found = []
-    for tank in case.tanks:
-        density = water_of(case).density if tank.density is None else tank.density
-        times, masses = ((0.0,), (tank.mass,)) if tank.mass is not None else (tank.times, tank.masses)
-        found.append(
-            seas.Tank(
-                name=tank.name,
-                body=tank.hull,
-                point=sides[tank.hull].local(tank.point),
-                times=np.array(times),
-                masses=np.array(masses),
-                free_surface=(density * tank.free_surface[0], density * tank.free_surface[1]),
-            )
-        )
-    return tuple(found)
 
 
 def sea_provenance(sea: seas.Sea | None) -> dict[str, Any]:

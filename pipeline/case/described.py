@@ -37,6 +37,7 @@ from heavylift.numerics.quantity import (
     NameOf,
     Quantity,
     Shape,
+    Square,
     TableFile,
     WorldDirection,
     quantity_schema,
@@ -48,6 +49,7 @@ from heavylift.pipeline.case.fields import (
     CaseContext,
     Direction,
     InFolder,
+    KnownHull,
     LengthVector,
     Section,
     SideName,
@@ -209,6 +211,9 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
         return LengthVector
     if isinstance(quantity, NameOf):
         return _NAMES[quantity.what]
+    square = field.mark(Square)
+    if square is not None:
+        return _matrix(square.size, quantity)
     if isinstance(quantity, TableFile):
         return Annotated[str, InFolder(), AfterValidator(_ReadsTable(quantity).check)]
     if origin is tuple:
@@ -239,6 +244,35 @@ def _number(quantity: Quantity | ByCoordinate) -> Any:
         schema = quantity_schema("number in N/m^exponent", exclusiveMinimum=0.0)
         return Annotated[float, WithJsonSchema(schema, mode="validation")]
     return Annotated[float, quantity]
+
+
+def _matrix(size: int, quantity: Quantity) -> Any:
+    count = {"type": "array", "minItems": size, "maxItems": size}
+    row = {**count, "items": quantity_schema()}
+    schema = {"anyOf": [row, {**count, "items": row}]}
+    rows = tuple[tuple[float, ...], ...]
+    return Annotated[rows, BeforeValidator(_Rows(size, quantity).parse), WithJsonSchema(schema)]
+
+
+class _Rows:
+    """Parses a square matrix, which may be given by its diagonal."""
+
+    def __init__(self, size: int, quantity: Quantity) -> None:
+        self.size, self.quantity = size, quantity
+
+    def parse(self, value: Any) -> list[list[float]]:
+        """Rows in SI."""
+        n = self.size
+        expected = f"{n} numbers on the diagonal, or {n} rows of {n}"
+        if not isinstance(value, (list, tuple)) or len(value) != n:
+            reject(f"{value!r}", expected)
+        rows = [row for row in value if isinstance(row, (list, tuple))]
+        if not rows:
+            diagonal = parse_list(self.quantity, value)
+            return [[entry if i == k else 0.0 for k in range(n)] for i, entry in enumerate(diagonal)]
+        if len(rows) < n or any(len(row) != n for row in rows):
+            reject(f"{value!r}", expected)
+        return [parse_list(self.quantity, row, f"{i}.") for i, row in enumerate(rows)]
 
 
 class _InItsUnit:
@@ -317,6 +351,7 @@ def _known_fluid(name: str, info: ValidationInfo) -> str:
 _NAMES: Mapping[str, Any] = {
     "body": BodyName,
     "side": SideName,
+    "hull": KnownHull,
     "joint": Annotated[str, AfterValidator(_turns_or_slides)],
     "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
 }

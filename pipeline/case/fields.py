@@ -43,6 +43,7 @@ __all__ = [
     "Direction",
     "ForceVector",
     "InFolder",
+    "KnownHull",
     "LengthVector",
     "Name",
     "NumberVector",
@@ -225,6 +226,13 @@ def _known_side(name: str, info: ValidationInfo) -> str:
     return name
 
 
+def _known_hull(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context:
+        refuse_unknown("hull", name, context.names.hulls)
+    return name
+
+
 def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
     """Refuse a direction of no length."""
     if not any(axis):
@@ -275,6 +283,8 @@ BodyName = Annotated[str, AfterValidator(_known_body)]
 """Name of a body that the case has."""
 SideName = Annotated[str, AfterValidator(_known_side)]
 """Name of a body that the case has, or of the world."""
+KnownHull = Annotated[str, AfterValidator(_known_hull)]
+"""Name of a hull that the case has."""
 ReferenceName = Annotated[Name, AfterValidator(_unique_reference)]
 """Name of a reference history that no other one has."""
 Direction = Annotated[NumberVector, AfterValidator(_nonzero)]

@@ -48,6 +48,8 @@ from heavylift.numerics.quantity import (
     ByExponent,
     NameOf,
     Quantity,
+    Shape,
+    Square,
     TableFile,
     WorldDirection,
 )
@@ -419,15 +421,16 @@ def check_table(
     Raises
     ------
     InputError
-        With the keys of both lists in words; that of the table they stand in is not known here.
+        With the key of the list.
     """
     if len(places) != len(values):
         raise InputError(
             f"{len(places)} {key} and {len(values)} {values_key}",
+            key=values_key,
             expected=f"one of {values_key} for each of {key}",
         )
     if any(b <= a for a, b in pairwise(places)):
-        raise InputError(f"{key} {list(places)}", expected=f"increasing {key}")
+        raise InputError(f"{key} {list(places)}", key=key, expected=f"increasing {key}")
     if 0 < len(places) < shortest:
         raise InputError(f"a table of {len(places)} rows", expected=f"{shortest} or more")
 
@@ -500,8 +503,12 @@ def _listed(value: Any) -> Any:
 
 
 def _check_range(field: DescribedField, value: Any, key: str, coordinate: str) -> None:
-    """Numbers are finite and within their bounds."""
-    quantity = field.quantity
+    """Numbers are finite and within their bounds, and as many as are needed."""
+    quantity, shape = field.quantity, _shape(field)
+    if value is not None and shape is not None:
+        given = np.array(value, dtype=np.float64)
+        if given.shape != shape or not np.all(np.isfinite(given)):
+            raise InputError(f"{value}", key=key, expected=f"finite numbers, shape {shape}")
     if isinstance(quantity, ByCoordinate):
         quantity = quantity.travel if coordinate == "travel" else quantity.angle
     if value is None or not isinstance(quantity, Quantity):
@@ -511,6 +518,16 @@ def _check_range(field: DescribedField, value: Any, key: str, coordinate: str) -
             quantity.parse(float(number))
         except InputError as error:
             raise InputError(error.problem, key=key, expected=error.expected) from None
+
+
+def _shape(field: DescribedField) -> tuple[int, ...] | None:
+    """Shape of an array; None if it may be any."""
+    if isinstance(field.quantity, (BodyPoint, BodyDirection, WorldDirection)):
+        return (3,)
+    if square := field.mark(Square):
+        return (square.size, square.size)
+    shape = field.mark(Shape)
+    return None if shape is None or None in shape.lengths else shape.lengths
 
 
 def _place(described: type) -> str:

@@ -109,7 +109,7 @@ SPRING = (
         ("forces.3.load=20 N m", "forces.3.load", "is a moment or energy", "a force [N]"),
         ("forces.3.times=[0, 1]", "forces.3", "not exactly one of 'load' and a table", "'times' and 'loads'"),
         ("forces.2.stiffness=1", "forces.2", "both 'stiffness' and a table", "'stiffness', or"),
-        ("forces.2.deflections=[1, -1]", "forces.2", "deflections [1.0, -1.0]", "increasing"),
+        ("forces.2.deflections=[1, -1]", "forces.2.deflections", "deflections [1.0, -1.0]", "increasing"),
         ("forces.1.stiffness=-2", "forces.1.stiffness", "-2 is too small", ">= 0 N/m"),
         (f"{SPRING}}}", "forces.1", "neither a stiffness nor a damping", "'stiffness', 'damping'"),
         (f"{SPRING}, elongations=[0], forces=[0]}}", "forces.1", "a table of 1 rows", "2 or more"),
@@ -130,7 +130,7 @@ SPRING = (
         ("ropes.1.path.1.body=ground", "ropes.1.path", "on the ground", "a point on a body"),
         ("ropes.0.axial_stiffness=0", "ropes.0.axial_stiffness", "0 is too small", "> 0 N"),
         ("ropes.1.stiffness=-1 kN/m", "ropes.1.stiffness", "is too small", "> 0 N/m"),
-        ("ropes.0.winch.speeds=[0]", "ropes.0.winch", "2 times and 1 speeds", "one speed a time"),
+        ("ropes.0.winch.speeds=[0]", "ropes.0.winch.speeds", "2 times and 1 speeds", "one of speeds"),
         ("ropes.0.type=chain", "ropes.0", "type = 'chain'", "one of 'spring', 'wire'"),
         ("ropes.0.length=0", "ropes.0.length", "0 is too small", "> 0 m"),
         # from (0, 0, 0) over (0, 0.5, 1) to (0, 0, -8) is 1.118 + 9.014 m, less 2 x 0.2 m for the pulley

@@ -81,7 +81,7 @@ def errors_of(folder, *overrides):
         (["sea.excitation=series", "simulate.duration=0", "simulate.start=equilibrium"], "sea.excitation",
          "without a duration", "'summed'"),
         (["hulls.barge.surface=skn"], "hulls.barge.surface", "did you mean 'skin'?", "one of: skin"),
-        (["hulls.barge.restoring=none", "hulls.barge.damping=[1, 2]"], "hulls.barge.damping", "wrong form", "six"),
+        (["hulls.barge.restoring=none", "hulls.barge.damping=[1, 2]"], "hulls.barge.damping", "[1, 2]", "6"),
         ([LINEAR], "hulls.barge.linear", "both 'surface' and 'linear'", "must not count"),
         (["hulls.barge.surface="], "hulls.barge", "neither 'surface' nor 'linear'", "restoring 'none'"),
         (["hulls.barge.low_pass=5"], "hulls.barge.low_pass", "5 is too large", "< 1 rad/s"),

@@ -245,7 +245,7 @@ def test_an_object_is_checked_as_a_case_file_is():
         (replace(rope, length=np.nan), r"fall: length: nan is not finite"),
         (replace(rope, path=(pulley, path[1])), r"fall: path\.0\.radius: a pulley at an end"),
         (replace(rope, path=(path[0], replace(pulley, radius=0.0))), r"fall: path\.1\.axis: 'axis' without"),
-        (replace(rope, winch=Winch(np.zeros(2), np.zeros(2))), r"fall: winch: times \[0\.0, 0\.0\]"),
+        (replace(rope, winch=Winch(np.zeros(2), np.zeros(2))), r"fall: winch\.times: times \[0\.0, 0\.0\]"),
     ):
         with pytest.raises(InputError, match=message):
             check_object(wrong)
