@@ -265,7 +265,7 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
     profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
     for body in scene.bodies:
         if isinstance(body.motion, Driven):
-            profiles += [*body.motion.translation, body.motion.angle]
+            profiles += body.motion.profiles
     for profile in profiles:
         if profile is not None and len(profile.times):
             times += [profile.times[0], profile.times[-1]]

@@ -64,6 +64,7 @@ from heavylift.solver.scene.descriptions import (
     Family,
     described_fields,
     is_described,
+    owner_coordinate,
     recorded_channels,
 )
 
@@ -96,21 +97,26 @@ class BetweenSection(_NamedSection):
         return value
 
 
+def section_of(described: Any, coordinate: str = "") -> type[Section]:
+    """Section of a description, with the keys of where the thing is; `coordinate` as in `make_section`."""
+    return _section_of(described, coordinate)
+
+
 @cache
-def section_of(described: Any) -> type[Section]:
-    """Section of a description, with the keys of where the thing is."""
+def _section_of(described: Any, coordinate: str) -> type[Section]:
     if issubclass(described, Between):
-        return make_section(described, BetweenSection, {})
+        return make_section(described, BetweenSection)
     named = "name" in described.__dataclass_fields__
-    return make_section(described, _NamedSection if named else Section, {})
+    return make_section(described, _NamedSection if named else Section, coordinate=coordinate)
 
 
 def make_section(
     described: Any,
     base: type[Section],
-    parts: Parts,
+    parts: Parts | None = None,
     changed: Mapping[str, Any] | None = None,
     optional: Collection[str] = (),
+    coordinate: str = "",
 ) -> type[Section]:
     """Section of a description.
 
@@ -126,6 +132,8 @@ def make_section(
         Keys of the base with another type: type and default by name.
     optional
         Keys of the description that may be left out, because the base has others in their place.
+    coordinate
+        ``"angle"`` or ``"travel"`` of the table of a function, or the like, of one: what `ByCoordinate` then is.
 
     Raises
     ------
@@ -139,12 +147,12 @@ def make_section(
     for field in sorted(described_fields(described), key=lambda field: field.mark(ByExponent) is not None):
         if field.name in base.model_fields or field.name in own:
             raise TypeError(f"{described.__qualname__}.{field.name} hides a key that {base.__name__} has")
-        made, default = _annotation(field, parts), _default(field)
+        made, default = _annotation(_along(field, coordinate), parts or {}, coordinate), _default(field)
         own[field.name] = (made | None, None) if field.name in optional else (made, default)
     own |= changed or {}
     within = base.DESCRIBED.__name__ if hasattr(base, "DESCRIBED") else ""
     made = create_model(
-        f"{described.__name__}{within}Section",
+        f"{coordinate.title()}{described.__name__}{within}Section",
         __base__=base,
         __module__=described.__module__,
         __doc__=described.__doc__,
@@ -155,6 +163,12 @@ def make_section(
     if hasattr(described, "CHANNELS") or not base.CHANNELS:
         made.CHANNELS = recorded_channels(described)
     return made
+
+
+def _along(field: DescribedField, coordinate: str) -> DescribedField:
+    """A field whose coordinate is known."""
+    marks = (getattr(m, coordinate) if coordinate and isinstance(m, ByCoordinate) else m for m in field.marks)
+    return field._replace(marks=tuple(marks))
 
 
 def _run_check(section: Any) -> Any:
@@ -181,9 +195,9 @@ def _default(field: DescribedField) -> Any:
     return ... if field.default is MISSING else field.default
 
 
-def _annotation(field: DescribedField, parts: Parts) -> Any:
+def _annotation(field: DescribedField, parts: Parts, coordinate: str) -> Any:
     """Type of a key of a case file."""
-    made = _type(field.hint, field, parts)
+    made = _type(field.hint, field, parts, owner_coordinate(field) or coordinate)
     least = field.mark(Least)
     if least is not None:
         made = Annotated[made, Field(min_length=least.count)]
@@ -196,11 +210,11 @@ def _annotation(field: DescribedField, parts: Parts) -> Any:
     return made if along is None else Annotated[made, BeforeValidator(_InUnitsOfTheJoint(along).parse)]
 
 
-def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
-    """Type of a value of a case file."""
+def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> Any:
+    """Type of a value of a case file; `coordinate` is that of the tables within it."""
     quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
-        choices = [_type(kind, field, parts) for kind in inner if kind is not type(None)]
+        choices = [_type(kind, field, parts, coordinate) for kind in inner if kind is not type(None)]
         made: Any = reduce(or_, choices)
         return Optional[made] if type(None) in inner else made  # noqa: UP045
     if hint in parts:
@@ -217,7 +231,7 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
     if isinstance(quantity, TableFile):
         return Annotated[str, InFolder(), AfterValidator(_ReadsTable(quantity).check)]
     if origin is tuple:
-        kinds = tuple(part if part is ... else _type(part, field, parts) for part in inner)
+        kinds = tuple(part if part is ... else _type(part, field, parts, coordinate) for part in inner)
         return GenericAlias(tuple, kinds)
     if origin is np.ndarray and field.mark(Shape) is not None:
         made = _number(quantity)
@@ -230,7 +244,7 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
     if origin is Literal:
         return hint
     if is_described(hint):
-        return section_of(hint)
+        return section_of(hint, coordinate)
     if hint is float:
         return _number(quantity)
     known = ", ".join(kind.__name__ for kind in parts)

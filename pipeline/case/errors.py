@@ -203,6 +203,8 @@ def sections_below(sections: Iterable[type[BaseModel]], key: str | int) -> list[
         for name, field in section.model_fields.items():
             if key in {name, field.alias}:
                 found |= dict.fromkeys(sections_in(field.annotation))
+                for mark in field.metadata:  # of an annotation that is not within another one
+                    found |= dict.fromkeys(sections_in(mark))
     return list(found)
 
 

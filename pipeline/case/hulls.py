@@ -115,7 +115,7 @@ class _RestoredSection(Section):
 @cache
 def hull_section(described: type[Hull]) -> type[Section]:
     """Section of a hull."""
-    return make_section(described, _RestoredSection, {})
+    return make_section(described, _RestoredSection)
 
 
 class FrequenciesSection(Section):

@@ -72,6 +72,7 @@ __all__ = [
     "is_described",
     "known_channels",
     "no_rows",
+    "owner_coordinate",
     "recorded_channels",
 ]
 
@@ -435,7 +436,13 @@ def check_table(
         raise InputError(f"a table of {len(places)} rows", expected=f"{shortest} or more")
 
 
-def check_object(thing: Any, coordinate: str = "") -> None:
+def owner_coordinate(field: DescribedField) -> str:
+    """Coordinate that a table says of an angle or a length: a function of time, for instance."""
+    kind = field.quantity.kind if isinstance(field.quantity, Quantity) else ""
+    return {"angle": "angle", "length": "travel"}.get(kind, "")
+
+
+def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     """What a case file is checked for, of an object made otherwise: ranges of numbers, and what its keys say together.
 
     The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
@@ -446,6 +453,8 @@ def check_object(thing: Any, coordinate: str = "") -> None:
         The object; one without description is passed over.
     coordinate
         Coordinate of the joint along which it acts, ``"angle"`` or ``"travel"``.
+    source
+        Name of the thing, if it has none of its own.
 
     Raises
     ------
@@ -457,7 +466,8 @@ def check_object(thing: Any, coordinate: str = "") -> None:
     try:
         _said(thing, "", coordinate)
     except InputError as error:
-        raise InputError(error.problem, source=thing.name, key=error.key, expected=error.expected) from None
+        name = source or thing.name
+        raise InputError(error.problem, source=name, key=error.key, expected=error.expected) from None
 
 
 def _said(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
@@ -480,6 +490,7 @@ def _said(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
 
 def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
     """Value of a key as a case file says it."""
+    coordinate = owner_coordinate(field) or coordinate
     if is_described(type(value)):
         return _said(value, f"{key}.", coordinate)
     if isinstance(value, (tuple, list)):

@@ -325,7 +325,7 @@ def test_a_scene_imports_only_what_it_contains() -> None:
         reduced = ReducedBody(
             np.zeros((1, 3)), np.ones(1), np.zeros((1, 1, 3)), integrals, False, ("1",), np.zeros(1), 0.0
         )
-        Simulation(Scene((FlexibleBody("beam", reduced, Fixed()),)), 1e-3)
+        Simulation(Scene((FlexibleBody("beam", reduced, motion=Fixed()),)), 1e-3)
         names = [name for name in sys.modules]
         unwanted = ("floating_frame_step", "floating_frame_record", "floating_frame_thesis", "floating_frame_kind",
                     "rigid", "forces.gravity", "forces.point", "gmsh", "skfem", "meshio", "pyvista", "matplotlib",
