@@ -22,6 +22,7 @@ import sys
 import types
 from dataclasses import MISSING, Field, dataclass, fields
 from itertools import pairwise
+from numbers import Real
 from pathlib import Path
 from typing import (
     TYPE_CHECKING,
@@ -522,8 +523,8 @@ def _check_range(field: DescribedField, value: Any, key: str, coordinate: str) -
             raise InputError(f"{value}", key=key, expected=f"finite numbers, shape {shape}")
     if isinstance(quantity, ByCoordinate):
         quantity = quantity.travel if coordinate == "travel" else quantity.angle
-    if value is None or not isinstance(quantity, Quantity):
-        return
+    if not isinstance(quantity, Quantity) or not isinstance(value, (Real, list, tuple)):
+        return  # a table has ranges of its own
     for number in np.ravel(np.array(value, dtype=np.float64)):
         try:
             quantity.parse(float(number))
