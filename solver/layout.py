@@ -33,6 +33,7 @@ from heavylift.solver.scene.scene import (
     RigidBody,
     Scene,
 )
+from heavylift.solver.scene.wind_loads import Veering
 from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene", "scene_corners"]
@@ -259,8 +260,8 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
             times += [time for load in body.loads for time in np.ravel(load.times)]
     if scene.sea is not None:
         times += [time for tank in scene.sea.tanks for time in tank.schedule[0]]
-        turns = [np.asarray(field.direction) for field in scene.sea.fields]
-        times += [time for turn in turns if turn.ndim == 2 for time in turn[:, 0]]
+        turns = [field.direction for field in scene.sea.fields]
+        times += [time for turn in turns if isinstance(turn, Veering) for time in turn.times]
         times.append(scene.sea.ramp)
     profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
     for body in scene.bodies:

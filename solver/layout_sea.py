@@ -18,6 +18,7 @@ from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 from heavylift.solver.scene.sea import FloatingBody, Hull, Sea
+from heavylift.solver.scene.wind_loads import CurrentProfile
 from heavylift.solver.water.hulls.checks import check_sea
 
 __all__ = ["PackedSea", "float_bodies", "pack_sea"]
@@ -241,7 +242,9 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
     )
 
     for one in sea.fields:
-        speed, limit = float(np.max(np.atleast_2d(one.speed)[:, -1])), LARGE_SPEEDS[type(one).__name__]
+        speeds = one.speed.speeds if isinstance(one.speed, CurrentProfile) else one.speed
+        speed = float(np.max(speeds))
+        limit = LARGE_SPEEDS[type(one).__name__]
         if speed > limit:
             knots = speed / KNOT
             packed.notes.append(

@@ -52,6 +52,7 @@ def check_scene(scene: Scene) -> None:
     described: list[Any] = [*scene.bodies, *scene.forces, *scene.joints, *scene.ropes]
     if scene.sea is not None:
         described += [
+            *scene.sea.fields,
             *scene.sea.loads,
             *scene.sea.lines,
             *scene.sea.fenders,

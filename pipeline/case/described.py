@@ -14,9 +14,11 @@ from annotated_types import Interval
 from pydantic import (
     AfterValidator,
     BeforeValidator,
+    Discriminator,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    Tag,
     TypeAdapter,
     ValidationInfo,
     WithJsonSchema,
@@ -215,6 +217,10 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
         choices = [_type(kind, field, parts, coordinate) for kind in inner if kind is not type(None)]
+        if len(choices) > 1 and any(map(is_described, inner)):
+            tags = ("a table" if is_described(kind) else "a number" for kind in inner)
+            choices = [Annotated[made, Tag(tag)] for made, tag in zip(choices, tags, strict=True)]
+            return Annotated[reduce(or_, choices), Discriminator(_form)]
         made: Any = reduce(or_, choices)
         return Optional[made] if type(None) in inner else made  # noqa: UP045
     if hint in parts:
@@ -249,6 +255,10 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
         return _number(quantity)
     known = ", ".join(kind.__name__ for kind in parts)
     raise TypeError(f"{field.name}: {hint}, expected float{', or one of ' * bool(known)}{known}")
+
+
+def _form(value: Any) -> str:
+    return "a table" if isinstance(value, (dict, Section)) else "a number"
 
 
 def _number(quantity: Quantity | ByCoordinate) -> Any:

@@ -13,7 +13,7 @@ from heavylift.pipeline.case.hulls import DatabaseSection
 from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.waves import Waves, check_wave, one_or_many
-from heavylift.pipeline.case.wind import CurrentSection, WindSection
+from heavylift.pipeline.case.wind import Current, Wind
 
 __all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea"]
 
@@ -42,9 +42,9 @@ class SeaSection(Section):
     excitation: Literal["summed", "series"] = "summed"
     """``summed``: every component of the waves at the low-passed place and heading of each hull; ``series``: at the
     place and heading of the start, tabulated once, which is faster."""
-    wind: Annotated[tuple[WindSection, ...], one_or_many()] = ()
+    wind: Annotated[tuple[Wind, ...], one_or_many()] = ()
     """Wind; several with names of their own for loads that are far apart."""
-    current: Annotated[tuple[CurrentSection, ...], one_or_many()] = ()
+    current: Annotated[tuple[Current, ...], one_or_many()] = ()
     """Current."""
 
     @property

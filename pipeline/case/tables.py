@@ -29,7 +29,6 @@ from heavylift.pipeline.case.joints import Joint
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.case.wind import WindSection
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import FORCES, ROPES
@@ -38,7 +37,7 @@ from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import SENSORS
 from heavylift.solver.scene.sea import AT_SEA
-from heavylift.solver.scene.wind_loads import FLUID_LOADS
+from heavylift.solver.scene.wind_loads import FLUID_LOADS, WindField
 
 __all__ = ["TABLES", "SceneTables", "Table", "declared", "lengths"]
 
@@ -395,7 +394,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
     collided = declared_collisions(rows["collisions"], surfaces, yielding)
     channels |= {pair: _quantities(Collision.CHANNELS) for _, pair, _ in collided}
     fluids = _fluids(document)
-    channels |= dict.fromkeys(fluids, _quantities(WindSection.CHANNELS))  # a current has the same
+    channels |= dict.fromkeys(fluids, _quantities(WindField.CHANNELS))  # a current has the same
     types = {name: str(body.get("type")) for name, body in bodies.items() if body}
     references, checks = list(_named(document.get("reference"))), list(_named(document.get("check"), "id"))
     own = [(table.by_name, key) for key, table in TABLES.items() if table.names == "own"]

@@ -16,7 +16,9 @@ from pydantic_core import CoreSchema
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.columns import read_columns
+from heavylift.pipeline.case.described import checked
 from heavylift.pipeline.case.fields import CaseContext, InFolder, Positive, Quantity, Section, reject
+from heavylift.solver.scene.wind_loads import check_heading
 
 __all__ = [
     "ELEVATION_COLUMNS",
@@ -45,9 +47,8 @@ _Time = Annotated[float, Positive("time")]
 
 
 def turning(value: float) -> float:
-    """An angle within a full turn: in radians, a larger one is meant as degrees."""
-    if abs(value) > 6.2831853072:
-        reject(f"{value:g} rad is more than a turn", f'-2 pi to 2 pi rad; in degrees "{value:g} deg"')
+    """An angle within a full turn."""
+    checked(check_heading, value)
     return value
 
 

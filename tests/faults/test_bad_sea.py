@@ -70,7 +70,7 @@ def errors_of(folder, *overrides):
         (["sea.wind.gust=3 s"], "sea.wind.gust", "both 'gust' and 'spectrum'", "a constant gust, or"),
         (["sea.wind.exponent=0.1"], "sea.wind.exponent", "profile 'log'", "profile 'power'"),
         (["sea.current.speed=12"], "sea.current.speed", "12 m/s", "in knots"),
-        (["sea.current.speed.depths=[3, 1]"], "sea.current.speed", "2 depths", "increasing depths"),
+        (["sea.current.speed.depths=[3, 1]"], "sea.current.speed.depths", "depths [3.0, 1.0]", "increasing depths"),
         (["sea.waves.type=regulr"], "sea.waves", "type = 'regulr'", "'regular', 'jonswap'"),
         (["sea.waves.significant_height=150"], "sea.waves.significant_height", "150 m", "is it in metres?"),
         (["sea.waves.peak_period=0.2"], "sea.waves.significant_height", "beyond breaking", "at most"),

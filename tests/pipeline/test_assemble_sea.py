@@ -135,8 +135,8 @@ def test_wind_current_and_loads(folder):
     assert wind.direction == pytest.approx(math.pi / 2.0)
     assert wind.fluctuation.seed == 7
     assert wind.fluctuation.duration >= 20.0
-    # heights above the still water, increasing
-    assert current.speed.tolist() == [[-10.0, 0.2], [0.0, 1.0]]
+    assert current.speed.depths.tolist() == [0.0, 10.0]
+    assert current.speed.speeds.tolist() == [1.0, 0.2]
     house, aft, under = fluid_pieces(sea_of(folder).loads)
     assert (house.name, house.area, house.coefficient) == ("house", 30.0, 1.1)
     assert (aft.name, aft.area, aft.extent) == ("house", (10.0, 12.0, 4.0), 3.0)

@@ -26,13 +26,7 @@ def pack_rigid_bodies(
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
 ) -> RigidBodies:
-    """Make the kind from what the user said.
-
-    Raises
-    ------
-    InputError
-        If a mass is not positive, or an inertia is not that of a body (triangle rule).
-    """
+    """Make the kind from what the user said."""
     table = records(RigidIndex, len(bodies))
     frame = records(RigidFrame, len(bodies))
     constants: list[NDArray[np.float64]] = []
