@@ -128,7 +128,10 @@ class BodyPoint:
 
 @dataclass(frozen=True)
 class ByCoordinate:
-    """Annotation of a number that is one quantity for a joint that turns and another one for a joint that slides."""
+    """Annotation of a number that is one quantity for a joint that turns and another one for a joint that slides.
+
+    In a table within the key of an angle or a length it is that of the key: of a function of time, for instance.
+    """
 
     angle: Quantity
     travel: Quantity

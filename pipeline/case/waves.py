@@ -1,4 +1,8 @@
-"""Tables of a case file that describe waves: regular ones, spectra, and measured elevations."""
+"""Tables of a case file that describe waves: regular ones, spectra, and measured elevations.
+
+The solver takes components, which are made of them, of random numbers and of files; there is no object that has their
+keys, so they are sections of the pipeline.
+"""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
@@ -34,7 +38,6 @@ __all__ = [
     "Waves",
     "check_wave",
     "one_or_many",
-    "turning",
 ]
 
 SPECTRUM_COLUMNS = (("omega", "density"), ("frequency", "density"))
@@ -46,13 +49,13 @@ _Length = Annotated[float, Positive("length")]
 _Time = Annotated[float, Positive("time")]
 
 
-def turning(value: float) -> float:
+def _turning(value: float) -> float:
     """An angle within a full turn."""
     checked(check_heading, value)
     return value
 
 
-Heading = Annotated[float, Quantity("angle"), AfterValidator(turning)]
+Heading = Annotated[float, Quantity("angle"), AfterValidator(_turning)]
 """A direction of propagation [rad]."""
 
 
