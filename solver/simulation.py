@@ -23,7 +23,7 @@ from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.scene import Scene
-from heavylift.solver.stop_message import mesh_warning, stop_message
+from heavylift.solver.stop_message import force_warning, mesh_warning, stop_message
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
@@ -377,7 +377,8 @@ class Simulation:
     @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
-        found = "; ".join(filter(None, (self._watch.warning, mesh_warning(self._layout))))
+        layout = self._layout
+        found = "; ".join(filter(None, (self._watch.warning, force_warning(layout), mesh_warning(layout))))
         if found:
             return found
         if self.integrator == "accurate":

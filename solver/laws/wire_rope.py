@@ -27,6 +27,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity
 from heavylift.numerics.records import Record, Records
+from heavylift.solver.extremes import Agreement, Extremes, compare_force, highest, lowest, note_value
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -34,6 +35,7 @@ from heavylift.solver.interface import (
     relinearise,
     set_targets,
     update_rows,
+    watch_joints,
 )
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
@@ -216,6 +218,12 @@ class RopeState(Record):
         Geometry less carried length [m].
     winch_work, loss
         Work of the winch, and what the damper took [J].
+    hauling, tension
+        Speed of the winch [m/s] and tension [N] at the end of the last step.
+    extremes
+        Of the tension.
+    agreement
+        Of the recorded tension with the elongation of the path.
     """
 
     fresh: bool
@@ -227,6 +235,10 @@ class RopeState(Record):
     drift: float
     winch_work: float
     loss: float
+    hauling: float
+    tension: float
+    extremes: Extremes
+    agreement: Agreement
 
 
 class Ropes(Arrays):
@@ -410,7 +422,7 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
                 state.winch_work += 0.25 * kind.table[i].axial_stiffness * squares * (1.0 / l1 - 1.0 / l0)
         state.loss += (tension - elastic) * (e1 - e0)
         state.stretched += step * u + RETURN * min(0.0, state.drift)
-        state.rest = l1
+        state.rest, state.hauling = l1, winch_state(kind, i, time + step)[1]
         state.growth = step / (step + work.control.last_step) * (u - state.rate)
         state.rate, state.paced = u, not state.fresh
         state.fresh = False
@@ -430,33 +442,64 @@ def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
     return rate
 
 
+@kernel(internal=True)
+def _end_tension(kind: Ropes, i: int, hauling: float, rate: float) -> float:
+    """Tension at the end of a step [N] that hauls in at a speed, where the path grows at a rate [m/s]."""
+    state = kind.state[i]
+    e = state.stretched - state.rest
+    if e <= 0.0:
+        return 0.0
+    tension = _stiffness(kind, i, 1.0 / state.rest) * e
+    if kind.table[i].damping > 0.0:
+        stretching = steady_rate(state.rate, state.growth, rate) if state.paced else rate
+        tension = max(0.0, tension + kind.table[i].damping * (stretching + hauling))
+    return tension
+
+
+@implement(watch_joints, Ropes)
+@kernel(internal=True)
+def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
+    """Tensions at the end of the step."""
+    for i in range(kind.table.shape[0]):
+        state = kind.state[i]
+        rate = _rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
+        state.tension = _end_tension(kind, i, state.hauling, rate)
+        note_value(state.extremes, work.control.interval, state.tension)
+
+
+@kernel(internal=True)
+def _compare_tension(kind: Ropes, i: int, time: float, length: float, tension: float) -> None:
+    """A tension is that of the elongation of the path; its damper acts at no more than the mean rates tell."""
+    state = kind.state[i]
+    elastic = _stiffness(kind, i, 1.0 / state.rest) * max(0.0, length - state.rest)
+    damper = kind.table[i].damping * (abs(state.rate) + abs(state.growth) + abs(state.hauling))
+    compare_force(state.agreement, time, tension, max(0.0, elastic - damper), elastic + damper)
+
+
 @implement(record_joints, Ropes)
 @kernel(internal=True)
 def record_ropes(
     kind: Ropes, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
-    """Tension, length of the path, unstretched length, drift, tension of each straight part."""
+    """Tension, length of the path, unstretched length, drift, extremes, tension of each straight part."""
     for i in range(kind.table.shape[0]):
         state, column = kind.state[i], kind.table[i].column
         length = _find_path(kind, i, work)
         _compare(kind, i, length)
-        e = state.stretched - state.rest
-        k = _stiffness(kind, i, 1.0 / state.rest)
-        tension = 0.0
-        if e > 0.0:
-            tension = k * e
-            work.sums.elastic += 0.5 * k * e * e
-            if kind.table[i].damping > 0.0:
-                stretching = _path_rate(kind, i, work)
-                if state.paced:
-                    stretching = steady_rate(state.rate, state.growth, stretching)
-                stretching += winch_state(kind, i, time)[1]
-                tension = max(0.0, tension + kind.table[i].damping * stretching)
+        e = max(0.0, state.stretched - state.rest)
+        work.sums.elastic += 0.5 * _stiffness(kind, i, 1.0 / state.rest) * e * e
+        tension = state.tension
+        if state.fresh:
+            tension = _end_tension(kind, i, winch_state(kind, i, time)[1], _path_rate(kind, i, work))
+        elif state.paced:
+            _compare_tension(kind, i, time, length, tension)
         row[column] = tension
         row[column + 1] = length
         row[column + 2] = state.rest
         row[column + 3] = state.drift
+        row[column + 4] = highest(state.extremes, work.control.interval, tension)
+        row[column + 5] = lowest(state.extremes, work.control.interval, tension)
         for part in range(kind.table[i].places - 1):
-            row[column + 4 + part] = tension
+            row[column + 6 + part] = tension
         work.sums.drive_work += state.winch_work
         work.sums.dissipated += state.loss

@@ -37,6 +37,8 @@ from heavylift.solver.interface import (
     solve_end,
     solve_midpoint,
     update_rows,
+    watch_joints,
+    watch_step,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.impulses import add_impulses, add_reactions
@@ -259,6 +261,13 @@ def close_row_step(
             before = row.last_reaction[r]
             row.reaction[r] = middle + ahead * (middle - before)
             row.last_reaction[r] = middle
+
+
+@implement(watch_step, RowSystem)
+@kernel(internal=True)
+def watch_row_step(system: RowSystem, joints: Joints, work: Workspace) -> None:
+    """The rows are those of the end of the step, and so are the velocities."""
+    watch_joints(joints, work, system)
 
 
 @implement(respond, RowSystem)
