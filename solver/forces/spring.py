@@ -325,12 +325,14 @@ def compare_load(
     time: float,
     e: float,
     rate: float,
+    growth: float,
     load: float,
 ) -> None:
-    """A recorded force is that of the elongation; its damper acts at no more than the rate that means of steps tell."""
+    """A recorded force is that of the elongation and, of the damper, of the mean rates of the last two steps."""
     elastic = spring_force(curves, spring.first, spring.count, spring.stiffness, e)
-    damper = spring.damping * rate
-    compare_force(agreement, time, load, elastic - damper, elastic + damper)
+    low = elastic + spring.damping * (rate - abs(growth))
+    high = elastic + spring.damping * (rate + abs(growth))
+    compare_force(agreement, time, load, low, high)
 
 
 @implement(watch_joints, Springs)
@@ -368,8 +370,7 @@ def record_springs(
         if spring.block < 0 or not state.started:
             load = spring_load(kind.curves, spring, e, end_rate(spring, work))
         elif state.paced:
-            rate = abs(state.rate) + abs(state.growth)
-            compare_load(state.agreement, kind.curves, spring, time, e, rate, load)
+            compare_load(state.agreement, kind.curves, spring, time, e, state.rate, state.growth, load)
         row[spring.column] = load
         if spring.coordinate == DISTANCE:
             row[spring.column + 1] = q

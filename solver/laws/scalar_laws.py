@@ -307,8 +307,8 @@ def record_scalar_laws(
             if state.fresh:
                 load = spring_load(kind.curves, law, e, end_rate(law, work))
             elif state.paced:
-                rate = abs(state.rate) + abs(state.growth)
-                compare_load(state.agreement, kind.curves, law, time, geometric - law.rest, rate, load)
+                at = geometric - law.rest
+                compare_load(state.agreement, kind.curves, law, time, at, state.rate, state.growth, load)
             row[law.column] = load
             if law.coordinate == DISTANCE:
                 row[law.column + 1] = geometric

@@ -469,11 +469,16 @@ def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
 
 @kernel(internal=True)
 def _compare_tension(kind: Ropes, i: int, time: float, length: float, tension: float) -> None:
-    """A tension is that of the elongation of the path; its damper acts at no more than the mean rates tell."""
+    """A tension is that of the elongation of the path and, of the damper, of the mean rates of the last two steps."""
     state = kind.state[i]
-    elastic = _stiffness(kind, i, 1.0 / state.rest) * max(0.0, length - state.rest)
-    damper = kind.table[i].damping * (abs(state.rate) + abs(state.growth) + abs(state.hauling))
-    compare_force(state.agreement, time, tension, max(0.0, elastic - damper), elastic + damper)
+    e = length - state.rest
+    low = high = 0.0
+    if e > 0.0:
+        elastic = _stiffness(kind, i, 1.0 / state.rest) * e
+        damper, change = state.rate + state.hauling, abs(state.growth)
+        low = max(0.0, elastic + kind.table[i].damping * (damper - change))
+        high = max(0.0, elastic + kind.table[i].damping * (damper + change))
+    compare_force(state.agreement, time, tension, low, high)
 
 
 @implement(record_joints, Ropes)
