@@ -14,7 +14,7 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record
 
-__all__ = ["Agreement", "Extremes", "compare_force", "highest", "lowest", "note_value"]
+__all__ = ["Agreement", "Extremes", "compare_force", "largest_of", "note_value", "smallest_of"]
 
 
 class Extremes(Record):
@@ -63,7 +63,7 @@ def note_value(extremes: Extremes, interval: int, value: float) -> None:
 
 
 @kernel(inline=True, internal=True)
-def highest(extremes: Extremes, interval: int, value: float) -> float:
+def largest_of(extremes: Extremes, interval: int, value: float) -> float:
     """Largest value of the interval, with that of the record itself."""
     if extremes.interval != interval or interval == 0:
         return value
@@ -71,7 +71,7 @@ def highest(extremes: Extremes, interval: int, value: float) -> float:
 
 
 @kernel(inline=True, internal=True)
-def lowest(extremes: Extremes, interval: int, value: float) -> float:
+def smallest_of(extremes: Extremes, interval: int, value: float) -> float:
     """Smallest value of the interval, with that of the record itself."""
     if extremes.interval != interval or interval == 0:
         return value

@@ -25,7 +25,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, AsDrawn, ByCoordinate, Quantity, Shape
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.extremes import Agreement, Extremes, compare_force, highest, lowest, note_value
+from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -374,8 +374,8 @@ def record_springs(
         row[spring.column] = load
         if spring.coordinate == DISTANCE:
             row[spring.column + 1] = q
-            row[spring.column + 2] = highest(state.extremes, work.control.interval, load)
-            row[spring.column + 3] = lowest(state.extremes, work.control.interval, load)
+            row[spring.column + 2] = largest_of(state.extremes, work.control.interval, load)
+            row[spring.column + 3] = smallest_of(state.extremes, work.control.interval, load)
         energy = stored_energy(kind.curves, spring, e)
         work.sums.elastic += energy
         if spring.block >= 0:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.extremes import Agreement, Extremes, highest, lowest, note_value
+from heavylift.solver.extremes import Agreement, Extremes, largest_of, note_value, smallest_of
 from heavylift.solver.forces.spring import SpringEntry, compare_load, end_rate, spring_load, stored_energy
 from heavylift.solver.interface import (
     Workspace,
@@ -312,8 +312,8 @@ def record_scalar_laws(
             row[law.column] = load
             if law.coordinate == DISTANCE:
                 row[law.column + 1] = geometric
-                row[law.column + 2] = highest(state.extremes, work.control.interval, load)
-                row[law.column + 3] = lowest(state.extremes, work.control.interval, load)
+                row[law.column + 2] = largest_of(state.extremes, work.control.interval, load)
+                row[law.column + 3] = smallest_of(state.extremes, work.control.interval, load)
             work.sums.elastic += stored_energy(kind.curves, law, e)
         elif law.law == STOP:
             beyond = max(0.0, q - law.upper, law.lower - q)

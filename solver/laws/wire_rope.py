@@ -27,7 +27,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.extremes import Agreement, Extremes, compare_force, highest, lowest, note_value
+from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -502,8 +502,8 @@ def record_ropes(
         row[column + 1] = length
         row[column + 2] = state.rest
         row[column + 3] = state.drift
-        row[column + 4] = highest(state.extremes, work.control.interval, tension)
-        row[column + 5] = lowest(state.extremes, work.control.interval, tension)
+        row[column + 4] = largest_of(state.extremes, work.control.interval, tension)
+        row[column + 5] = smallest_of(state.extremes, work.control.interval, tension)
         for part in range(kind.table[i].places - 1):
             row[column + 6 + part] = tension
         work.sums.drive_work += state.winch_work

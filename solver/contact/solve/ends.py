@@ -43,6 +43,7 @@ from heavylift.solver.interface import (
     solve_end,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.ringing import steady_rate
 
 __all__ = ["REST", "pressed_force"]
 
@@ -269,7 +270,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         state.middle_force[r] = middle
         state.warm_start[r] = half_impulse[r]
     if kind == COMPLIANT:
-        reaction[0] = pressed_force(contacts, c, a)
+        rate = steady_rate(state.mean_rate, state.growth, a) if state.paced else a
+        reaction[0] = pressed_force(contacts, c, rate)
         if state.end_gap >= 0.0:
             state.touch_damping = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here
