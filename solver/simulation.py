@@ -297,6 +297,11 @@ class Simulation:
         """Steps that were taken, whatever `step_index` counts."""
         return int(self._layout.work.control.step_count)
 
+    @property
+    def sees_every_step(self) -> bool:
+        """Whether channels of extremes hold every step; where forces act at instants only, they hold records."""
+        return self.integrator == "dele2"
+
     def record(self) -> NDArray[np.float64]:
         """Record of the present state, shape (column_count,)."""
         self.warm_up()
