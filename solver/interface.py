@@ -77,6 +77,7 @@ __all__ = [
     "thesis_advance",
     "thesis_velocity",
     "update_rows",
+    "watch_forces",
     "watch_joints",
     "watch_step",
     "write_velocity",
@@ -455,6 +456,11 @@ def thesis_advance(kinds: Bodies, time: float, step: float, work: Workspace) -> 
 @generic("record")
 def record(kinds: Bodies, time: float, work: Workspace, row: Floats1) -> None:
     """Bodies: write the carried state, reactions and sensors into their columns of a record."""
+
+
+@optional()
+def watch_forces(kinds: Forces, work: Workspace) -> None:
+    """Forces: when a step stands, extremes since the last record of what they were in its middle."""
 
 
 @optional("record")

@@ -39,6 +39,7 @@ from heavylift.solver.interface import (
     predict,
     solve_again,
     solve_midpoint,
+    watch_forces,
     watch_step,
 )
 from heavylift.solver.rows.stage import end_step
@@ -194,6 +195,7 @@ def run(
                 split, control.split = control.split, 0.0
                 continue
             watch_step(systems, joints, work)
+            watch_forces(forces, work)
             finish(bodies, h, work)
             if work.status.outcome != 0:
                 return index
