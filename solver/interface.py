@@ -79,7 +79,6 @@ __all__ = [
     "update_rows",
     "watch_forces",
     "watch_joints",
-    "watch_step",
     "write_velocity",
 ]
 
@@ -530,13 +529,10 @@ def solve_end(
 
 
 @optional()
-def close_step(kinds: Systems, all_systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
-    """Rows: the projected velocities to the bodies; reactions."""
-
-
-@optional()
-def watch_step(kinds: Systems, joints: Joints, work: Workspace) -> None:
-    """Rows: extremes since the last record of what they record, when a step stands."""
+def close_step(
+    kinds: Systems, all_systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float
+) -> None:
+    """Rows: the projected velocities to the bodies; reactions; extremes since the last record. The step stands."""
 
 
 @optional("record")

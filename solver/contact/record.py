@@ -13,14 +13,13 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.search.locate import locate
-from heavylift.solver.contact.triangles.interface import record_pairs, watch_pairs
-from heavylift.solver.extremes import largest_of, note_value, smallest_of
+from heavylift.solver.contact.triangles.interface import record_pairs
+from heavylift.solver.extremes import largest_of, smallest_of
 from heavylift.solver.interface import (
     Bodies,
     Joints,
     Workspace,
     record_rows,
-    watch_step,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.impulses import add_reactions
@@ -42,19 +41,6 @@ def _gather(contacts: ContactRows, bodies: Bodies, work: Workspace) -> None:
             state.gap = abs(state.end_gap)  # what sleeps and seems inside is behind
             # a record must not change what follows
             state.u, state.v, state.end_gap, state.second_end_gap = u, v, end_gap, angle
-
-
-@implement(watch_step, ContactRows)
-@kernel(internal=True)
-def watch_contacts(contacts: ContactRows, joints: Joints, work: Workspace) -> None:
-    """Forces, and gaps where they were searched for: what is far from touching has no gap that is known."""
-    interval = work.control.interval
-    for c in range(contacts.counts.of_contours):
-        state = contacts.state[c]
-        note_value(state.forces, interval, state.normal_force)
-        if state.located:
-            note_value(state.gaps, interval, state.gap)
-    watch_pairs(contacts.meshes, contacts, interval)
 
 
 @implement(record_rows, ContactRows)

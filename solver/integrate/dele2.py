@@ -40,7 +40,6 @@ from heavylift.solver.interface import (
     solve_again,
     solve_midpoint,
     watch_forces,
-    watch_step,
 )
 from heavylift.solver.rows.stage import end_step
 
@@ -194,7 +193,6 @@ def run(
                 go_back(systems)
                 split, control.split = control.split, 0.0
                 continue
-            watch_step(systems, joints, work)
             watch_forces(forces, work)
             finish(bodies, h, work)
             if work.status.outcome != 0:

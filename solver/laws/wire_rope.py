@@ -218,8 +218,10 @@ class RopeState(Record):
         Geometry less carried length [m].
     winch_work, loss
         Work of the winch, and what the damper took [J].
-    hauling, tension
-        Speed of the winch [m/s] and tension [N] at the end of the last step.
+    next_rest, hauling
+        Unstretched length [m] and speed of the winch [m/s] at the end of the step.
+    tension
+        At the end of the last step [N].
     extremes
         Of the tension.
     agreement
@@ -235,6 +237,7 @@ class RopeState(Record):
     drift: float
     winch_work: float
     loss: float
+    next_rest: float
     hauling: float
     tension: float
     extremes: Extremes
@@ -298,10 +301,10 @@ def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
     return a.hauled + t * (a.speed + 0.5 * slope * t), a.speed + slope * t
 
 
-@kernel(internal=True)
-def rest_length(kind: Ropes, i: int, time: float) -> float:
-    """Unstretched length in play [m]; not a number once all of it is hauled in."""
-    length = kind.table[i].start_length - winch_state(kind, i, time)[0]
+@kernel(inline=True, internal=True)
+def _length_in_play(kind: Ropes, i: int, hauled: float) -> float:
+    """Unstretched length that is not hauled in [m]; not a number once there is none."""
+    length = kind.table[i].start_length - hauled
     return length if length > 0.0 or kind.table[i].stiffness > 0.0 else math.nan
 
 
@@ -362,17 +365,14 @@ def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Ro
 
 
 @kernel(internal=True)
-def _tension(
-    kind: Ropes, i: int, u: float, time: float, h: float
-) -> tuple[float, float, float, float, float, float]:
-    """Elastic tension, tension, its derivative by the rate u; elongations before and after, length after."""
-    l0 = kind.state[i].rest
-    l1 = rest_length(kind, i, time + h)
+def _tension(kind: Ropes, i: int, u: float, h: float) -> tuple[float, float, float, float, float]:
+    """Elastic tension, tension, its derivative by the rate u; elongations before and after."""
+    l0, l1 = kind.state[i].rest, kind.state[i].next_rest
     k = _stiffness(kind, i, 0.5 / l0 + 0.5 / l1)
     e0 = kind.state[i].stretched - l0
     e1 = e0 - (l1 - l0) + h * u  # in this order: the last term alone changes in the iteration
     elastic, tension, slope = pull(e0, e1, k, kind.table[i].damping, h)
-    return elastic, tension, h * slope, e0, e1, l1
+    return elastic, tension, h * slope, e0, e1
 
 
 @implement(set_targets, Ropes)
@@ -384,8 +384,11 @@ def set_rope_targets(
     if not at_midpoint:
         return
     for i in range(kind.table.shape[0]):
-        u = kind.state[i].rate
-        _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
+        state = kind.state[i]
+        u = state.rate
+        hauled, state.hauling = winch_state(kind, i, time + step)
+        state.next_rest = _length_in_play(kind, i, hauled)
+        _, tension, slope, _, _ = _tension(kind, i, u, step)
         put_law(system, kind.table[i].block, step, u, tension, slope)
 
 
@@ -402,7 +405,7 @@ def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, sy
     """Fit the tensions to the rates found."""
     for i in range(kind.table.shape[0]):
         u = _rate(kind, i, work, system)
-        _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
+        _, tension, slope, _, _ = _tension(kind, i, u, step)
         fit_law(system, kind.table[i].block, step, u, tension, slope, work)
 
 
@@ -413,8 +416,8 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
         u = _rate(kind, i, work, system)
-        elastic, tension, _, e0, e1, l1 = _tension(kind, i, u, time, step)
-        l0 = state.rest
+        elastic, tension, _, e0, e1 = _tension(kind, i, u, step)
+        l0, l1 = state.rest, state.next_rest
         if l1 != l0:
             squares = max(0.0, e0) ** 2 + max(0.0, e1) ** 2
             state.winch_work -= tension * (l1 - l0)
@@ -422,7 +425,7 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
                 state.winch_work += 0.25 * kind.table[i].axial_stiffness * squares * (1.0 / l1 - 1.0 / l0)
         state.loss += (tension - elastic) * (e1 - e0)
         state.stretched += step * u + RETURN * min(0.0, state.drift)
-        state.rest, state.hauling = l1, winch_state(kind, i, time + step)[1]
+        state.rest = l1
         state.growth = step / (step + work.control.last_step) * (u - state.rate)
         state.rate, state.paced = u, not state.fresh
         state.fresh = False

@@ -31,7 +31,8 @@ from heavylift.solver.contact.solve.stage import (
     solve_present,
 )
 from heavylift.solver.contact.system_interface import follow
-from heavylift.solver.contact.triangles.interface import place_surfaces
+from heavylift.solver.contact.triangles.interface import place_surfaces, watch_pairs
+from heavylift.solver.extremes import note_value
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -227,13 +228,20 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
 @implement(close_step, ContactRows)
 @kernel(internal=True)
 def close_contact_step(
-    contacts: ContactRows, all_systems: Systems, bodies: Bodies, work: Workspace, step: float
+    contacts: ContactRows, all_systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float
 ) -> None:
     """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
     add_row_work(bodies, 1.0, work, contacts)
     judge_searches(contacts, True, work)
     for c in range(contact_count(contacts)):
         _close_one(contacts, c, step, work)
+    interval = work.control.interval
+    for c in range(contacts.counts.of_contours):
+        state = contacts.state[c]
+        note_value(state.forces, interval, state.normal_force)
+        if state.located:  # what is far from touching has no gap that is known
+            note_value(state.gaps, interval, state.gap)
+    watch_pairs(contacts.meshes, contacts, interval)
     place_surfaces(contacts.meshes, contacts)
 
 
