@@ -11,7 +11,9 @@
 ``channel.OWNER.KIND[.COMPONENT].STATISTIC``   ``end``, ``min``, ``max``, ``mean`` or ``rms`` of a recorded
                                                channel, e.g. ``channel.tip.position.y.max``, or its mean
                                                ``rate`` over the run, per second; component ``largest`` or
-                                               ``smallest``: of all components; ``norm``: of the vector
+                                               ``smallest``: of all components; ``norm``: of the vector.
+                                               ``max`` and ``min`` are those of all steps where the channel
+                                               has extremes beside it (``tension_max``), else of the records
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
 ``deviation.NAME``                             largest distance of a channel from the reference history
