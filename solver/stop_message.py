@@ -90,7 +90,7 @@ def force_warning(layout: Layout) -> str:
     """Ropes and springs whose recorded forces are not those of their elongations, as a sentence; empty if none."""
     parts = []
     for kind in layout.joints:
-        if "state" not in kind._fields or "agreement" not in kind.state.dtype.names:
+        if "state" not in kind._fields or "agreement" not in (kind.state.dtype.names or ()):
             continue
         for entry, found in zip(kind.table, kind.state["agreement"], strict=True):
             if found["miss"] > LARGEST_MISS * found["largest"]:
