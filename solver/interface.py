@@ -77,6 +77,8 @@ __all__ = [
     "thesis_advance",
     "thesis_velocity",
     "update_rows",
+    "watch_forces",
+    "watch_joints",
     "write_velocity",
 ]
 
@@ -170,6 +172,8 @@ class Control(Record):
         Number of the next corner.
     split
         Shorter step [s] that an impact asks for, or 0.
+    interval
+        Number of the interval between two records that the step belongs to, from 1 on.
     """
 
     next_step: float
@@ -180,6 +184,7 @@ class Control(Record):
     corner: int
     pose_error: float
     split: float
+    interval: int
 
 
 class Marker(Record):
@@ -422,6 +427,11 @@ def update_rows(kinds: Joints, time: float, step: float, work: Workspace, system
     """Joints with a memory: what they carry over the step, from the midpoint velocity."""
 
 
+@optional()
+def watch_joints(kinds: Joints, work: Workspace, system: RowArrays) -> None:
+    """Joints: forces at the end of a step that stands, by the rows and velocities there; their extremes."""
+
+
 @generic("record")
 def record_joints(kinds: Joints, time: float, work: Workspace, system: RowArrays, row: Floats1) -> None:
     """Joints: reactions, angles, travels into their columns of a record; energies into the totals."""
@@ -445,6 +455,11 @@ def thesis_advance(kinds: Bodies, time: float, step: float, work: Workspace) -> 
 @generic("record")
 def record(kinds: Bodies, time: float, work: Workspace, row: Floats1) -> None:
     """Bodies: write the carried state, reactions and sensors into their columns of a record."""
+
+
+@optional()
+def watch_forces(kinds: Forces, work: Workspace) -> None:
+    """Forces: when a step stands, extremes since the last record of what they were in its middle."""
 
 
 @optional("record")
@@ -514,8 +529,10 @@ def solve_end(
 
 
 @optional()
-def close_step(kinds: Systems, all_systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
-    """Rows: the projected velocities to the bodies; reactions."""
+def close_step(
+    kinds: Systems, all_systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float
+) -> None:
+    """Rows: the projected velocities to the bodies; reactions; extremes since the last record. The step stands."""
 
 
 @optional("record")

@@ -23,7 +23,7 @@ from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.scene import Scene
-from heavylift.solver.stop_message import contact_warning, mesh_warning, stop_message
+from heavylift.solver.stop_message import contact_warning, force_warning, mesh_warning, stop_message
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
@@ -297,6 +297,11 @@ class Simulation:
         """Steps that were taken, whatever `step_index` counts."""
         return int(self._layout.work.control.step_count)
 
+    @property
+    def sees_every_step(self) -> bool:
+        """Whether channels of extremes hold every step; where forces act at instants only, they hold records."""
+        return self.integrator == "dele2"
+
     def record(self) -> NDArray[np.float64]:
         """Record of the present state, shape (column_count,)."""
         self.warm_up()
@@ -377,9 +382,9 @@ class Simulation:
     @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
-        found = "; ".join(
-            filter(None, (self._watch.warning, mesh_warning(self._layout), contact_warning(self._layout)))
-        )
+        layout = self._layout
+        parts = (self._watch.warning, force_warning(layout), mesh_warning(layout), contact_warning(layout))
+        found = "; ".join(filter(None, parts))
         if found:
             return found
         if self.integrator == "accurate":

@@ -7,7 +7,7 @@ from typing import Any
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.layout import Layout
 
-__all__ = ["contact_warning", "mesh_warning", "stop_message"]
+__all__ = ["contact_warning", "force_warning", "mesh_warning", "stop_message"]
 
 
 def stop_message(layout: Layout, when: str) -> str:
@@ -80,6 +80,26 @@ def _contact_remedy(layout: Layout, contact: int) -> str:
     if contacts.state[contact].search == TOO_DEEP:
         return "a smaller step, a stiffer law or a larger radius: it is deeper inside its contour than its rounding"
     return "a smaller step, or a contour whose control points are not crowded"
+
+
+LARGEST_MISS = 0.01
+"""Of the largest recorded force of a rope or spring: how far one may be from that of its elongation."""
+
+
+def force_warning(layout: Layout) -> str:
+    """Ropes and springs whose recorded forces are not those of their elongations, as a sentence; empty if none."""
+    parts = []
+    for kind in layout.joints:
+        if "state" not in kind._fields or "agreement" not in (kind.state.dtype.names or ()):
+            continue
+        for entry, found in zip(kind.table, kind.state["agreement"], strict=True):
+            if found["miss"] > LARGEST_MISS * found["largest"]:
+                parts.append(
+                    f"{layout.block_names[entry.block]!r} has a recorded force of {found['force']:.6g} at"
+                    f" t = {found['time']:.6g} s where its elongation and the rates of the steps say"
+                    f" {found['expected']:.6g}: take a smaller step"
+                )
+    return "; ".join(parts)
 
 
 LARGEST_RINGING = 0.05

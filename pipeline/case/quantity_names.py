@@ -15,7 +15,9 @@
 ``channel.OWNER.KIND[.COMPONENT].STATISTIC``   ``end``, ``min``, ``max``, ``mean`` or ``rms`` of a recorded
                                                channel, e.g. ``channel.tip.position.y.max``, or its mean
                                                ``rate`` over the run, per second; component ``largest`` or
-                                               ``smallest``: of all components; ``norm``: of the vector
+                                               ``smallest``: of all components; ``norm``: of the vector.
+                                               ``max`` and ``min`` are those of all steps where the channel
+                                               has extremes beside it (``tension_max``), else of the records
 ``stress.POINT.COMPONENT.STATISTIC``           ``end``, ``min``, ``max``, ``mean`` or ``rms`` over the records of the
                                                stress at a sensor, see below
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body

@@ -56,6 +56,8 @@ class CheckResult:
         Unit of value and reference; where the reference comes from.
     passed
         Whether ``error <= tolerance``.
+    seen
+        Of a largest or smallest value: of what, e.g. ``"largest of 40,000 steps"``; else empty.
     """
 
     id: str
@@ -68,12 +70,13 @@ class CheckResult:
     unit: str
     source: str
     passed: bool
+    seen: str = ""
 
     def row(self) -> dict[str, Any]:
         """The check as plain values, in the order of the ``verify --json`` document."""
         row = asdict(self)
         order = ("id", "value", "reference", "error", "tolerance", "unit", "source", "passed")
-        return {key: row[key] for key in order}
+        return {key: row[key] for key in order} | ({"seen": self.seen} if self.seen else {})
 
 
 class Quantities:
@@ -122,6 +125,14 @@ class Quantities:
             "errors": self._errors,
         }
         return np.asarray(readers[name.family](name), dtype=np.float64)
+
+    def seen(self, text: str) -> str:
+        """Of how many steps or records a quantity is the largest or smallest value; empty of others."""
+        name = self._case.quantity(text)
+        words = {"max": "largest", "min": "smallest"}
+        if name.family != "channel" or name.statistic not in words:
+            return ""
+        return f"{words[name.statistic]} of {self.results.extremes(name.item, name.statistic)[1]}"
 
     def number(self, text: str) -> float:
         """Value of a quantity that is one number."""
@@ -243,7 +254,10 @@ class Quantities:
     def _history(self, name: QuantityName) -> NDArray[np.float64]:
         """Records of a channel, shape (nt,), or (nt, components) if none of several is named."""
         results = self.results
-        history = results[name.item].reshape(len(results.time), -1)
+        history = results[name.item]
+        if name.statistic in ("max", "min"):
+            history = results.extremes(name.item, name.statistic)[0]
+        history = history.reshape(len(results.time), -1)
         components = results.components(name.item)
         if name.component in components and name.component:
             history = history[:, components.index(name.component)]
@@ -381,4 +395,5 @@ def _evaluate(check: CheckSection, quantities: Quantities, unit: str) -> CheckRe
         unit=unit,
         source=check.source,
         passed=bool(error <= float(tolerance or 0.0)),
+        seen=quantities.seen(check.quantity),
     )

@@ -156,6 +156,6 @@ def check_table(verdict: CaseVerdict) -> list[str]:
         mark = "passed" if check.passed else "FAILED"
         lines.append(
             f"  {check.id:{width}}  {check.value:16.9g} {check.reference:16.9g} {check.unit:8} "
-            f"{check.error:9.2e} {check.tolerance:9.2e}  {mark}"
+            f"{check.error:9.2e} {check.tolerance:9.2e}  {mark}" + (f"  ({check.seen})" if check.seen else "")
         )
     return lines

@@ -200,7 +200,7 @@ def _check_section(checks: list[CheckResult], missing: dict[str, str]) -> Sectio
                 check.unit if check.unit != "1" else "–",
                 f"{check.error:.2e} {kind}",
                 f"{check.tolerance:.2e} {kind}",
-                check.source,
+                f"{check.source} ({check.seen})" if check.seen else check.source,
                 "passed" if check.passed else "FAILED",
             )
         )

@@ -238,6 +238,31 @@ class Results:
         """Names of all channels."""
         return tuple(self._channels)
 
+    def extremes(self, name: str, side: str) -> tuple[NDArray[np.float64], str]:
+        """What the largest or smallest value of a channel is looked for in, and in words of how many.
+
+        Parameters
+        ----------
+        name
+            Of the channel.
+        side
+            ``"max"`` or ``"min"``.
+
+        Returns
+        -------
+        history
+            Of every interval between records the extreme over all its steps, where the channel has one beside it
+            and the integrator sees every step; else the records. As of the channel itself.
+        words
+            E.g. ``"40,000 steps"``, ``"401 records"``.
+        """
+        beside = f"{name}_{side}"
+        if beside not in self or not self.metadata.get("sees_every_step", False):
+            return self[name], f"{len(self.time):,} records"
+        searched = name.rpartition(".")[2] == "gap"  # what is far away has a gap at records only
+        near = f" where it was near enough to be searched, and {len(self.time):,} records" if searched else ""
+        return self[beside], f"{int(self.metadata['steps']):,} steps{near}"
+
     @cached_property
     def meshes(self) -> dict[str, MeshShape]:
         """Shapes of the frames and shells of the scene, by name; empty if it has none."""

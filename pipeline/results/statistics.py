@@ -6,7 +6,7 @@ Sources: DNV-RP-C205 (2019), sections 3.5 and 3.6; E. J. Gumbel, *Statistics of 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -450,6 +450,8 @@ class ColumnStatistics:
         Mean over the records; None if they are too short.
     maxima, minima
         Fits to the extremes of the records; None for fewer than three.
+    seen
+        Of what the extremes are: ``"steps"`` or ``"records"``.
     """
 
     column: Column
@@ -457,6 +459,7 @@ class ColumnStatistics:
     spectrum: PowerSpectrum | None
     maxima: GumbelFit | None
     minima: GumbelFit | None
+    seen: str = "records"
 
     def entry(self) -> dict[str, Any]:
         """For a document: means over the records, extremes of all, fits."""
@@ -481,6 +484,7 @@ class ColumnStatistics:
             **mean,
             "minimum": min(one.minimum for one in records),
             "maximum": max(one.maximum for one in records),
+            "extremes_of": self.seen,
             "cycles": sum(one.cycles for one in records),
         }
         for key, fit in (("maxima", self.maxima), ("minima", self.minima)):
@@ -556,7 +560,10 @@ def _angle(owner: str, name: str) -> Column:
 def column_statistics(column: Column, runs: Sequence[Results], begin: float) -> ColumnStatistics:
     """Statistics of a column in each run, from a time on [s]; fits to extremes if there are three runs or more."""
     histories = [(run.time, column.read(run)) for run in runs]
-    records = tuple(record_statistics(time, values, begin=begin) for time, values in histories)
+    records = tuple(
+        _with_extremes(column, run, record_statistics(*history, begin=begin), begin)
+        for run, history in zip(runs, histories, strict=True)
+    )
     spectra = []
     for time, values in histories:
         if np.count_nonzero(time >= begin) >= SHORTEST:
@@ -579,4 +586,20 @@ def column_statistics(column: Column, runs: Sequence[Results], begin: float) -> 
             gumbel_fit([one.maximum for one in records]),
             gumbel_fit([one.minimum for one in records], minima=True),
         ]
-    return ColumnStatistics(column, records, spectrum, fits[0], fits[1])
+    every = all(_sees_every_step(column, run) for run in runs)
+    return ColumnStatistics(column, records, spectrum, fits[0], fits[1], "steps" if every else "records")
+
+
+def _sees_every_step(column: Column, run: Results) -> bool:
+    """Whether the extremes of a column between records are recorded beside it."""
+    return column.name == column.channel and run.extremes(column.channel, "max")[1].endswith("steps")
+
+
+def _with_extremes(column: Column, run: Results, found: RecordStatistics, begin: float) -> RecordStatistics:
+    """With the extremes of all steps of the window, where they are known; the first interval begins before it."""
+    if not _sees_every_step(column, run):
+        return found
+    kept = np.flatnonzero(run.time >= begin)[1:]
+    largest = run.extremes(column.channel, "max")[0][kept].max(initial=found.maximum)
+    smallest = run.extremes(column.channel, "min")[0][kept].min(initial=found.minimum)
+    return replace(found, maximum=float(largest), minimum=float(smallest))

@@ -255,6 +255,7 @@ def _merge(
         "tolerance": section.solver_tolerance or 0.0,
         "output_interval": section.output_interval,
         "steps": steps_taken(simulation),
+        "sees_every_step": bool(getattr(simulation, "sees_every_step", False)),
         **about,
         "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
         "start_s": simulation.start_seconds,

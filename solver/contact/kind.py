@@ -23,6 +23,7 @@ from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
 from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows.structure import RowArrays
 
@@ -223,6 +224,13 @@ class ContactState(Record):
         Whether it had slid off its features at the end of the last step.
     slots
         Numbers of its moving points on both bodies, if they deform; the first one -1 where there was none left.
+    timed, paced, mean_rate, growth
+        Of a compliant contact: whether it took part in the last step, and in the one before; mean rate of its gap in
+        the last step [m/s], and what it grows by in half a step.
+    located
+        Of contours: whether the gap at the end of the last step was searched for; else it is larger than what is told.
+    forces, gaps
+        Extremes of the normal force and of the gap.
     """
 
     u: float
@@ -271,6 +279,13 @@ class ContactState(Record):
     start_beside: float
     start_rate: float
     slots: Annotated[NDArray[np.int64], (2,)]
+    timed: bool
+    paced: bool
+    mean_rate: float
+    growth: float
+    located: bool
+    forces: Extremes
+    gaps: Extremes
 
 
 class ContourPose(RelativePose):

@@ -14,6 +14,7 @@ from heavylift.solver.contact.kind import (
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.triangles.interface import record_pairs
+from heavylift.solver.extremes import largest_of, smallest_of
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -65,6 +66,9 @@ def record_contacts(
         for k in range(3):
             row[at + 11 + k] = state.touched[k]
         row[at + 14], row[at + 15] = state.loss, state.impacts
+        row[at + 16] = largest_of(state.forces, work.control.interval, state.normal_force)
+        row[at + 17] = smallest_of(state.forces, work.control.interval, state.normal_force)
+        row[at + 18] = smallest_of(state.gaps, work.control.interval, state.gap)
         work.sums.dissipated += state.loss
         if contacts.table[c].law == COMPLIANT:
             values = contacts.values[c]

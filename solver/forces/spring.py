@@ -25,6 +25,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, AsDrawn, ByCoordinate, Quantity, Shape
 from heavylift.numerics.records import Record, Records
+from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -32,6 +33,7 @@ from heavylift.solver.interface import (
     fill_rows,
     record_joints,
     update_rows,
+    watch_joints,
 )
 from heavylift.solver.joints.coordinate import (
     ANGLE,
@@ -49,7 +51,7 @@ from heavylift.solver.laws.rows import put_residual, row_rate
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
 from heavylift.solver.scene.connections import FORCES, AlongJoint, Between
-from heavylift.solver.scene.descriptions import ChannelKind, check_table, no_rows
+from heavylift.solver.scene.descriptions import ChannelKind, check_table, interval_extremes, no_rows
 
 __all__ = [
     "JointSpring",
@@ -57,6 +59,7 @@ __all__ = [
     "SpringEntry",
     "SpringState",
     "Springs",
+    "compare_load",
     "end_rate",
     "spring_load",
     "stored_energy",
@@ -92,6 +95,7 @@ class Spring(Between):
     CHANNELS: ClassVar = (
         ChannelKind("force", "force", "tension of the spring with its damper; negative if it pushes"),
         ChannelKind("length", "length", "distance of the ends of the spring"),
+        *interval_extremes("force", "force"),
     )
     """What it records, in the order of its columns."""
 
@@ -203,6 +207,10 @@ class SpringState(Record):
         Whether that is known; of a row, whether a step has been made.
     paced
         Of a row: whether two have been made, so that `growth` is known.
+    load, extremes
+        Of a row: force at the end of the last step [N, N m], and its extremes.
+    agreement
+        Of a row: of the recorded force with the elongation.
     """
 
     value: float
@@ -212,6 +220,9 @@ class SpringState(Record):
     start_energy: float
     started: bool
     paced: bool
+    load: float
+    extremes: Extremes
+    agreement: Agreement
 
 
 class Springs(Arrays):
@@ -306,6 +317,42 @@ def update_springs(kind: Springs, time: float, step: float, work: Workspace, sys
             state.rate, state.paced, state.started = u, state.started, True
 
 
+@kernel(inline=True, internal=True)
+def compare_load(
+    agreement: Agreement,
+    curves: NDArray[np.float64],
+    spring: SpringEntry,
+    time: float,
+    e: float,
+    rate: float,
+    growth: float,
+    load: float,
+) -> None:
+    """A recorded force is that of the elongation and, of the damper, of the mean rates of the last two steps."""
+    elastic = spring_force(curves, spring.first, spring.count, spring.stiffness, e)
+    low = elastic + spring.damping * (rate - abs(growth))
+    high = elastic + spring.damping * (rate + abs(growth))
+    compare_force(agreement, time, load, low, high)
+
+
+@implement(watch_joints, Springs)
+@kernel(internal=True)
+def watch_springs(kind: Springs, work: Workspace, system: RowArrays) -> None:
+    """Forces of rows at the end of the step, whose residuals are the elongations."""
+    for i in range(kind.table.shape[0]):
+        spring, state = kind.table[i], kind.state[i]
+        block = spring.block
+        if block < 0:
+            continue
+        rate = 0.0
+        if spring.damping > 0.0:
+            rate = row_rate(system, 2 * block, 2 * block + 2, work.velocity)
+            if state.paced:
+                rate = steady_rate(state.rate, state.growth, rate)
+        state.load = spring_load(kind.curves, spring, system.rows[block].residual[0], rate)
+        note_value(state.extremes, work.control.interval, state.load)
+
+
 @implement(record_joints, Springs)
 @kernel(internal=True)
 def record_springs(
@@ -319,12 +366,16 @@ def record_springs(
         spring, state = kind.table[i], kind.state[i]
         q = coordinate_value(work, spring.coordinate, spring.a, spring.b, spring.c)
         e = _elongation(kind, i, q)
-        rate = end_rate(spring, work)
-        if spring.block >= 0 and state.paced:
-            rate = steady_rate(state.rate, state.growth, rate)
-        row[spring.column] = spring_load(kind.curves, spring, e, rate)
+        load = state.load
+        if spring.block < 0 or not state.started:
+            load = spring_load(kind.curves, spring, e, end_rate(spring, work))
+        elif state.paced:
+            compare_load(state.agreement, kind.curves, spring, time, e, state.rate, state.growth, load)
+        row[spring.column] = load
         if spring.coordinate == DISTANCE:
             row[spring.column + 1] = q
+            row[spring.column + 2] = largest_of(state.extremes, work.control.interval, load)
+            row[spring.column + 3] = smallest_of(state.extremes, work.control.interval, load)
         energy = stored_energy(kind.curves, spring, e)
         work.sums.elastic += energy
         if spring.block >= 0:

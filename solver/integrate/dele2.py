@@ -39,6 +39,7 @@ from heavylift.solver.interface import (
     predict,
     solve_again,
     solve_midpoint,
+    watch_forces,
 )
 from heavylift.solver.rows.stage import end_step
 
@@ -132,6 +133,7 @@ def run(
     row = 0
     split = 0.0
     for index in range(first, last):
+        control.interval = index // every + 1
         done = 0.0
         while done < step:
             time = index * step + done
@@ -191,6 +193,7 @@ def run(
                 go_back(systems)
                 split, control.split = control.split, 0.0
                 continue
+            watch_forces(forces, work)
             finish(bodies, h, work)
             if work.status.outcome != 0:
                 return index

@@ -75,7 +75,7 @@ def pack_ropes(
         table.append((*numbers, *stiffness, rope.damping, length))
         winches += rows
         paths += [(place.centre, place.axis, place.radius) for place in path]
-        state.append((True, False, start_length(path), length, 0.0, 0.0, 0.0, 0.0, 0.0))
+        state.append((start_length(path), length))
         blocks.append(
             LawBlock(
                 rope.name,
@@ -84,13 +84,16 @@ def pack_ropes(
             )
         )
         block += blocks[-1].block_count
+    carried = records(RopeState, len(state))
+    carried["fresh"] = True
+    carried["stretched"], carried["rest"] = np.transpose(state)
     kind = Ropes(
         records(RopeEntry, table),
         records(PlaceMarkers, places),
         records(WinchRow, winches),
         records(RopePlace, paths),
         records(PlaceGradient, len(places)),
-        records(RopeState, state),
+        carried,
         np.full(len(places), START_WRAP),
     )
     return kind, blocks

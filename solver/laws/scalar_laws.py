@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.forces.spring import SpringEntry, end_rate, spring_load, stored_energy
+from heavylift.solver.extremes import Agreement, Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.forces.spring import SpringEntry, compare_load, end_rate, spring_load, stored_energy
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -25,6 +26,7 @@ from heavylift.solver.interface import (
     relinearise,
     set_targets,
     update_rows,
+    watch_joints,
 )
 from heavylift.solver.joints.coordinate import (
     ANGLE,
@@ -96,6 +98,10 @@ class ScalarLawState(Record):
         Distance of the carried value from the geometry.
     branch
         0 if friction sticks; -1 or 1, the sense in which it acts, if it slides.
+    load, extremes
+        Of a spring: force at the end of the last step [N, N m], and its extremes.
+    agreement
+        Of the recorded force with the elongation.
     last_rate, last_force, rounds
         Scratch of the iteration: of its last round, and how many there were.
     """
@@ -108,6 +114,9 @@ class ScalarLawState(Record):
     growth: float
     drift: float
     branch: int
+    load: float
+    extremes: Extremes
+    agreement: Agreement
     last_rate: float
     last_force: float
     rounds: int
@@ -264,6 +273,23 @@ def update_scalar_laws(
         state.fresh = False
 
 
+@implement(watch_joints, ScalarLaws)
+@kernel(internal=True)
+def watch_scalar_laws(kind: ScalarLaws, work: Workspace, system: RowArrays) -> None:
+    """Forces of springs at the end of the step."""
+    for i in range(kind.table.shape[0]):
+        law, state = kind.table[i], kind.state[i]
+        if law.law != SPRING:
+            continue
+        rate = 0.0
+        if law.damping > 0.0:
+            rate = _rate(kind, i, work, system)
+            if state.paced:
+                rate = steady_rate(state.rate, state.growth, rate)
+        state.load = spring_load(kind.curves, law, state.value - law.rest, rate)
+        note_value(state.extremes, work.control.interval, state.load)
+
+
 @implement(record_joints, ScalarLaws)
 @kernel(internal=True)
 def record_scalar_laws(
@@ -277,12 +303,17 @@ def record_scalar_laws(
         work.sums.dissipated += state.loss
         if law.law == SPRING:
             e = q - law.rest
-            rate = end_rate(law, work)
-            if state.paced:
-                rate = steady_rate(state.rate, state.growth, rate)
-            row[law.column] = spring_load(kind.curves, law, e, rate)
+            load = state.load
+            if state.fresh:
+                load = spring_load(kind.curves, law, e, end_rate(law, work))
+            elif state.paced:
+                at = geometric - law.rest
+                compare_load(state.agreement, kind.curves, law, time, at, state.rate, state.growth, load)
+            row[law.column] = load
             if law.coordinate == DISTANCE:
                 row[law.column + 1] = geometric
+                row[law.column + 2] = largest_of(state.extremes, work.control.interval, load)
+                row[law.column + 3] = smallest_of(state.extremes, work.control.interval, load)
             work.sums.elastic += stored_energy(kind.curves, law, e)
         elif law.law == STOP:
             beyond = max(0.0, q - law.upper, law.lower - q)

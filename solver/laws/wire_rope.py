@@ -27,6 +27,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity
 from heavylift.numerics.records import Record, Records
+from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -34,6 +35,7 @@ from heavylift.solver.interface import (
     relinearise,
     set_targets,
     update_rows,
+    watch_joints,
 )
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
@@ -216,6 +218,14 @@ class RopeState(Record):
         Geometry less carried length [m].
     winch_work, loss
         Work of the winch, and what the damper took [J].
+    next_rest, hauling
+        Unstretched length [m] and speed of the winch [m/s] at the end of the step.
+    tension
+        At the end of the last step [N].
+    extremes
+        Of the tension.
+    agreement
+        Of the recorded tension with the elongation of the path.
     """
 
     fresh: bool
@@ -227,6 +237,11 @@ class RopeState(Record):
     drift: float
     winch_work: float
     loss: float
+    next_rest: float
+    hauling: float
+    tension: float
+    extremes: Extremes
+    agreement: Agreement
 
 
 class Ropes(Arrays):
@@ -286,10 +301,10 @@ def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
     return a.hauled + t * (a.speed + 0.5 * slope * t), a.speed + slope * t
 
 
-@kernel(internal=True)
-def rest_length(kind: Ropes, i: int, time: float) -> float:
-    """Unstretched length in play [m]; not a number once all of it is hauled in."""
-    length = kind.table[i].start_length - winch_state(kind, i, time)[0]
+@kernel(inline=True, internal=True)
+def _length_in_play(kind: Ropes, i: int, hauled: float) -> float:
+    """Unstretched length that is not hauled in [m]; not a number once there is none."""
+    length = kind.table[i].start_length - hauled
     return length if length > 0.0 or kind.table[i].stiffness > 0.0 else math.nan
 
 
@@ -350,17 +365,14 @@ def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Ro
 
 
 @kernel(internal=True)
-def _tension(
-    kind: Ropes, i: int, u: float, time: float, h: float
-) -> tuple[float, float, float, float, float, float]:
-    """Elastic tension, tension, its derivative by the rate u; elongations before and after, length after."""
-    l0 = kind.state[i].rest
-    l1 = rest_length(kind, i, time + h)
+def _tension(kind: Ropes, i: int, u: float, h: float) -> tuple[float, float, float, float, float]:
+    """Elastic tension, tension, its derivative by the rate u; elongations before and after."""
+    l0, l1 = kind.state[i].rest, kind.state[i].next_rest
     k = _stiffness(kind, i, 0.5 / l0 + 0.5 / l1)
     e0 = kind.state[i].stretched - l0
     e1 = e0 - (l1 - l0) + h * u  # in this order: the last term alone changes in the iteration
     elastic, tension, slope = pull(e0, e1, k, kind.table[i].damping, h)
-    return elastic, tension, h * slope, e0, e1, l1
+    return elastic, tension, h * slope, e0, e1
 
 
 @implement(set_targets, Ropes)
@@ -372,8 +384,11 @@ def set_rope_targets(
     if not at_midpoint:
         return
     for i in range(kind.table.shape[0]):
-        u = kind.state[i].rate
-        _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
+        state = kind.state[i]
+        u = state.rate
+        hauled, state.hauling = winch_state(kind, i, time + step)
+        state.next_rest = _length_in_play(kind, i, hauled)
+        _, tension, slope, _, _ = _tension(kind, i, u, step)
         put_law(system, kind.table[i].block, step, u, tension, slope)
 
 
@@ -390,7 +405,7 @@ def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, sy
     """Fit the tensions to the rates found."""
     for i in range(kind.table.shape[0]):
         u = _rate(kind, i, work, system)
-        _, tension, slope, _, _, _ = _tension(kind, i, u, time, step)
+        _, tension, slope, _, _ = _tension(kind, i, u, step)
         fit_law(system, kind.table[i].block, step, u, tension, slope, work)
 
 
@@ -401,8 +416,8 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
         u = _rate(kind, i, work, system)
-        elastic, tension, _, e0, e1, l1 = _tension(kind, i, u, time, step)
-        l0 = state.rest
+        elastic, tension, _, e0, e1 = _tension(kind, i, u, step)
+        l0, l1 = state.rest, state.next_rest
         if l1 != l0:
             squares = max(0.0, e0) ** 2 + max(0.0, e1) ** 2
             state.winch_work -= tension * (l1 - l0)
@@ -430,33 +445,69 @@ def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
     return rate
 
 
+@kernel(internal=True)
+def _end_tension(kind: Ropes, i: int, hauling: float, rate: float) -> float:
+    """Tension at the end of a step [N] that hauls in at a speed, where the path grows at a rate [m/s]."""
+    state = kind.state[i]
+    e = state.stretched - state.rest
+    if e <= 0.0:
+        return 0.0
+    tension = _stiffness(kind, i, 1.0 / state.rest) * e
+    if kind.table[i].damping > 0.0:
+        stretching = steady_rate(state.rate, state.growth, rate) if state.paced else rate
+        tension = max(0.0, tension + kind.table[i].damping * (stretching + hauling))
+    return tension
+
+
+@implement(watch_joints, Ropes)
+@kernel(internal=True)
+def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
+    """Tensions at the end of the step."""
+    for i in range(kind.table.shape[0]):
+        state = kind.state[i]
+        rate = _rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
+        state.tension = _end_tension(kind, i, state.hauling, rate)
+        note_value(state.extremes, work.control.interval, state.tension)
+
+
+@kernel(internal=True)
+def _compare_tension(kind: Ropes, i: int, time: float, length: float, tension: float) -> None:
+    """A tension is that of the elongation of the path and, of the damper, of the mean rates of the last two steps."""
+    state = kind.state[i]
+    e = length - state.rest
+    low = high = 0.0
+    if e > 0.0:
+        elastic = _stiffness(kind, i, 1.0 / state.rest) * e
+        damper, change = state.rate + state.hauling, abs(state.growth)
+        low = max(0.0, elastic + kind.table[i].damping * (damper - change))
+        high = max(0.0, elastic + kind.table[i].damping * (damper + change))
+    compare_force(state.agreement, time, tension, low, high)
+
+
 @implement(record_joints, Ropes)
 @kernel(internal=True)
 def record_ropes(
     kind: Ropes, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
-    """Tension, length of the path, unstretched length, drift, tension of each straight part."""
+    """Tension, length of the path, unstretched length, drift, extremes, tension of each straight part."""
     for i in range(kind.table.shape[0]):
         state, column = kind.state[i], kind.table[i].column
         length = _find_path(kind, i, work)
         _compare(kind, i, length)
-        e = state.stretched - state.rest
-        k = _stiffness(kind, i, 1.0 / state.rest)
-        tension = 0.0
-        if e > 0.0:
-            tension = k * e
-            work.sums.elastic += 0.5 * k * e * e
-            if kind.table[i].damping > 0.0:
-                stretching = _path_rate(kind, i, work)
-                if state.paced:
-                    stretching = steady_rate(state.rate, state.growth, stretching)
-                stretching += winch_state(kind, i, time)[1]
-                tension = max(0.0, tension + kind.table[i].damping * stretching)
+        e = max(0.0, state.stretched - state.rest)
+        work.sums.elastic += 0.5 * _stiffness(kind, i, 1.0 / state.rest) * e * e
+        tension = state.tension
+        if state.fresh:
+            tension = _end_tension(kind, i, winch_state(kind, i, time)[1], _path_rate(kind, i, work))
+        elif state.paced:
+            _compare_tension(kind, i, time, length, tension)
         row[column] = tension
         row[column + 1] = length
         row[column + 2] = state.rest
         row[column + 3] = state.drift
+        row[column + 4] = largest_of(state.extremes, work.control.interval, tension)
+        row[column + 5] = smallest_of(state.extremes, work.control.interval, tension)
         for part in range(kind.table[i].places - 1):
-            row[column + 4 + part] = tension
+            row[column + 6 + part] = tension
         work.sums.drive_work += state.winch_work
         work.sums.dissipated += state.loss

@@ -37,6 +37,7 @@ from heavylift.solver.interface import (
     solve_end,
     solve_midpoint,
     update_rows,
+    watch_joints,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.impulses import add_impulses, add_reactions
@@ -191,7 +192,7 @@ def end_step(
     solve_end(systems, systems, bodies, joints, work, time, step)
     if work.control.split > 0.0:
         return
-    close_step(systems, systems, bodies, work, step)
+    close_step(systems, systems, bodies, joints, work, step)
 
 
 @implement(end_rows, RowSystem)
@@ -241,9 +242,9 @@ def solve_end_rows(
 @implement(close_step, RowSystem)
 @kernel(internal=True)
 def close_row_step(
-    system: RowSystem, all_systems: Systems, bodies: Bodies, work: Workspace, step: float
+    system: RowSystem, all_systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float
 ) -> None:
-    """Forces of the step from all its impulses."""
+    """Forces of the step from all its impulses; rows and velocities are those of its end."""
     lanes = len(system.shape[1])
     add_row_work(bodies, 1.0, work, system)
     complete(bodies, all_systems, False, step, work)
@@ -259,6 +260,7 @@ def close_row_step(
             before = row.last_reaction[r]
             row.reaction[r] = middle + ahead * (middle - before)
             row.last_reaction[r] = middle
+    watch_joints(joints, work, system)
 
 
 @implement(respond, RowSystem)

@@ -14,7 +14,7 @@ from annotated_types import Interval
 
 from heavylift.numerics.quantity import Absent, Positive, Quantity
 from heavylift.solver.scene.contacts import COLLISION_LAWS, ContactLaw, RigidLaw
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, interval_extremes
 
 if TYPE_CHECKING:
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
@@ -105,6 +105,10 @@ class Collision(CollisionPlace):
             "sum of the impulses of impacts along the normals since the start; what bears a weight is not in it",
             unit="N s",
         ),
+        *interval_extremes("normal_force", "force"),
+        interval_extremes(
+            "gap", "length", "at the ends of the steps in which it was near enough to be searched"
+        )[1],
     )
     """What it records, in the order of its columns."""
     CONTACT_CHANNELS: ClassVar = (

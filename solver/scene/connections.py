@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, BodyPoint, Least, NameOf, Quantity, Shape
 from heavylift.solver.scene.bodies import GROUND
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, interval_extremes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -90,6 +90,7 @@ ROPE_CHANNELS = (
         "length",
         "length of the rope along its path less the stretched length that its tension belongs to",
     ),
+    *interval_extremes("tension", "force"),
     ChannelKind(
         "segment_tension", "force", "tension of each segment of the rope, from its first end on", None
     ),

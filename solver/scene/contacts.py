@@ -14,7 +14,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, ByExponent, Positive, Quantity
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, interval_extremes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -304,6 +304,10 @@ class Contact(ContactPlace):
             unit="J",
         ),
         ChannelKind("impacts", "number", "number of impacts since the start"),
+        *interval_extremes("normal_force", "force"),
+        interval_extremes(
+            "gap", "length", "at the ends of the steps in which it was near enough to be searched"
+        )[1],
     )
     """What it records, in the order of its columns."""
 

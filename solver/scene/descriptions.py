@@ -70,6 +70,7 @@ __all__ = [
     "check_object",
     "check_table",
     "described_fields",
+    "interval_extremes",
     "is_described",
     "known_channels",
     "no_rows",
@@ -80,6 +81,17 @@ __all__ = [
 T = TypeVar("T")
 U = TypeVar("U")
 XYZ = ("x", "y", "z")
+
+
+def interval_extremes(
+    name: str, quantity: str, seen: str = "at the ends of all steps"
+) -> tuple[ChannelKind, ...]:
+    """Channels of the largest and smallest value since the last record of what a channel shows of an instant."""
+    words = f"value of `{name}` since the last record, {seen} and at this record"
+    return (
+        ChannelKind(f"{name}_max", quantity, f"largest {words}"),
+        ChannelKind(f"{name}_min", quantity, f"smallest {words}"),
+    )
 
 
 @dataclass(frozen=True)

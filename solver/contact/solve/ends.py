@@ -31,7 +31,8 @@ from heavylift.solver.contact.solve.stage import (
     solve_present,
 )
 from heavylift.solver.contact.system_interface import follow
-from heavylift.solver.contact.triangles.interface import place_surfaces
+from heavylift.solver.contact.triangles.interface import place_surfaces, watch_pairs
+from heavylift.solver.extremes import note_value
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -43,6 +44,7 @@ from heavylift.solver.interface import (
     solve_end,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.ringing import steady_rate
 
 __all__ = ["REST", "pressed_force"]
 
@@ -227,13 +229,20 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
 @implement(close_step, ContactRows)
 @kernel(internal=True)
 def close_contact_step(
-    contacts: ContactRows, all_systems: Systems, bodies: Bodies, work: Workspace, step: float
+    contacts: ContactRows, all_systems: Systems, bodies: Bodies, joints: Joints, work: Workspace, step: float
 ) -> None:
     """What stays closed, sums and forces of the step; after the bodies have taken their velocities."""
     add_row_work(bodies, 1.0, work, contacts)
     judge_searches(contacts, True, work)
     for c in range(contact_count(contacts)):
         _close_one(contacts, c, step, work)
+    interval = work.control.interval
+    for c in range(contacts.counts.of_contours):
+        state = contacts.state[c]
+        note_value(state.forces, interval, state.normal_force)
+        if state.located:  # what is far from touching has no gap that is known
+            note_value(state.gaps, interval, state.gap)
+    watch_pairs(contacts.meshes, contacts, interval)
     place_surfaces(contacts.meshes, contacts)
 
 
@@ -270,7 +279,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
         state.middle_force[r] = middle
         state.warm_start[r] = half_impulse[r]
     if kind == COMPLIANT:
-        reaction[0] = pressed_force(contacts, c, a)
+        rate = steady_rate(state.mean_rate, state.growth, a) if state.paced else a
+        reaction[0] = pressed_force(contacts, c, rate)
         if state.end_gap >= 0.0:
             state.touch_damping = -1.0
     elif kind != BILATERAL and kind != CURVE:  # noqa: PLR1714  a set costs time here

@@ -78,9 +78,13 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
     for r in range(3):
         half_impulse[r] = impulse[r]
     if not state.present:
+        state.timed = state.paced = False
         return
     a, b, d = contact_rates(contacts, c, work.velocity)
     kind = contacts.table[c].law
+    if kind == COMPLIANT:
+        state.growth = step / (step + work.control.last_step) * (a - state.mean_rate)
+        state.mean_rate, state.paced, state.timed = a, state.timed, True
     if contacts.table[c].shape_kind == TRIANGLES and kind == RIGID:
         state.loss -= 2.0 * impulse[0] * a  # rows that look ahead stop what still moves
         if not state.closed:
@@ -145,8 +149,9 @@ def end_contact_rows(
             else CLOSE * contacts.values[c].length_scale
         )
         if state.sleep > margin and not state.closed and not state.present:
-            state.end_gap = state.sleep  # at least
+            state.end_gap, state.located = state.sleep, False  # at least
             continue
+        state.located = True
         if not posed:
             pose_contours(bodies, False, contacts)
             posed = True

@@ -16,6 +16,7 @@ __all__ = [
     "record_pairs",
     "search_surfaces",
     "touch_triangles",
+    "watch_pairs",
 ]
 
 
@@ -55,6 +56,11 @@ def place_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
 
     Contacts that are far away again go, and leave their sums to their pair.
     """
+
+
+@optional()
+def watch_pairs(meshes: Colliding, contacts: ContactRows, interval: int) -> None:
+    """When a step stands: extremes of the forces and gaps of pairs in an interval between records."""
 
 
 @optional("record")

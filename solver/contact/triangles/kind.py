@@ -14,6 +14,7 @@ from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1, Ints2
 from heavylift.numerics.records import Record, Records, record_at
 from heavylift.solver.contact.kind import ContactState, ContactValues
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.kinds import Table
 
 if TYPE_CHECKING:
@@ -87,13 +88,23 @@ class PairSide(Record):
 
 
 class GoneContacts(Record):
-    """Sums over contacts of a pair that are gone, as of a contact: impulses, energy, number, slip path."""
+    """Of a pair: sums over contacts that are gone, as of a contact: impulses, energy, number, slip path; and extremes.
+
+    Attributes
+    ----------
+    impulse, impact_impulse, loss, impacts, slip_path
+        Sums.
+    forces, gaps
+        Extremes of the sum of the normal forces and of the smallest gap.
+    """
 
     impulse: float
     impact_impulse: float
     loss: float
     impacts: int
     slip_path: float
+    forces: Extremes
+    gaps: Extremes
 
 
 class ContactHeader(Record):

@@ -12,9 +12,10 @@ from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
-from heavylift.solver.contact.triangles.interface import record_clearance, record_pairs
+from heavylift.solver.contact.triangles.interface import record_clearance, record_pairs, watch_pairs
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts
 from heavylift.solver.contact.triangles.slots import surface_count
+from heavylift.solver.extremes import largest_of, note_value, smallest_of
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
 
@@ -34,6 +35,9 @@ class CollisionColumns(Record):
     dissipated: float
     impacts: float
     impact_impulse: float
+    normal_force_max: float
+    normal_force_min: float
+    gap_min: float
 
 
 class ContactColumns(Record):
@@ -52,6 +56,26 @@ CONTACTS_AT, ONE_WIDTH = (columns.layout.itemsize // 8 for columns in (Collision
 """How many columns these are."""
 
 collision_columns, contact_columns = record_at(CollisionColumns), record_at(ContactColumns)
+
+
+@implement(watch_pairs, SurfacePairs)
+@kernel(internal=True)
+def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int) -> None:
+    """Sums as in a record; a gap is known where there are contacts."""
+    first, last = contacts.counts.of_contours, contact_count(contacts)
+    for pair in range(meshes.pairs.shape[0]):
+        gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
+        force, gap = 0.0, meshes.pairs[pair].reach
+        for c in range(first, last):
+            state = contacts.state[c]
+            if state.pair != pair:
+                continue
+            gap = min(gap, state.gap)
+            if state.normal_force > 0.0 or state.closed:
+                force += state.normal_force
+        note_value(gone.forces, interval, force)
+        if gap < meshes.pairs[pair].reach:
+            note_value(gone.gaps, interval, gap)
 
 
 @implement(record_pairs, SurfacePairs)
@@ -105,6 +129,10 @@ def _record_sums(
             sums.point[k] += force * state.touched[k]
     work.sums.dissipated += sums.dissipated
     record_clearance(meshes.clearances, meshes, contacts, pair, row, at)
+    interval = work.control.interval
+    sums.normal_force_max = largest_of(gone.forces, interval, sums.normal_force)
+    sums.normal_force_min = smallest_of(gone.forces, interval, sums.normal_force)
+    sums.gap_min = smallest_of(gone.gaps, interval, sums.gap)
     if sums.normal_force > 0.0:
         for k in range(3):
             sums.point[k] /= sums.normal_force

@@ -15,17 +15,19 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, Positive, Quantity, Shape
 from heavylift.numerics.records import Record, Records, records
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     FORCES,
     Workspace,
     add_forces,
     record_forces,
+    watch_forces,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.connections import Between
-from heavylift.solver.scene.descriptions import ChannelKind, no_rows
+from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes, no_rows
 from heavylift.solver.scene.moorings import MOORINGS
 
 __all__ = ["Fender", "Fenders", "fender_markers", "pack_fenders"]
@@ -39,6 +41,7 @@ class Fender(Between):
     CHANNELS: ClassVar = (
         ChannelKind("force", "force", "force of the fender along its normal"),
         ChannelKind("compression", "length", "compression of the fender, 0 while nothing presses it"),
+        *interval_extremes("force", "force", "in the middles of all steps"),
     )
     """What it records, in the order of its columns."""
     SENTENCES: ClassVar = {
@@ -113,10 +116,12 @@ class FenderData(Record):
 
 
 class FenderState(Record):
-    """Energy at the start [J], and whether that is known."""
+    """Energy at the start [J], whether that is known, the force last found [N], and its extremes."""
 
     start_energy: float
     started: bool
+    force: float
+    extremes: Extremes
 
 
 class Fenders(Arrays):
@@ -282,6 +287,7 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
         a, n, b = kind.table[i].tip, kind.table[i].normal, kind.table[i].point
         depth, rate = _compression(kind, i, work)
         force, stiffness, damping = _push(kind, i, depth, rate)
+        kind.state[i].force = force
         n1, n2, n3 = work.markers[n].point[0], work.markers[n].point[1], work.markers[n].point[2]
         normal = (n1, n2, n3)
         for j in range(3):
@@ -296,6 +302,14 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
                 work.markers[n].force[k] += force * r
 
 
+@implement(watch_forces, Fenders)
+@kernel(internal=True)
+def watch_fenders(kind: Fenders, work: Workspace) -> None:
+    """Forces that were found in the middle of the step."""
+    for i in range(kind.table.shape[0]):
+        note_value(kind.state[i].extremes, work.control.interval, kind.state[i].force)
+
+
 @implement(record_forces, Fenders)
 @kernel(internal=True)
 def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
@@ -304,9 +318,11 @@ def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.
         fender, state = kind.table[i], kind.state[i]
         column, first, count = fender.column, fender.first, fender.count
         depth, rate = _compression(kind, i, work)
-        row[column] = _push(kind, i, depth, rate)[0]
+        row[column] = force = _push(kind, i, depth, rate)[0]
         depth = max(depth, 0.0)
         row[column + 1] = depth
+        row[column + 2] = largest_of(state.extremes, work.control.interval, force)
+        row[column + 3] = smallest_of(state.extremes, work.control.interval, force)
         energy = depth * mean_force(kind.curves, first, count, fender.stiffness, 0.0, depth)[0]
         if not state.started:
             state.start_energy, state.started = energy, True

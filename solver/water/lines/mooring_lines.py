@@ -18,17 +18,19 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.quantity import Least, Positive, Quantity
 from heavylift.numerics.records import Records, Vector, records
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     FORCES,
     Workspace,
     add_forces,
     begin_record,
     record_forces,
+    watch_forces,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.connections import GROUND, Between
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 from heavylift.solver.scene.moorings import MOORINGS, LineSection, check_sections
 from heavylift.solver.water.lines.catenary import (
     FAILED,
@@ -67,6 +69,7 @@ class MooringLine(Between):
         ChannelKind("anchor_tension", "force", "tension of the line at its anchor"),
         ChannelKind("horizontal_tension", "force", "horizontal part of the tension at the fairlead"),
         ChannelKind("seabed_length", "length", "unstretched length of the line that lies on the bottom"),
+        *interval_extremes("tension", "force", "in the middles of all steps"),
     )
     """What it records, in the order of its columns."""
     SENTENCES: ClassVar = {
@@ -157,6 +160,8 @@ class MooringState(LineState):
         Energy at the start [J].
     started
         Whether that is known.
+    extremes
+        Of the tension at the fairlead.
     extra
         Force [N] that acts on the fairlead beside that of the catenary, world axes: zero, unless a model of dynamic
         lines writes it.
@@ -164,13 +169,15 @@ class MooringState(LineState):
 
     start_energy: float
     started: bool
+    extremes: Extremes
     extra: Vector
 
 
 class MooringScratch(LineEnds):
-    """Lower end of a mooring line for a record, and the solution that the steps go on from."""
+    """Lower end of a mooring line for a record, the solution that the steps go on from, and the tension last found."""
 
     solution: LineState
+    tension: float
 
 
 class MooringLines(Arrays):
@@ -331,6 +338,14 @@ def _hang(kind: MooringLines, i: int, work: Workspace) -> tuple[float, float, fl
     return x / span, y / span, span
 
 
+@kernel(inline=True, internal=True)
+def _fairlead_tension(state: MooringState, ex: float, ey: float) -> float:
+    """Amount of the force at the fairlead [N] of a line in the plane of a horizontal direction."""
+    x, y = state.horizontal * ex - state.extra[0], state.horizontal * ey - state.extra[1]
+    z = state.vertical - state.extra[2]
+    return math.sqrt(x * x + y * y + z * z)
+
+
 @implement(add_forces, MooringLines)
 @kernel(internal=True)
 def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
@@ -350,6 +365,7 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
         a, b = line.anchor, line.fairlead
         ex, ey, span = _hang(kind, i, work)
         H, V = state.horizontal, state.vertical
+        kind.scratch[i].tension = _fairlead_tension(state, ex, ey)
         work.markers[b].force[0] -= H * ex
         work.markers[b].force[1] -= H * ey
         work.markers[b].force[2] -= V
@@ -384,6 +400,14 @@ def _copy_solution(given: LineState, out: LineState) -> None:
     out.branch = given.branch
 
 
+@implement(watch_forces, MooringLines)
+@kernel(internal=True)
+def watch_mooring_lines(kind: MooringLines, work: Workspace) -> None:
+    """Tensions that were found in the middle of the step."""
+    for i in range(kind.lines.shape[0]):
+        note_value(kind.state[i].extremes, work.control.interval, kind.scratch[i].tension)
+
+
 @implement(begin_record, MooringLines)
 @kernel(internal=True)
 def begin_line_records(kind: MooringLines) -> None:
@@ -403,17 +427,17 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
     for i in range(kind.lines.shape[0]):
         line, state, ends = kind.lines[i], kind.state[i], kind.scratch[i]
         a, b, column = line.anchor, line.fairlead, line.column
-        H, V = state.horizontal, state.vertical
         read_ends(kind.sections, line, state, ends)
         low_h, low_v = ends.anchor_horizontal, ends.anchor_vertical
         x = work.markers[b].point[0] - work.markers[a].point[0]
         y = work.markers[b].point[1] - work.markers[a].point[1]
-        share = H / max(math.sqrt(x * x + y * y), LEAST_SPAN * line.length)
-        x, y, z = share * x - state.extra[0], share * y - state.extra[1], V - state.extra[2]
-        row[column] = math.sqrt(x * x + y * y + z * z)
+        span = max(math.sqrt(x * x + y * y), LEAST_SPAN * line.length)
+        row[column] = tension = _fairlead_tension(state, x / span, y / span)
         row[column + 1] = math.sqrt(low_h * low_h + low_v * low_v)
-        row[column + 2] = H
+        row[column + 2] = state.horizontal
         row[column + 3] = ends.lying
+        row[column + 4] = largest_of(state.extremes, work.control.interval, tension)
+        row[column + 5] = smallest_of(state.extremes, work.control.interval, tension)
         energy = ends.energy + line.weight * work.markers[a].point[2]
         if not state.started:
             state.start_energy, state.started = energy, True

@@ -12,6 +12,7 @@ from heavylift.solver.forces.spring import JointSpring
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.simulation import Simulation
 
 MASS, ARM, INERTIA = 2.0, 0.5, 0.4
 REST, STIFFNESS, DAMPING = 0.3, 30.0, 0.2
@@ -66,3 +67,10 @@ def test_spring_and_motor_on_a_hinge() -> None:
     assert result.balance < 1e-4
     for coarse, fine in zip(*errors, strict=True):
         assert coarse / fine == pytest.approx(4.0, rel=0.15)
+
+
+def test_what_has_no_force_to_compare_is_passed_over() -> None:
+    """A motor carries plain numbers; springs on joints are compared and agree."""
+    simulation = Simulation(pendulum(), 1e-3)
+    simulation.advance(500)
+    assert simulation.warning == ""

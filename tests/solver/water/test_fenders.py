@@ -14,8 +14,10 @@ from heavylift.solver.interface import (
     Workspace,
     add_forces,
     record_forces,
+    watch_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.water.lines.fenders import Fender, Fenders, fender_markers, pack_fenders
 
 TABLE = np.array([0.0, 0.2, 0.5]), np.array([0.0, 1e5, 1e6])
@@ -46,7 +48,7 @@ class Bench:
         markers = fender_markers(MarkerBook(), [one])
         self.kind: Fenders = pack_fenders([one], markers, [0])
         self.work = Workspace.empty(0, 3)
-        self.row = np.zeros(2)
+        self.row = np.zeros(channel_width(one.CHANNELS))
 
     def at(self, *vectors: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
         """Forces [N] on the three markers, shape (3, 3)."""
@@ -70,7 +72,7 @@ def test_pushes_only_what_presses() -> None:
     forces = bench.at(TIP, Y, TIP + np.array([5.0, -0.1, 1.0]))
     assert forces[2] == pytest.approx([0.0, 2e4, 0.0])
     assert forces[0] == pytest.approx(-forces[2])
-    assert bench.row == pytest.approx([2e4, 0.1])
+    assert bench.row == pytest.approx([2e4, 0.1, 2e4, 2e4])
     assert bench.kind.tangents.reshape(3, 3) == pytest.approx(2e5 * np.outer(Y, Y))
 
 
@@ -147,3 +149,21 @@ def test_damping_never_pulls() -> None:
 def test_bad_fenders_are_refused(more: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         Bench(fender(**more))
+
+
+def test_forces_of_steps_between_records_are_kept() -> None:
+    """Pressed by 0.1, 0.3 and 0.2 m in the middles of three steps, and by nothing at the record."""
+    bench = Bench(fender(stiffness=1e6))
+    vectors = np.zeros((3, 3))
+    vectors[1] = (0.0, 1.0, 0.0)
+    for interval, depths in ((1, (0.1, 0.3, 0.2)), (2, (0.05, 0.0))):
+        bench.work.control.interval = interval
+        for depth in depths:
+            vectors[2] = (0.0, -depth, 0.0)
+            bench.at(*vectors)
+            watch_forces((bench.kind,), bench.work)
+        vectors[2] = (0.0, 0.1, 0.0)
+        for _ in range(2):  # who looks changes nothing
+            bench.at(*vectors)
+            np.testing.assert_allclose(bench.row[[0, 2]], [0.0, 1e6 * max(depths)], rtol=1e-14)
+            assert bench.row[3] == 0.0

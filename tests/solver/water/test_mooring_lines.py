@@ -101,7 +101,8 @@ def test_force_lies_in_the_vertical_plane_of_the_ends() -> None:
     assert on_fairlead == pytest.approx(expected, rel=1e-10)
     assert np.all(on_anchor == 0.0)  # the ground has it
     assert bench.row == pytest.approx(
-        [line.tension, line.anchor_tension, line.horizontal, line.on_seabed], rel=1e-9
+        [line.tension, line.anchor_tension, line.horizontal, line.on_seabed, line.tension, line.tension],
+        rel=1e-9,
     )
 
 
@@ -344,3 +345,26 @@ def test_a_scene_stops_where_a_line_is_overstretched() -> None:
     simulation.advance(1000)
     assert simulation.outcome is Outcome.LINE_OVERSTRETCHED
     assert "'line " in simulation.message
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_tensions_of_steps_between_records_are_kept() -> None:
+    """The largest one is that of a run that records every step, but for the half step between middle and end."""
+    runs = []
+    for every in (1, 40):
+        simulation = Simulation(hung_ball(), 0.01, record_every=every)
+        runs.append((simulation, np.vstack([simulation.record(), simulation.advance(400)[1]])))
+    for channel in runs[0][0].channels:
+        if not channel.name.endswith(".tension"):
+            continue
+        at = channel.column
+        (_, dense), (_, sparse) = runs
+        np.testing.assert_array_equal(sparse[:, at], dense[::40, at])
+        ends = np.stack([dense[i : i + 41, at] for i in range(0, 400, 40)])
+        assert np.all(sparse[1:, at + 4] >= 0.998 * ends[:, 1:].max(axis=1))
+        assert np.all(sparse[1:, at + 4] <= 1.002 * ends.max(axis=1))
+        assert np.all(sparse[1:, at + 5] <= 1.002 * ends[:, 1:].min(axis=1))
+        assert np.all(sparse[1:, at + 5] >= 0.998 * ends.min(axis=1))
+        seen = np.maximum(sparse[1:, at], sparse[:-1, at])
+        assert np.any(sparse[1:, at + 4] > 1.5 * seen)  # records alone miss peaks
