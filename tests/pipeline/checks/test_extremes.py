@@ -20,7 +20,7 @@ from heavylift.pipeline.stages.stages import load_changed_case
 if TYPE_CHECKING:
     from heavylift.pipeline.commands.verify import CaseVerdict
 
-CASE = Path(__file__).parents[2] / "cases" / "bouncing_rope"
+CASE = Path(__file__).parents[3] / "cases" / "bouncing_rope"
 WEIGHT, STIFFNESS, FALL = 1e4 * 9.81, 1e6, 2.0
 PEAK = WEIGHT + math.sqrt(WEIGHT**2 + 2.0 * STIFFNESS * WEIGHT * FALL)
 
