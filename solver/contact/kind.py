@@ -189,6 +189,8 @@ class ContactState(Record):
         Force on what touches [N]; touched point [m].
     impulse, impact_impulse, loss, impacts
         Sum of normal impulses [N s], and of those of impacts alone; energy lost [J]; number of impacts.
+    step_loss
+        Energy lost in the step, as long as it can be taken back [J].
     slip_path, slip_speed
         Of the slip [m], [m/s].
     normal_force, friction_force
@@ -249,6 +251,7 @@ class ContactState(Record):
     impulse: float
     impact_impulse: float
     loss: float
+    step_loss: float
     impacts: int
     slip_path: float
     slip_speed: float

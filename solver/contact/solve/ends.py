@@ -218,7 +218,7 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
     for r in range(first, 3):
         before = free[3 * j + r]
         loss -= 0.5 * impulse[r] * (before + w[3 * j + r])
-    state.loss += loss
+    state.step_loss += loss
     if state.new:
         contacts.control.impact = True
         state.recent_impacts += 1
@@ -243,7 +243,26 @@ def close_contact_step(
         if state.located:  # what is far from touching has no gap that is known
             note_value(state.gaps, interval, state.gap)
     watch_pairs(contacts.meshes, contacts, interval)
+    _book_losses(contacts)
     place_surfaces(contacts.meshes, contacts)
+
+
+@kernel(internal=True)
+def _book_losses(contacts: ContactRows) -> None:
+    """Energies that contacts have lost in the step: those without compliance all together, or none of them.
+
+    What they gain, as by pushing a penetration out, is no dissipation with another sign: it stays in the balance. One
+    contact may gain what another loses, as where a body hits with several points at once.
+    """
+    total = 0.0
+    for c in range(contact_count(contacts)):
+        if contacts.table[c].law != COMPLIANT:
+            total += contacts.state[c].step_loss
+    for c in range(contact_count(contacts)):
+        state = contacts.state[c]
+        if total >= 0.0 or contacts.table[c].law == COMPLIANT:
+            state.loss += state.step_loss
+        state.step_loss = 0.0
 
 
 @kernel(internal=True)

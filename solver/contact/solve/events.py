@@ -86,7 +86,7 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
         state.growth = step / (step + work.control.last_step) * (a - state.mean_rate)
         state.mean_rate, state.paced, state.timed = a, state.timed, True
     if contacts.table[c].shape_kind == TRIANGLES and kind == RIGID:
-        state.loss -= 2.0 * impulse[0] * a  # rows that look ahead stop what still moves
+        state.step_loss -= 2.0 * impulse[0] * a  # rows that look ahead stop what still moves
         if not state.closed:
             across = impulse[1] * b + impulse[2] * d
             contacts.control.stopping_work += 2.0 * (impulse[0] * a + across)
@@ -94,10 +94,10 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
         d0, d1 = -state.gap, -state.gap - step * a
         law, k, n = contacts.table[c].force_law, values.stiffness, values.exponent
         stored = stored_energy(law, k, n, d1) - stored_energy(law, k, n, d0)
-        state.loss -= 2.0 * impulse[0] * a + stored
+        state.step_loss -= 2.0 * impulse[0] * a + stored
     if kind != CURVE:
-        state.loss -= 2.0 * impulse[1] * b
-    state.loss -= 2.0 * impulse[2] * d
+        state.step_loss -= 2.0 * impulse[1] * b
+    state.step_loss -= 2.0 * impulse[2] * d
     state.slip[0] += step * b
     state.slip[1] += step * d
     if impulse[0] != 0.0 or kind == CURVE:

@@ -94,12 +94,10 @@ def share_redundant(
             continue
         fill_rows(problem, work, 0.0, kept)
         before, residual = residual, measure(problem, work, p)
-        if residual <= ACCEPTED:
-            return True, total, residual
         for i in range(n):
             kept[i] = p[i]
         gains = residual < 0.5 * before
-        if residual <= shared and not gains:
+        if residual <= ACCEPTED or (residual <= shared and not gains):
             found, iterations, after = iterate(problem, work, p, OF_A_SHARING, ACCEPTED)
             total += iterations
             if found:

@@ -80,7 +80,7 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
         if not found:
             status = BY_PROXIMAL_STEPS
             for i in range(n):
-                p[i] = work.begin[i] if attempt == 0 else 0.0
+                p[i] = 0.0 if attempt == 0 else work.begin[i]
             found, iterations, residual = share_redundant(problem, work, p, most)
             total += iterations
     swept = False

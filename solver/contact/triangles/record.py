@@ -12,6 +12,7 @@ from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
+from heavylift.solver.contact.solve.stage import slip_stiffness
 from heavylift.solver.contact.triangles.interface import record_clearance, record_pairs, watch_pairs
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts
 from heavylift.solver.contact.triangles.slots import surface_count
@@ -117,6 +118,9 @@ def _record_sums(
             work.sums.elastic += stored_energy(
                 contacts.table[c].force_law, values.stiffness, values.exponent, -state.gap
             )
+            kept = 0.5 * slip_stiffness(contacts, c) * (state.slip[0] ** 2 + state.slip[1] ** 2)
+            work.sums.elastic += kept  # in the elastic slip, which comes back
+            sums.dissipated -= kept
         force = state.normal_force
         if not (force > 0.0 or state.closed):
             continue

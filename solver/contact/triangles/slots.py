@@ -128,7 +128,7 @@ def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: boo
         state = contacts.state[c]
         copy_record(state, meshes.kept[c])
         state.gap, state.rate = state.start_gap, state.start_rate
-        state.loss = state.share = 0.0
+        state.loss = state.step_loss = state.share = 0.0
     _set_count(contacts, contact_count(contacts))
     restore_contacts(meshes, contacts)
 
@@ -147,7 +147,7 @@ def _drop_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + state.pair], 0)
         gone.impulse += state.impulse
         gone.impact_impulse += state.impact_impulse
-        gone.loss += state.loss
+        gone.loss += state.loss + max(state.step_loss, 0.0)
         gone.impacts += state.impacts
         gone.slip_path += state.slip_path
         last = contact_count(contacts) - 1

@@ -134,7 +134,9 @@ def test_plate_that_falls_flat_comes_to_rest(law):
     # an edge of the bent plate on the diagonal of the floor has a normal that is hardly tilted
     assert np.allclose(found["touch.force"][-1, :2], 0.0, atol=1e-4 * weight)
     assert found["plate.position"][-1, 2::3].min() > 0.5 * THICKNESS - 2e-3
-    assert found.drift < 1e-5 * weight * 0.01
+    # a floor without compliance gains where it pushes nodes out that have come through, which is no negative loss
+    rigid_floor = isinstance(law, RigidLaw)
+    assert found.drift < (1e-3 if rigid_floor else 1e-5) * weight * 0.01
 
 
 @pytest.mark.slow
