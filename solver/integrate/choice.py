@@ -38,7 +38,7 @@ def choose_integrator(scene: Scene, interval: float) -> tuple[str, str]:
     interval
         Time between outputs [s]: what takes many steps an output is stiff.
     """
-    reason = _not_smooth(scene) or stiff_part(scene, interval) or stiff_mesh(scene, interval)
+    reason = _not_smooth(scene) or _rope(scene) or stiff_part(scene, interval) or stiff_mesh(scene, interval)
     if reason:
         return "dele2", f"dele2, because {reason}"
     return "accurate", "accurate, because everything in the scene is smooth and nothing is stiff"
@@ -56,7 +56,7 @@ def check_integrator(scene: Scene, name: str) -> None:
     if name == "accurate":
         reason = _not_smooth(scene)
     elif name == "thesis":
-        reason = _rope_or_law(scene) or _floating(scene)
+        reason = _rope(scene) or _law(scene) or _floating(scene)
         driven = [joint.name for joint in scene.joints if getattr(joint, "drive", None) is not None]
         if not reason and driven:
             reason = f"joint {driven[0]!r} is driven"
@@ -72,13 +72,16 @@ def check_integrator(scene: Scene, name: str) -> None:
         )
 
 
-def _rope_or_law(scene: Scene) -> str:
-    """The first thing whose force has corners, as words; empty if none."""
+def _rope(scene: Scene) -> str:
+    """The first rope, as words; empty if none. The accurate integrator takes small steps where one goes slack."""
+    return f"rope {scene.ropes[0].name!r} can go slack" if scene.ropes else ""
+
+
+def _law(scene: Scene) -> str:
+    """The first thing whose force jumps, as words; empty if none."""
     if scene.touches:
         first: Any = (*scene.contacts, *scene.collisions)[0]
         return f"contact {first.name!r} opens and closes"
-    if scene.ropes:
-        return f"rope {scene.ropes[0].name!r} can go slack"
     for joint in scene.joints:
         if getattr(joint, "limits", None) is not None:
             return f"joint {joint.name!r} has stops"
@@ -92,7 +95,7 @@ def _not_smooth(scene: Scene) -> str:
     flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
     if flexible:
         return f"body {flexible[0]!r} is flexible"
-    reason = _rope_or_law(scene) or _floating(scene)
+    reason = _law(scene) or _floating(scene)
     if reason:
         return reason
     compliant = [joint.name for joint in scene.joints if joint.compliance > 0.0]

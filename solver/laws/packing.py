@@ -1,8 +1,8 @@
 """What a scene has beside its joints: ropes, springs, stops, friction and motors, made into kinds and rows.
 
 The default integrator takes springs as rows and everything with a corner as a row with a law. The accurate one
-takes springs as forces, and none of the others; the first-order one takes linear springs as rows and tables as
-forces.
+takes springs and ropes as forces, and none of the others; the first-order one takes linear springs as rows and
+tables as forces.
 """
 
 from __future__ import annotations
@@ -164,10 +164,14 @@ def pack_laws(
             attachment,
             scales,
             scene.bodies,
+            as_forces=integrator == "accurate",
         )
         made.joints.append(ropes)
         made.blocks += blocks
-        made.fitted = True
+        if integrator == "accurate":
+            made.forces.append(ropes)
+        else:
+            made.fitted = True
     return made
 
 

@@ -40,8 +40,10 @@ def pack_ropes(
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
     bodies: Sequence[AnyBody],
+    *,
+    as_forces: bool,
 ) -> tuple[Ropes, list[LawBlock]]:
-    """Make the kind and its rows.
+    """Make the kind and its rows, none if ropes are forces.
 
     Raises
     ------
@@ -61,7 +63,7 @@ def pack_ropes(
         path = start_path(rope, bodies)
         length = _unstretched(rope, path)
         held = list(dict.fromkeys(point.body for point in points if point.body != GROUND))
-        level = FORCES if rope.damping > 0.0 else ROWS
+        level = FORCES if rope.damping > 0.0 or as_forces else ROWS
         first = len(places)
         for point in points:
             side = -1 if point.body == GROUND else 2 * block + held.index(point.body)
@@ -71,11 +73,13 @@ def pack_ropes(
             places.append((book.point(point.body, point.point, level), axis, side))
         rows = _winch_rows(rope)
         stiffness = getattr(rope, "axial_stiffness", 0.0), getattr(rope, "stiffness", 0.0)
-        numbers = (block, len(held), first, len(points), len(winches), len(rows), column)
+        numbers = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
         table.append((*numbers, *stiffness, rope.damping, length))
         winches += rows
         paths += [(place.centre, place.axis, place.radius) for place in path]
         state.append((start_length(path), length))
+        if as_forces:
+            continue
         blocks.append(
             LawBlock(
                 rope.name,

@@ -9,6 +9,11 @@ winch does the work ``-T dl + EA/2 mean(max(0, e)^2) d(1/l)``.
 The stretch is carried with the row, ``s += h G v``, not taken from the geometry again, which would feed
 vibrations the step does not resolve; it is the geometry as long as the rope is slack, and goes back to a
 shorter one slowly.
+
+Integrators that evaluate forces at an instant take ropes as forces on the markers of their places, with the tension
+of the path there: ``T = max(0, EA (s/l - 1) + c (s' - l'))`` while it is taut. Bodies book ``-T s'`` as work of outer
+forces; it is taken from there and booked as what it is, ``(T - T_el) (s' - l')`` of the damper and
+``-T l' + EA/2 e^2 d(1/l)/dt`` of the winch.
 """
 
 from __future__ import annotations
@@ -30,6 +35,7 @@ from heavylift.numerics.records import Record, Records
 from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
+    add_forces,
     fill_rows,
     record_joints,
     relinearise,
@@ -151,7 +157,7 @@ class RopeEntry(Record):
     Attributes
     ----------
     block
-        Number of its first block of rows.
+        Number of its first block of rows, -1 if it is a force.
     attachments
         How many sides of blocks it has.
     first, places
@@ -345,8 +351,10 @@ def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Ro
     """``dl/dc . J + dl/dn . J_n`` of every place on the side of its body."""
     lanes = system.lanes
     for i in range(kind.table.shape[0]):
-        length = _find_path(kind, i, work)
         block, count, first = kind.table[i].block, kind.table[i].attachments, kind.table[i].first
+        if block < 0:
+            continue
+        length = _find_path(kind, i, work)
         for side in range(2 * block, 2 * block + count):
             panel = system.attachments[side].panel
             for k in range(system.attachments[side].width):
@@ -459,12 +467,54 @@ def _end_tension(kind: Ropes, i: int, hauling: float, rate: float) -> float:
     return tension
 
 
+@kernel(internal=True)
+def _tension_now(
+    kind: Ropes, i: int, time: float, work: Workspace
+) -> tuple[float, float, float, float, float]:
+    """Of a rope that is a force: elastic tension and tension [N], rate of its path, speed of its winch, length."""
+    length, rate = _find_path(kind, i, work), _path_rate(kind, i, work)
+    hauled, hauling = winch_state(kind, i, time)
+    rest = _length_in_play(kind, i, hauled)
+    elastic = tension = 0.0
+    if not length <= rest:  # a length that is no number stops the run
+        elastic = _stiffness(kind, i, 1.0 / rest) * (length - rest)
+        tension = max(0.0, elastic + kind.table[i].damping * (rate + hauling))
+    kind.state[i].rest = rest
+    return elastic, tension, rate, hauling, length
+
+
+@implement(add_forces, Ropes)
+@kernel(internal=True)
+def add_ropes(kind: Ropes, time: float, work: Workspace) -> None:
+    """Tensions on the markers; their power, which bodies count as that of outer forces, as that of winch and damper."""
+    for i in range(kind.table.shape[0]):
+        elastic, tension, rate, hauling, length = _tension_now(kind, i, time, work)
+        if tension == 0.0 and elastic == 0.0:
+            continue
+        first = kind.table[i].first
+        for p in range(first, first + kind.table[i].places):
+            marker, axis = kind.places[p].marker, kind.places[p].axis
+            for k in range(3):
+                work.markers[marker].force[k] -= tension * kind.gradient[p].centre[k]
+                if axis >= 0:
+                    work.markers[axis].force[k] -= tension * kind.gradient[p].axis[k]
+        rest = kind.state[i].rest
+        work.sums.external_work += tension * rate
+        work.sums.dissipated += (tension - elastic) * (rate + hauling)
+        work.sums.drive_work += tension * hauling
+        if kind.table[i].stiffness == 0.0:
+            e = length - rest
+            work.sums.drive_work += 0.5 * kind.table[i].axial_stiffness * (e / rest) ** 2 * hauling
+
+
 @implement(watch_joints, Ropes)
 @kernel(internal=True)
 def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
     """Tensions at the end of the step."""
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
+        if kind.table[i].block < 0:
+            continue
         rate = _rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         state.tension = _end_tension(kind, i, state.hauling, rate)
         note_value(state.extremes, work.control.interval, state.tension)
@@ -492,15 +542,18 @@ def record_ropes(
     """Tension, length of the path, unstretched length, drift, extremes, tension of each straight part."""
     for i in range(kind.table.shape[0]):
         state, column = kind.state[i], kind.table[i].column
-        length = _find_path(kind, i, work)
-        _compare(kind, i, length)
+        if kind.table[i].block < 0:
+            _, tension, _, _, length = _tension_now(kind, i, time, work)
+            state.stretched = length
+        else:
+            length, tension = _find_path(kind, i, work), state.tension
+            _compare(kind, i, length)
+            if state.fresh:
+                tension = _end_tension(kind, i, winch_state(kind, i, time)[1], _path_rate(kind, i, work))
+            elif state.paced:
+                _compare_tension(kind, i, time, length, tension)
         e = max(0.0, state.stretched - state.rest)
         work.sums.elastic += 0.5 * _stiffness(kind, i, 1.0 / state.rest) * e * e
-        tension = state.tension
-        if state.fresh:
-            tension = _end_tension(kind, i, winch_state(kind, i, time)[1], _path_rate(kind, i, work))
-        elif state.paced:
-            _compare_tension(kind, i, time, length, tension)
         row[column] = tension
         row[column + 1] = length
         row[column + 2] = state.rest

@@ -55,6 +55,49 @@ def test_bouncing_load(stiffness: float, errors: dict[float, float]) -> None:
         assert result.balance < 1e-12 * result["energy.kinetic"].max()
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "errors"), [(1e6, {1e-5: 1e-3, 1e-8: 1e-6}), (1e8, {1e-5: 5e-3, 1e-8: 2e-5})]
+)
+def test_accurate_integrator_follows_a_bouncing_load(stiffness: float, errors: dict[float, float]) -> None:
+    """Slack and taut: a kink of the force costs steps, and each of the bounces carries on the error of the last."""
+    for tolerance, allowed in errors.items():
+        result = run(bouncing(stiffness), 0.1, 10.0, "accurate", tolerance=tolerance)
+        elongation = -10.0 - result["load.position"][:, 2]
+        assert np.abs(elongation - bounce(result.times, stiffness)).max() < allowed
+        np.testing.assert_allclose(
+            result["rope.tension"], stiffness * np.maximum(elongation, 0.0), atol=1e-12 * stiffness
+        )
+        np.testing.assert_array_equal(result["rope.drift"], 0.0)
+        assert result.balance < allowed * 1e4 * G
+
+
+def test_accurate_integrator_books_winch_and_damper() -> None:
+    """A load hauled up and shaken on a damped rope over a pulley: the balance closes, and both integrators agree."""
+    winch = Winch(np.array([0.0, 0.5, 1.5, 2.0]), np.array([0.0, 0.4, 0.4, 0.0]))
+    rope = wire(
+        eye(GROUND, (-0.3, 0.0, -6.0)),
+        pulley(GROUND, (0.0, 0.0, 0.0), 0.3),
+        eye("load"),
+        damping=2e3,
+        stiffness=1e6,
+        winch=winch,
+    )
+    hung = scene([body("load", 500.0, (1.0, 0.0, -5.0))], ropes=[rope])
+    exact = run(hung, 0.05, 3.0, "accurate", tolerance=1e-10)
+    assert exact["energy.dissipated"][-1] > 10.0
+    assert exact["energy.drive_work"][-1] > 500.0 * G * 0.5
+    assert exact.balance < 1e-6 * exact["energy.drive_work"][-1]
+    errors = []
+    for step in (2e-3, 1e-3):
+        found = run(hung, step, 3.0)
+        every = round(0.05 / step)
+        errors.append(np.abs(found["load.position"][::every] - exact["load.position"]).max())
+        for name in ("energy.dissipated", "energy.drive_work"):
+            assert found[name][-1] == pytest.approx(exact[name][-1], rel=1e-2)
+    assert errors[1] < 1e-3
+    assert errors[0] > 3.5 * errors[1]
+
+
 def test_tension_and_lengths_of_a_bouncing_load() -> None:
     result = run(bouncing(1e6), 1e-3, 3.0)
     elongation = -10.0 - result["load.position"][:, 2]
