@@ -6,9 +6,7 @@ than its beginning promised, is shortened: at a limit point the scene would jump
 
 from __future__ import annotations
 
-import numpy as np
-
-from heavylift.solver.statics.newton import BALANCED, CLOSED, Progress, correct
+from heavylift.solver.statics.newton import BALANCED, CLOSED, ROUNDED, Progress, correct
 from heavylift.solver.statics.problem import StaticProblem, measure
 
 __all__ = ["follow_load", "promise"]
@@ -53,7 +51,8 @@ def follow_load(problem: StaticProblem, progress: Progress, target: float = 1.0)
         Load factor.
     """
     now = measure(problem, progress.factor, progress.multipliers)
-    nothing = now.weight == 0.0 or float(np.abs(now.force).max(initial=0.0)) == 0.0
+    loads = measure(problem, target, progress.multipliers).weight
+    nothing = now.weight == 0.0 or now.residual * now.weight <= ROUNDED * loads
     if not (nothing and now.gap_size <= CLOSED) and not correct(problem, progress, progress.factor):
         return False
     whole = target - progress.factor

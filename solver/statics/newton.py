@@ -37,6 +37,11 @@ STILL = 1e-12
 """Displacement, in units of a large one, that rounding alone makes; then a residual of `ROUNDED` will do."""
 
 ROUNDED = 1e-5
+"""Residual relative to the loads that rounding may leave where nothing moves any more."""
+
+NOISE = 1e-2
+"""The same where it is within the rounding of the forces: small loads on what is thin and stiff in its plane."""
+
 PATIENCE = 16
 GROWTHS = 4
 """Iterations in a row that may make the residual larger."""
@@ -121,7 +126,7 @@ def correct(
         if not np.isfinite(residual):
             return False
         still = size <= STILL and residual <= ROUNDED
-        enough = max(tolerance, min(floor, ROUNDED))
+        enough = max(tolerance, min(floor, NOISE))
         balanced = residual <= POLISHED or (residual <= enough and residual > 0.3 * last)
         if now.gap_size <= CLOSED and (balanced or still or (tolerance > BALANCED and residual <= tolerance)):
             progress.multipliers, progress.factor = multipliers, factor

@@ -261,6 +261,32 @@ def test_a_toggle_stands_below_its_limit_load_and_snaps_through_above(part: floa
     assert ("limit point near 0.66" in report.text) == (part > 1.0)
 
 
+def test_a_small_load_on_a_thin_plate_is_balanced_to_the_rounding_of_its_forces() -> None:
+    """1 N at the end of a strip of 4 x 1 m of 20 mm steel: forces in its plane round to 1e-5 of that; P L^3/(3 E I)."""
+    thickness, modulus = 0.02, 2.06e11
+    mesh = rectangle(4.0, 1.0, 16, 4)
+    edge = mesh.edges["x_min"]
+    fixed = {"position": "xyz", "slope_x": "xyz", "slope_y": "xyz", "twist": "xyz"}
+    strip = ShellBody(
+        name="plate",
+        nodes=mesh.nodes,
+        slopes=mesh.slopes,
+        elements=mesh.elements,
+        lengths=mesh.lengths,
+        sections=(ShellSection(thickness, 7850.0, modulus, 0.0),),
+        supports=(Support(edge, fixed),),
+    )
+    down = np.array([[0.0, 0.0, -0.5]])
+    ends = [PointForce(f"push{y:g}", "plate", np.array([4.0, y, 0.0]), np.zeros(1), down) for y in (0.0, 1.0)]
+    layout, report = settled([strip], ends)
+    assert report.iterations < 20
+    tip = mesh.edges["x_max"]
+    deflection = 4.0**3 / (3.0 * modulus * thickness**3 / 12.0)
+    np.testing.assert_allclose(coordinates(layout, strip)[tip, 0, 2], -deflection, rtol=2e-3)
+    # without torsion but bent a little across, as loads are at corners
+    assert -coordinates(layout, strip)[tip, 0, 2].mean() == pytest.approx(deflection, rel=1e-3)
+
+
 @pytest.mark.slow
 def test_a_body_hung_from_the_middle_of_an_element_pulls_like_a_force() -> None:
     mass, place = 50.0, np.array([6.2, 0.0, 0.0])
