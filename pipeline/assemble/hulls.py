@@ -265,10 +265,9 @@ def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> Be
         for hull in hulls:
             _check_symmetry(hull)
     headings = compute.headings or _headings(compute)
-    steps = compute.frequencies
     return BemInputs(
         hulls=tuple(hulls),
-        omega=np.linspace(steps.first, steps.last, steps.count),
+        omega=np.array(compute.frequencies.values),
         headings=np.array(headings),
         reference_points=np.array(references),
         density=water.density,
