@@ -21,7 +21,9 @@ from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.preprocess.surfaces.primitives import box_surface, sphere_surface
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.forces.point import PointForce
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.connections import JointFrame
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, RigidLaw, SphereShape
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, Radiation, Sea, Water
@@ -256,6 +258,43 @@ def test_two_hulls_hit_each_other_with_their_full_added_mass(
     np.testing.assert_allclose(energy[0] - energy[1], (1.0 - e * e) * all_of_it, atol=1e-7 * all_of_it)
 
 
+@pytest.mark.parametrize("contour", [True, False])
+def test_a_boom_on_a_joint_hits_as_one_that_is_part_of_its_hull(contour: bool) -> None:
+    """What a contact feels goes through the joints of all hulls of a group."""
+    A, share, place = added_mass(1.0), 0.02, np.array([6.0, 8.0, 4.0])
+    whole = floating("a", np.zeros(3), velocity=np.array([0.0, 0.1, -0.3]), centre_of_mass=CENTRE)
+    boom_inertia = 0.01 * INERTIA
+    rest_centre = (CENTRE - share * place) / (1.0 - share)
+
+    def away(r: Array) -> Array:
+        return MASS * (r @ r * np.eye(3) - np.outer(r, r))
+
+    rest_inertia = (
+        INERTIA - boom_inertia - share * away(place - CENTRE) - (1.0 - share) * away(rest_centre - CENTRE)
+    )
+    rest = replace(whole, mass=(1.0 - share) * MASS, inertia=rest_inertia, centre_of_mass=rest_centre)
+    arm = RigidBody("arm", share * MASS, boom_inertia, position=place, velocity=whole.velocity)
+    weld = FixedJoint(
+        name="weld", body_a="a", body_b="arm", frame_a=JointFrame(place), frame_b=JointFrame(np.zeros(3))
+    )
+    b, (_, one), (_, two) = floating("b", AWAY), boom(0, contour, 0.5), boom(0, contour, 0.5)
+    if contour:
+        (hit,) = two["contacts"]
+        two["contacts"] = (replace(hit, body="arm", point=hit.point - place),)
+    else:
+        deck, ball = two["surfaces"]
+        moved = replace(ball.surface, points=ball.surface.points - place)
+        two["surfaces"] = (deck, replace(ball, body="arm", surface=moved))
+    merged = Found(afloat(A, whole, b, **one), 0.01, 0.0)
+    jointed = Found(afloat(A, rest, b, arm, joints=(weld,), **two), 0.01, 0.0)
+    for name in "ab":
+        for channel in ("velocity", "angular_velocity"):
+            found, expected = (run[f"{name}.{channel}"][0] for run in (jointed, merged))
+            # rows are soft by 1e-9 of what the light arm alone yields, hundreds of times what all of it does
+            np.testing.assert_allclose(found, expected, atol=1e-7)
+    assert np.abs(merged["a.velocity"][0] - whole.velocity).max() > 0.01
+
+
 @pytest.mark.parametrize("together", [True, False])
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_a_body_on_many_corners_hits_a_hull_that_gives_way(e: float, together: bool) -> None:
@@ -322,6 +361,19 @@ def test_lifting_off_a_hull_is_that_of_two_databases_where_hulls_do_not_feel_eac
             x, y = one[f"{name}.{channel}"], two[f"{name}.{channel}"]
             np.testing.assert_allclose(x, y, atol=1e-9 * size)
     np.testing.assert_allclose(one["deck.force"], two["deck.force"], atol=1e-7 * BOX * G)
+
+
+def test_a_saved_lift_goes_on_bit_for_bit() -> None:
+    made = lifted(added_mass(1.0), RigidLaw())
+    whole = Simulation(made, 0.02)
+    _, expected = whole.advance(220)
+    for cut in (30, 180):
+        first = Simulation(made, 0.02)
+        first.advance(cut)
+        state = first.state()
+        other = Simulation(made, 0.02)
+        other.restore(state)
+        np.testing.assert_array_equal(other.advance(220 - cut)[1], expected[cut:])
 
 
 def check_lift_off(found: Found) -> None:
