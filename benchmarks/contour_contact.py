@@ -122,7 +122,7 @@ def scene(body: ReducedBody) -> Scene:
     top = neutral_surface(body.nodes[nodes], mode_shapes=body.mode_shapes[:, nodes])
     return Scene(
         bodies=(
-            FlexibleBody("beam", body, Fixed()),
+            FlexibleBody("beam", body, motion=Fixed()),
             RigidBody("mass", MASS, 1e-6 * np.eye(3), position=START, velocity=np.array([0.0, SPEED, 0.0])),
         ),
         contours=(Contour(name="top", body="beam", neutral=top),),

@@ -46,7 +46,7 @@ def flexible(name: str, reduced: ReducedBody, motion: Motion) -> FlexibleBody:
     return FlexibleBody(
         name,
         reduced,
-        motion,
+        motion=motion,
         angular_velocity=np.array([3.0, -2.0, 4.0]),
         modal_velocity=0.01 * rng.normal(size=reduced.mode_count),
     )

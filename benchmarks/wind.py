@@ -18,7 +18,13 @@ from heavylift.solver.interface import (
     add_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.scene.wind_loads import CurrentField, DragElement, WindField, fluctuation_record
+from heavylift.solver.scene.wind_loads import (
+    CurrentField,
+    CurrentProfile,
+    DragElement,
+    WindField,
+    fluctuation_record,
+)
 from heavylift.solver.water.wind.coefficients import CoefficientLoad
 from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
 from heavylift.solver.water.wind.spectrum import wind_components, wind_record
@@ -86,7 +92,7 @@ def main():
     fields = (
         (WindField(speed=10.0, fluctuation=record), 20.0),
         (WindField(name="gust", speed=10.0, gust=3.0), 20.0),
-        (CurrentField(speed=np.array([[-30.0, 0.2], [-10.0, 0.6], [0.0, 1.0]])), -5.0),
+        (CurrentField(speed=CurrentProfile(np.array([0.0, 10.0, 30.0]), np.array([1.0, 0.6, 0.2]))), -5.0),
     )
     print("time of one evaluation in ns, and per load")
     print("field    load       1 load         10 loads        100 loads")

@@ -28,6 +28,7 @@ __all__ = [
     "Positive",
     "Quantity",
     "Shape",
+    "Square",
     "TableFile",
     "WorldDirection",
     "quantity_schema",
@@ -127,7 +128,10 @@ class BodyPoint:
 
 @dataclass(frozen=True)
 class ByCoordinate:
-    """Annotation of a number that is one quantity for a joint that turns and another one for a joint that slides."""
+    """Annotation of a number that is one quantity for a joint that turns and another one for a joint that slides.
+
+    In a table within the key of an angle or a length it is that of the key: of a function of time, for instance.
+    """
 
     angle: Quantity
     travel: Quantity
@@ -168,8 +172,8 @@ class NameOf:
     Attributes
     ----------
     what
-        ``"body"``; ``"side"``, a body or the ground; ``"joint"``, one with an angle or a travel; ``"fluid"``, a wind or
-        a current.
+        ``"body"``; ``"side"``, a body or the ground; ``"hull"``; ``"joint"``, one with an angle or a travel;
+        ``"fluid"``, a wind or a current.
     """
 
     what: str
@@ -196,6 +200,13 @@ class Shape:
     """Annotation of an array of numbers: how many a user lists along each axis, None for any number."""
 
     lengths: tuple[int | None, ...]
+
+
+@dataclass(frozen=True)
+class Square:
+    """Annotation of a square matrix: a user lists its rows, or the numbers on its diagonal if all others are zero."""
+
+    size: int
 
 
 @dataclass(frozen=True)

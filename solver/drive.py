@@ -66,7 +66,7 @@ def pack_drive(
         raise InputError(
             "the axis has length zero", source="driven frame", key="axis", expected="a direction"
         )
-    profiles = [pack_profile(profile) for profile in (*drive.translation, drive.angle)]
+    profiles = [pack_profile(profile) for profile in drive.profiles]
     starts = DRIVE_HEAD + np.concatenate([[0], np.cumsum([len(block) for block in profiles])])[:4]
     axis = axis / length if length > 0.0 else axis
     start = np.asarray(orientation, dtype=np.float64) / np.linalg.norm(orientation)

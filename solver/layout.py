@@ -33,6 +33,7 @@ from heavylift.solver.scene.scene import (
     RigidBody,
     Scene,
 )
+from heavylift.solver.scene.wind_loads import Veering
 from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene", "scene_corners"]
@@ -258,14 +259,14 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
         if isinstance(body, MeshBody):
             times += [time for load in body.loads for time in np.ravel(load.times)]
     if scene.sea is not None:
-        times += [time for tank in scene.sea.tanks for time in np.ravel(tank.times)]
-        turns = [np.asarray(field.direction) for field in scene.sea.fields]
-        times += [time for turn in turns if turn.ndim == 2 for time in turn[:, 0]]
+        times += [time for tank in scene.sea.tanks for time in tank.schedule[0]]
+        turns = [field.direction for field in scene.sea.fields]
+        times += [time for turn in turns if isinstance(turn, Veering) for time in turn.times]
         times.append(scene.sea.ramp)
     profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
     for body in scene.bodies:
         if isinstance(body.motion, Driven):
-            profiles += [*body.motion.translation, body.motion.angle]
+            profiles += body.motion.profiles
     for profile in profiles:
         if profile is not None and len(profile.times):
             times += [profile.times[0], profile.times[-1]]

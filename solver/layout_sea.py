@@ -18,6 +18,7 @@ from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 from heavylift.solver.scene.sea import FloatingBody, Hull, Sea
+from heavylift.solver.scene.wind_loads import CurrentProfile
 from heavylift.solver.water.hulls.checks import check_sea
 
 __all__ = ["PackedSea", "float_bodies", "pack_sea"]
@@ -70,11 +71,11 @@ def float_bodies(scene: Scene) -> Scene:
     _check_direct(scene, sea)
     hulls = _floating_bodies(scene.bodies, sea)
     for tank in sea.tanks:
-        if tank.body not in hulls:
+        if tank.hull not in hulls:
             raise InputError(
-                f"there is no hull {tank.body!r}",
+                f"there is no hull {tank.hull!r}",
                 source=tank.name,
-                key="body",
+                key="hull",
                 expected=f"one of {', '.join(hulls)}" if hulls else "a hull in the scene",
             )
     if hulls:
@@ -230,7 +231,9 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
     )
 
     for one in sea.fields:
-        speed, limit = float(np.max(np.atleast_2d(one.speed)[:, -1])), LARGE_SPEEDS[type(one).__name__]
+        speeds = one.speed.speeds if isinstance(one.speed, CurrentProfile) else one.speed
+        speed = float(np.max(speeds))
+        limit = LARGE_SPEEDS[type(one).__name__]
         if speed > limit:
             knots = speed / KNOT
             packed.notes.append(

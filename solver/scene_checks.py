@@ -49,9 +49,16 @@ def check_scene(scene: Scene) -> None:
         _check_body(body)
     for joint in scene.joints:
         _check_joint(joint)
-    described: list[Any] = [*scene.forces, *scene.ropes]
+    described: list[Any] = [*scene.bodies, *scene.forces, *scene.joints, *scene.ropes]
     if scene.sea is not None:
-        described += [*scene.sea.loads, *scene.sea.lines, *scene.sea.fenders]
+        described += [
+            *scene.sea.fields,
+            *scene.sea.loads,
+            *scene.sea.lines,
+            *scene.sea.fenders,
+            *scene.sea.hulls,
+            *scene.sea.tanks,
+        ]
     coordinates = {joint.name: joint.COORDINATE for joint in scene.joints}
     for thing in described:
         check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""))
@@ -147,9 +154,7 @@ def _check_body(body: AnyBody) -> None:
         from heavylift.solver.bodies.ancf.packing import check_mesh
 
         check_mesh(body)
-    elif isinstance(body, RigidBody):
-        shapes |= {"centre_of_mass": (3,), "inertia": (3, 3)}
-    else:
+    elif isinstance(body, FlexibleBody):
         for key in ("modal_position", "modal_velocity", "damping_ratio"):
             if np.size(getattr(body, key)):
                 shapes[key] = (body.reduced.mode_count,)
@@ -159,5 +164,6 @@ def _check_body(body: AnyBody) -> None:
             raise InputError(
                 f"{value.tolist()}", source=body.name, key=key, expected=f"finite numbers, shape {shape}"
             )
+    check_object(body.motion, source=body.name)
     if not np.any(body.orientation):
         raise InputError("length zero", source=body.name, key="orientation", expected="a quaternion")

@@ -6,14 +6,15 @@ takes them in the frames of the bodies.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity, WorldDirection
-from heavylift.pipeline.assemble.sides import make_profile
-from heavylift.pipeline.case.bodies import ProfileSection
+from heavylift.pipeline.assemble.described import assemble
+from heavylift.pipeline.case.fields import Section
 from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
 from heavylift.pipeline.case.places import located
 from heavylift.solver.scene import connections as c
@@ -111,8 +112,6 @@ def _value(value: Any, quantity: Quantity | WorldDirection, axes_a: NDArray[np.f
     """What a description keeps of the value of a key."""
     if isinstance(quantity, WorldDirection):
         return axes_a.T @ np.array(value)
-    if isinstance(value, ProfileSection):
-        return make_profile(value)
     if isinstance(value, (AngleLimitsSection, TravelLimitsSection)):
         return c.Limits(
             lower=-np.inf if value.lower is None else value.lower,
@@ -120,4 +119,4 @@ def _value(value: Any, quantity: Quantity | WorldDirection, axes_a: NDArray[np.f
             stiffness=value.stiffness,
             damping=value.damping,
         )
-    return value
+    return assemble(value, {}, Path()) if isinstance(value, Section) else value

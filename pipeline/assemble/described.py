@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.quantity import Absent, AsDrawn, BodyDirection, BodyPoint, Shape, TableFile
+from heavylift.numerics.quantity import Absent, AsDrawn, BodyDirection, BodyPoint, Shape, Square, TableFile
 from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.fields import Section
 from heavylift.pipeline.case.places import located
@@ -42,7 +42,7 @@ def said_of(section: Any, described: Any) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = "") -> Any:
+def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = "", /, **more: Any) -> Any:
     """What a table describes.
 
     Parameters
@@ -55,11 +55,13 @@ def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = 
         Of the case, for the files that it names.
     body
         Of the thing within whose table it stands.
+    **more
+        Fields of the object that are no keys.
     """
-    described, given = section.DESCRIBED, {}
+    described, given = section.DESCRIBED, dict(more)
     if hasattr(section, "name"):
         given["name"] = section.name
-    body = getattr(section, "body", body)
+    body = getattr(section, "body", getattr(section, "hull", body))
     places = []
     if issubclass(described, Between):
         body, other = section.between
@@ -101,7 +103,7 @@ def _value(value: Any, field: DescribedField, sides: Mapping[str, Side], folder:
         return None
     if isinstance(field.quantity, BodyPoint):
         return sides[body].local(value)
-    if isinstance(field.quantity, BodyDirection) or field.mark(Shape) is not None:
+    if isinstance(field.quantity, BodyDirection) or field.mark((Shape, Square)) is not None:
         return np.array(value, dtype=float)
     if isinstance(value, Section):
         return assemble(value, sides, folder, body)

@@ -68,7 +68,7 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        grouped = error.key.startswith("node group ") and case.bodies[name].geometry.type != "mesh"  # type: ignore[union-attr]
+        grouped = error.key.startswith("node group ") and case.bodies[name].geometry.type != "mesh"
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
         if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.")):

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.assemble.scene import assemble_rigid
+from heavylift.pipeline.assemble.sides import Side
 from heavylift.pipeline.assemble.surfaces import stored_surface
 from heavylift.pipeline.assemble.water import water_of
 from heavylift.pipeline.case.places import located
@@ -27,19 +29,19 @@ from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene import sea as seas
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.hulls import ComputeSection, DatabaseSection, HullSection
+    from heavylift.pipeline.case.hulls import ComputeSection, DatabaseSection
     from heavylift.pipeline.case.surfaces import SurfaceSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
     from heavylift.preprocess.hydrodynamics.hull_panels import PanelHydrostatics
     from heavylift.solver.scene.sea import Radiation
-    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, Tank
+    from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
+    from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
 
 __all__ = [
     "assemble_hulls",
@@ -51,6 +53,7 @@ __all__ = [
     "hull_tanks",
     "linear_from_panels",
     "linear_restoring",
+    "liquid_at_start",
     "read_database_source",
     "resting_position",
     "stored_database",
@@ -71,22 +74,17 @@ def assemble_hulls(case: Case, sides: Mapping[str, Side], folder: OutputFolder) 
     """
     found = []
     for name, section in case.hulls.items():
-        side = sides[name]
         with located(case, f"hulls.{name}"):
-            found.append(
-                seas.Hull(
-                    body=name,
-                    restoring=_restoring(case, name, section, folder),
-                    reference=side.local(section.reference),
-                    damping=np.zeros((6, 6)) if section.damping is None else np.array(section.damping),
-                    quadratic_damping=np.array(section.quadratic_damping, dtype=float),
-                    low_pass=section.low_pass,
-                    open_deck=None
-                    if section.open_deck is None
-                    else section.open_deck - float(side.origin[2]),
-                )
-            )
+            restoring = _restoring(case, name, section, sides, folder)
+            deck = _open_deck(section, sides[name].origin)
+            given = {"body": name, "restoring": restoring, "open_deck": deck}
+            found.append(assemble(section, sides, case.folder, name, **given))
     return tuple(found)
+
+
+def _open_deck(section: Any, origin: NDArray[np.float64]) -> float | None:
+    """Height in the frame of a hull from which on its surface may be open [m]."""
+    return None if section.open_deck is None else section.open_deck - float(origin[2])
 
 
 def frame_origin(case: Case, name: str) -> NDArray[np.float64]:
@@ -106,21 +104,21 @@ def hull_surface(case: Case, name: str, folder: OutputFolder) -> TriangleSurface
     return placed(surface, position=-frame_origin(case, name))
 
 
-def hull_tanks(case: Case, name: str) -> tuple[Tank, ...]:
+def hull_tanks(case: Case, name: str) -> tuple[Liquid, ...]:
     """Tanks of a hull as they are at the start, in the frame of its body."""
-    from heavylift.solver.water.hulls.hydrostatics import Tank
+    sides, water = {name: Side(np.zeros(3), np.eye(3), frame_origin(case, name))}, water_of(case)
+    tanks = (assemble(tank, sides, case.folder) for tank in case.tanks if tank.hull == name)
+    return tuple(liquid_at_start(tank, water) for tank in tanks)
 
-    origin, found = frame_origin(case, name), []
-    for tank in case.tanks:
-        if tank.hull != name:
-            continue
-        density = water_of(case).density if tank.density is None else tank.density
-        mass = tank.mass if tank.mass is not None else float(np.interp(0.0, tank.times, tank.masses))
-        x, y, z = (float(value) for value in np.array(tank.point) - origin)
-        wet = density if mass > 0.0 else 0.0
-        surface = (wet * tank.free_surface[0], wet * tank.free_surface[1])
-        found.append(Tank(mass, (x, y, z), surface, tank.name))
-    return tuple(found)
+
+def liquid_at_start(tank: seas.Tank, water: seas.Water) -> Liquid:
+    """What is in a tank at the start; without water it has no free surface."""
+    from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
+
+    mass = tank.start_mass
+    surface = tank.surface(water) if mass > 0.0 else (0.0, 0.0)
+    x, y, z = tank.point.tolist()
+    return Liquid(mass, (x, y, z), surface, tank.name)
 
 
 def resting_position(case: Case, name: str, folder: OutputFolder) -> FloatingPosition:
@@ -136,8 +134,7 @@ def resting_position(case: Case, name: str, folder: OutputFolder) -> FloatingPos
     from heavylift.solver.water.hulls.hydrostatics import equilibrium
 
     section, origin, loading = case.hulls[name], frame_origin(case, name), case_loading(case, name, folder)
-    deck = None if section.open_deck is None else section.open_deck - float(origin[2])
-    hull = check_hull(hull_surface(case, name, folder), open_deck=deck)
+    hull = check_hull(hull_surface(case, name, folder), open_deck=_open_deck(section, origin))
     water = water_of(case)
     return equilibrium(
         hull,
@@ -176,7 +173,7 @@ def upright_position(case: Case, name: str, folder: OutputFolder) -> FloatingPos
 
 
 def _restoring(
-    case: Case, name: str, section: HullSection, folder: OutputFolder
+    case: Case, name: str, section: Any, sides: Mapping[str, Side], folder: OutputFolder
 ) -> TriangleSurface | seas.LinearRestoring | None:
     if section.kind == "none":
         return None
@@ -184,14 +181,8 @@ def _restoring(
         return hull_surface(case, name, folder)
     if section.linear is None:
         return linear_restoring(case, name, folder)
-    origin, linear = frame_origin(case, name), section.linear
-    moments = [linear.area, *linear.first_moments, *linear.second_moments]
-    return seas.LinearRestoring(
-        volume=linear.volume,
-        centre_of_buoyancy=np.array(linear.centre_of_buoyancy) - origin,
-        reference=np.array(linear.reference) - origin,
-        waterplane=np.array(moments, dtype=float),
-    )
+    made: seas.LinearRestoring = assemble(section.linear, sides, case.folder, name)
+    return made
 
 
 def linear_restoring(case: Case, name: str, folder: OutputFolder) -> seas.LinearRestoring:
@@ -216,10 +207,14 @@ def linear_from_panels(still: PanelHydrostatics, level: float) -> seas.LinearRes
     C, V, centre = still.stiffness, still.volume, still.centre_of_buoyancy
     lever = V * centre[2]
     # C33 = A, C34 = Sy, C35 = -Sx, C44 = Iyy + V z_B, C55 = Ixx + V z_B, C45 = -Ixy
-    moments: Sequence[float] = [C[2, 2], -C[2, 4], C[2, 3], C[4, 4] - lever, C[3, 3] - lever, -C[3, 4]]
     shift = np.array([0.0, 0.0, level])
     return seas.LinearRestoring(
-        volume=float(V), centre_of_buoyancy=centre + shift, reference=shift, waterplane=np.array(moments)
+        volume=float(V),
+        centre_of_buoyancy=centre + shift,
+        reference=shift,
+        area=C[2, 2],
+        first_moments=(-C[2, 4], C[2, 3]),
+        second_moments=(C[4, 4] - lever, C[3, 3] - lever, -C[3, 4]),
     )
 
 

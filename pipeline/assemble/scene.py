@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.connections import assemble_joints
-from heavylift.pipeline.assemble.described import assemble_list
+from heavylift.pipeline.assemble.described import assemble, assemble_list
 from heavylift.pipeline.assemble.finite_elements import check_on_body
-from heavylift.pipeline.assemble.sides import make_profile, start_sides
+from heavylift.pipeline.assemble.sides import Side, start_sides
 from heavylift.pipeline.assemble.water import has_sea
 from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.places import located
@@ -22,14 +23,11 @@ from heavylift.solver.scene.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.reduced import ReducedBody
-    from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.bodies import (
-        Frame,
         InitialSection,
         RigidBodySection,
         RigidInitialSection,
@@ -256,14 +254,8 @@ def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDAr
     """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
     centre = np.array(body.centre_of_mass)
     origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
-    rigid = s.RigidBody(
-        name=name,
-        mass=body.mass,
-        inertia=np.array(body.inertia),
-        centre_of_mass=centre - origin,
-        motion=_motion(body.frame),
-        **start_of_frame(body.initial, origin),
-    )
+    given = {"name": name, "motion": _motion(body.frame), **start_of_frame(body.initial, origin)}
+    rigid = assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given)
     return rigid, origin
 
 
@@ -285,14 +277,6 @@ def start_of_frame(
     }
 
 
-def _motion(frame: Frame) -> s.Motion:
-    if frame.motion == "free":
-        return s.Free()
-    if frame.motion == "fixed":
-        return s.Fixed()
-    return s.Driven(
-        translation=(make_profile(frame.x), make_profile(frame.y), make_profile(frame.z)),
-        angle=make_profile(frame.angle),
-        axis=frame.axis,
-        pivot=frame.pivot,
-    )
+def _motion(frame: Any) -> s.Motion:
+    made: s.Motion = assemble(frame, {}, Path())
+    return made

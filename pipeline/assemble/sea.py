@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.pipeline.assemble.described import assemble_list
+from heavylift.pipeline.assemble.described import assemble, assemble_list
 from heavylift.pipeline.assemble.lines import assemble_lines
 from heavylift.pipeline.assemble.water import has_sea, water_of
 from heavylift.pipeline.case.columns import read_columns
@@ -18,12 +18,9 @@ from heavylift.solver.scene import sea as seas
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.waves import JonswapWaves, PiersonMoskowitzWaves, SpectrumWaves, Waves
-    from heavylift.pipeline.case.wind import WindSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.wind_loads import (
         CurrentField,
@@ -67,7 +64,7 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
         water=water_of(case),
         hulls=hulls,
         radiation=radiation,
-        tanks=_tanks(case, sides),
+        tanks=tuple(assemble_list(case, "tanks", sides)),
         waves=make_waves(case),
         ramp=0.0 if section is None else section.ramp,
         excitation="summed" if section is None else section.excitation,
@@ -140,37 +137,15 @@ def _fields(case: Case, duration: float) -> tuple[WindField | CurrentField, ...]
     """Winds and currents."""
     if case.sea is None or not (case.sea.wind or case.sea.current):
         return ()
-    from heavylift.solver.scene.wind_loads import CurrentField, WindField
-    from heavylift.solver.water.wind.spectrum import POWER_EXPONENT
-
     found: list[WindField | CurrentField] = []
     for index, wind in enumerate(case.sea.wind):
         key = "sea.wind" if len(case.sea.wind) == 1 else f"sea.wind.{index}"
         with located(case, key):
-            record = _fluctuation(wind, duration)
-        found.append(
-            WindField(
-                speed=wind.speed,
-                name=wind.name,
-                averaging_time=wind.averaging_time,
-                direction=_direction(wind.direction),
-                profile=wind.profile,
-                exponent=POWER_EXPONENT if wind.exponent is None else wind.exponent,
-                gust=wind.gust,
-                fluctuation=record,
-                density=wind.density,
-            )
-        )
-    for current in case.sea.current:
-        speed: Any = current.speed
-        if not isinstance(speed, float):
-            # rows of height above the still water, increasing
-            speed = np.column_stack([-np.array(speed.depths), np.array(speed.speeds)])[::-1].copy()
-        found.append(CurrentField(speed=speed, name=current.name, direction=_direction(current.direction)))
-    return tuple(found)
+            found.append(assemble(wind, {}, case.folder, fluctuation=_fluctuation(wind, duration)))
+    return (*found, *(assemble(current, {}, case.folder) for current in case.sea.current))
 
 
-def _fluctuation(wind: WindSection, duration: float) -> FluctuationRecord | None:
+def _fluctuation(wind: Any, duration: float) -> FluctuationRecord | None:
     """Turbulence over the whole simulation."""
     if wind.spectrum is None or not duration:
         return None
@@ -185,32 +160,6 @@ def _fluctuation(wind: WindSection, duration: float) -> FluctuationRecord | None
         step=wind.spectrum.step,
         count=wind.spectrum.count,
     )
-
-
-def _direction(direction: Any) -> float | NDArray[np.float64]:
-    """An angle, or rows of time and angle."""
-    if isinstance(direction, float):
-        return direction
-    return np.column_stack([direction.times, direction.angles])
-
-
-def _tanks(case: Case, sides: Mapping[str, Side]) -> tuple[seas.Tank, ...]:
-    """Ballast water."""
-    found = []
-    for tank in case.tanks:
-        density = water_of(case).density if tank.density is None else tank.density
-        times, masses = ((0.0,), (tank.mass,)) if tank.mass is not None else (tank.times, tank.masses)
-        found.append(
-            seas.Tank(
-                name=tank.name,
-                body=tank.hull,
-                point=sides[tank.hull].local(tank.point),
-                times=np.array(times),
-                masses=np.array(masses),
-                free_surface=(density * tank.free_surface[0], density * tank.free_surface[1]),
-            )
-        )
-    return tuple(found)
 
 
 def sea_provenance(sea: seas.Sea | None) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,10 +16,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.pipeline.case.bodies import ProfileSection
     from heavylift.solver.scene.meshes import MeshBody
 
-__all__ = ["Side", "make_profile", "start_sides"]
+__all__ = ["Side", "start_sides"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +66,7 @@ def start_sides(
             if angle:
                 turn = rotation_matrix(quaternion_from_rotation_vector(angle * axis / np.linalg.norm(axis)))
                 position, rotation = pivot + turn @ (position - pivot), turn @ rotation
-            position = position + np.array([_start_value(profile) for profile in motion.translation])
+            position = position + np.array([_start_value(profile) for profile in motion.profiles[:3]])
         sides[body.name] = Side(position, rotation, origins[body.name])
     return sides
 
@@ -83,11 +82,3 @@ def _start_value(profile: s.Profile | None) -> float:
         spline = CubicSpline(profile.times, profile.values, bc_type="clamped")
         value += float(spline(np.clip(0.0, profile.times[0], profile.times[-1])))
     return value
-
-
-def make_profile(profile: ProfileSection[Any] | None) -> s.Profile | None:
-    """Function of time of a section."""
-    if profile is None:
-        return None
-    harmonics = tuple(s.Harmonic(h.amplitude, h.frequency, h.phase) for h in profile.harmonics)
-    return s.Profile(np.array(profile.times, dtype=float), np.array(profile.values, dtype=float), harmonics)

@@ -1,114 +1,41 @@
-"""Tables of a case file that describe bodies: inertia, frames, initial states, flexible and rigid bodies."""
+"""Tables of a case file that describe bodies: where they start, and what flexible ones are made from.
+
+A flexible body is a geometry, a mesh and a reduction, of which stages make what the solver takes; its section stays
+one of the pipeline. So do initial states: a rotation in a case is a quaternion of an object, and what is left out is
+where the geometry was drawn.
+"""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-import math
-from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
+from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from heavylift.pipeline.case.described import Chosen, make_section
 from heavylift.pipeline.case.fields import (
     AngularVelocityVector,
     Direction,
     LengthVector,
-    Positive,
     Quantity,
     Section,
     VelocityVector,
+    parse_list,
     quantity_schema,
     reject,
 )
 from heavylift.pipeline.case.geometry import Geometry, MaterialSection, MeshSection
 from heavylift.pipeline.case.modes import ModesSection
-from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, RigidBody
+from heavylift.solver.scene.bodies import MOTIONS, FlexibleBody, RigidBody
 
 __all__ = [
     "AxisAngle",
-    "DrivenFrame",
-    "FixedFrame",
     "FlexibleBodySection",
     "Frame",
-    "FreeFrame",
-    "HarmonicSection",
-    "Inertia",
     "InitialSection",
-    "Matrix3",
-    "ProfileSection",
     "RigidBodySection",
     "RigidInitialSection",
 ]
-
-Row = tuple[float, float, float]
-Matrix3 = tuple[Row, Row, Row]
-
-_EXPECTED = "three principal values, or a symmetric 3 x 3 matrix, of a body that can exist"
-
-
-def parse_inertia(value: Any) -> Matrix3:
-    """Inertia tensor [kg m^2] about the centre of mass, body axes.
-
-    Notes
-    -----
-    A mass distribution exists for a symmetric matrix J if and only if ``1/2 tr(J) I - J``, the second
-    moments of the mass, is positive semi-definite: then the principal values are positive and none exceeds
-    the sum of the other two. Sylvester's criterion on the principal minors decides both.
-    """
-    if not isinstance(value, (list, tuple)) or len(value) != 3:
-        reject(f"{value!r}", _EXPECTED)
-    quantity = Quantity("moment of inertia")
-    if all(isinstance(row, (list, tuple)) for row in value):
-        if any(len(row) != 3 for row in value):
-            reject(f"{value!r}", _EXPECTED)
-        matrix = [[quantity.parse(entry) for entry in row] for row in value]
-    else:
-        diagonal = [quantity.parse(entry) for entry in value]
-        matrix = [[diagonal[i] if i == j else 0.0 for j in range(3)] for i in range(3)]
-    scale = max(abs(entry) for row in matrix for entry in row)
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        if abs(matrix[i][j] - matrix[j][i]) > 1e-9 * scale:
-            reject(
-                f"entries {i}{j} and {j}{i} differ: {matrix[i][j]:g} and {matrix[j][i]:g} kg m^2", _EXPECTED
-            )
-    if not _minors_positive(matrix, 0.0):
-        reject(f"inertia {value!r} is not positive definite", _EXPECTED)
-    trace = sum(matrix[i][i] for i in range(3))
-    moments = [[(0.5 * trace if i == j else 0.0) - matrix[i][j] for j in range(3)] for i in range(3)]
-    if not _minors_positive(moments, -1e-9):
-        reject(f"in inertia {value!r} one principal value exceeds the sum of the others", _EXPECTED)
-    return tuple(tuple(row) for row in matrix)  # type: ignore[return-value]
-
-
-def _minors_positive(m: list[list[float]], tolerance: float) -> bool:
-    """Whether all seven principal minors, relative to the trace, exceed a tolerance."""
-    trace = sum(abs(m[i][i]) for i in range(3))
-    if trace == 0.0 or not math.isfinite(trace):
-        return False
-    a = [[entry / trace for entry in row] for row in m]
-    singles = [a[i][i] for i in range(3)]
-    pairs = [a[i][i] * a[j][j] - a[i][j] * a[j][i] for i, j in ((0, 1), (0, 2), (1, 2))]
-    determinant = (
-        a[0][0] * pairs[2]
-        - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0])
-        + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0])
-    )
-    return all(minor > tolerance for minor in (*singles, *pairs, determinant))
-
-
-_TRIPLE = {"type": "array", "items": quantity_schema(), "minItems": 3, "maxItems": 3}
-
-Inertia = Annotated[
-    Matrix3,
-    BeforeValidator(parse_inertia),
-    WithJsonSchema({"anyOf": [_TRIPLE, {"type": "array", "items": _TRIPLE, "minItems": 3, "maxItems": 3}]}),
-]
-"""Type of the field: validates to a 3 x 3 tuple [kg m^2]."""
-
-
-T = TypeVar("T")
-Length = Annotated[float, Quantity("length")]
-Angle = Annotated[float, Quantity("angle")]
-
 
 ModalValues = Annotated[
     tuple[float, ...], WithJsonSchema({"type": "array", "items": quantity_schema()}, mode="validation")
@@ -116,79 +43,20 @@ ModalValues = Annotated[
 """Numbers in SI or strings whose unit depends on the scaling of the mode shapes."""
 
 
-class HarmonicSection(Section, Generic[T]):
-    """``amplitude sin(2 pi frequency t + phase)``."""
+class _FrameSection(Section):
+    """What is said of every frame."""
 
-    amplitude: T
-    """Amplitude."""
-    frequency: Annotated[float, Quantity("frequency", minimum=0.0, closed=True)]
-    """Frequency [Hz]."""
-    phase: Annotated[float, Quantity("angle")] = 0.0
-    """Phase [rad]."""
-
-
-class ProfileSection(Section, Generic[T]):
-    """A function of time: a smooth curve through a table, plus harmonics; at rest before and after the table."""
-
-    times: tuple[Annotated[float, Quantity("time")], ...] = ()
-    """Times of the table [s], increasing."""
-    values: tuple[T, ...] = ()
-    """Values of the table."""
-    harmonics: tuple[HarmonicSection[T], ...] = ()
-    """Sine functions that are added."""
-
-    @model_validator(mode="after")
-    def _is_a_function(self) -> "ProfileSection[T]":
-        if len(self.times) != len(self.values):
-            reject(f"{len(self.times)} times and {len(self.values)} values", "one value a time")
-        if len(self.times) == 1 or any(b <= a for a, b in pairwise(self.times)):
-            reject(f"times {list(self.times)}", "none, or two and more that increase")
-        if not self.times and not self.harmonics:
-            reject("an empty profile", "'times' and 'values', or 'harmonics'")
-        return self
-
-
-class FreeFrame(Section):
-    """The frame moves by the equations of motion."""
-
-    motion: Literal["free"]
     origin: Literal["geometry", "centre_of_mass"] = "geometry"
     """Origin of the body frame: that of the geometry, or the centre of mass."""
 
 
-class FixedFrame(Section):
-    """The frame stays where it is; its reaction is recorded."""
-
-    CHANNELS: ClassVar = Fixed.CHANNELS
-
-    motion: Literal["fixed"]
-    origin: Literal["geometry", "centre_of_mass"] = "geometry"
-    """Origin of the body frame: that of the geometry, or the centre of mass."""
+@cache
+def frame_section(described: Any) -> type[Section]:
+    """Section of a motion of a frame."""
+    return make_section(described, _FrameSection)
 
 
-class DrivenFrame(Section):
-    """The frame follows functions of time; its reaction and the work of the drive are recorded."""
-
-    CHANNELS: ClassVar = Driven.CHANNELS
-
-    motion: Literal["driven"]
-    origin: Literal["geometry", "centre_of_mass"] = "geometry"
-    """Origin of the body frame: that of the geometry, or the centre of mass."""
-    x: ProfileSection[Length] | None = None
-    """Displacement along the world's x axis [m]."""
-    y: ProfileSection[Length] | None = None
-    """Displacement along the world's y axis [m]."""
-    z: ProfileSection[Length] | None = None
-    """Displacement along the world's z axis [m]."""
-    angle: ProfileSection[Angle] | None = None
-    """Rotation [rad] about `axis` through `pivot`."""
-    axis: Direction = (0.0, 0.0, 1.0)
-    """World direction of the axis of rotation, any length."""
-    pivot: LengthVector = (0.0, 0.0, 0.0)
-    """World point on the axis of rotation [m]."""
-
-
-Frame = Annotated[FreeFrame | FixedFrame | DrivenFrame, Field(discriminator="motion")]
+Frame = Annotated[Any, Chosen(MOTIONS, frame_section)]
 
 
 class AxisAngle(Section):
@@ -233,7 +101,7 @@ class InitialSection(RigidInitialSection):
             kind = "modal coordinate" if by_mass else "length"
         else:
             kind = "modal velocity" if by_mass else "velocity"
-        return [Quantity(kind).parse(value) for value in values]
+        return parse_list(Quantity(kind), values)
 
 
 class FlexibleBodySection(Section):
@@ -300,18 +168,18 @@ class FlexibleBodySection(Section):
         return self
 
 
-class RigidBodySection(Section):
+if TYPE_CHECKING:
+
+    class _Numbers(Section):
+        def __getattr__(self, key: str) -> Any: ...
+else:
+    _Numbers = make_section(RigidBody, Section)
+
+
+class RigidBodySection(_Numbers):
     """A body that does not deform."""
 
-    CHANNELS: ClassVar = RigidBody.CHANNELS
-
     type: Literal["rigid"]
-    mass: Annotated[float, Positive("mass")]
-    """Mass [kg]."""
-    inertia: Inertia
-    """About the centre of mass, body axes [kg m^2]: three principal values or a symmetric 3 x 3 matrix."""
-    centre_of_mass: LengthVector = (0.0, 0.0, 0.0)
-    """In the body frame [m]."""
     frame: Frame
     """How the body frame moves."""
     initial: RigidInitialSection = Field(default_factory=RigidInitialSection)
@@ -323,7 +191,7 @@ class RigidBodySection(Section):
         return self
 
 
-def _check_initial(frame: FreeFrame | FixedFrame | DrivenFrame, initial: RigidInitialSection) -> None:
+def _check_initial(frame: Any, initial: RigidInitialSection) -> None:
     """Only a free frame has velocities of its own."""
     if frame.motion != "free":
         for key in ("velocity", "angular_velocity"):

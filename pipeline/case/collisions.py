@@ -185,5 +185,5 @@ class _RigidPlace(_CollisionPlace):
 @cache
 def collision_section(law: Any) -> Any:
     """Section of a collision by a law: its surfaces, what all collisions have, and the keys of the law."""
-    base = make_section(Collision, _RigidPlace if law is RigidLaw else _CollisionPlace, {})
-    return make_section(law, base, {})
+    base = make_section(Collision, _RigidPlace if law is RigidLaw else _CollisionPlace)
+    return make_section(law, base)

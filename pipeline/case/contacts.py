@@ -282,5 +282,5 @@ class _BallPlace(_ContactPlace):
 def contact_section(law: Any) -> Any:
     """Section of a contact by a law: where it is, what all contacts have, and the keys of the law."""
     of_power = any(field.mark(ByExponent) is not None for field in described_fields(law))
-    base = make_section(Contact, _BallPlace if of_power else _ContactPlace, {})
-    return make_section(law, base, {}, optional={"stiffness"} if of_power else ())
+    base = make_section(Contact, _BallPlace if of_power else _ContactPlace)
+    return make_section(law, base, optional={"stiffness"} if of_power else ())

@@ -14,9 +14,11 @@ from annotated_types import Interval
 from pydantic import (
     AfterValidator,
     BeforeValidator,
+    Discriminator,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    Tag,
     TypeAdapter,
     ValidationInfo,
     WithJsonSchema,
@@ -37,6 +39,7 @@ from heavylift.numerics.quantity import (
     NameOf,
     Quantity,
     Shape,
+    Square,
     TableFile,
     WorldDirection,
     quantity_schema,
@@ -48,10 +51,12 @@ from heavylift.pipeline.case.fields import (
     CaseContext,
     Direction,
     InFolder,
+    KnownHull,
     LengthVector,
     Section,
     SideName,
     UniqueName,
+    parse_list,
     refuse_unknown,
     reject,
 )
@@ -61,6 +66,7 @@ from heavylift.solver.scene.descriptions import (
     Family,
     described_fields,
     is_described,
+    owner_coordinate,
     recorded_channels,
 )
 
@@ -93,21 +99,26 @@ class BetweenSection(_NamedSection):
         return value
 
 
+def section_of(described: Any, coordinate: str = "") -> type[Section]:
+    """Section of a description, with the keys of where the thing is; `coordinate` as in `make_section`."""
+    return _section_of(described, coordinate)
+
+
 @cache
-def section_of(described: Any) -> type[Section]:
-    """Section of a description, with the keys of where the thing is."""
+def _section_of(described: Any, coordinate: str) -> type[Section]:
     if issubclass(described, Between):
-        return make_section(described, BetweenSection, {})
+        return make_section(described, BetweenSection)
     named = "name" in described.__dataclass_fields__
-    return make_section(described, _NamedSection if named else Section, {})
+    return make_section(described, _NamedSection if named else Section, coordinate=coordinate)
 
 
 def make_section(
     described: Any,
     base: type[Section],
-    parts: Parts,
+    parts: Parts | None = None,
     changed: Mapping[str, Any] | None = None,
     optional: Collection[str] = (),
+    coordinate: str = "",
 ) -> type[Section]:
     """Section of a description.
 
@@ -123,6 +134,8 @@ def make_section(
         Keys of the base with another type: type and default by name.
     optional
         Keys of the description that may be left out, because the base has others in their place.
+    coordinate
+        ``"angle"`` or ``"travel"`` of the table of a function, or the like, of one: what `ByCoordinate` then is.
 
     Raises
     ------
@@ -136,12 +149,12 @@ def make_section(
     for field in sorted(described_fields(described), key=lambda field: field.mark(ByExponent) is not None):
         if field.name in base.model_fields or field.name in own:
             raise TypeError(f"{described.__qualname__}.{field.name} hides a key that {base.__name__} has")
-        made, default = _annotation(field, parts), _default(field)
+        made, default = _annotation(_along(field, coordinate), parts or {}, coordinate), _default(field)
         own[field.name] = (made | None, None) if field.name in optional else (made, default)
     own |= changed or {}
     within = base.DESCRIBED.__name__ if hasattr(base, "DESCRIBED") else ""
     made = create_model(
-        f"{described.__name__}{within}Section",
+        f"{coordinate.title()}{described.__name__}{within}Section",
         __base__=base,
         __module__=described.__module__,
         __doc__=described.__doc__,
@@ -152,6 +165,12 @@ def make_section(
     if hasattr(described, "CHANNELS") or not base.CHANNELS:
         made.CHANNELS = recorded_channels(described)
     return made
+
+
+def _along(field: DescribedField, coordinate: str) -> DescribedField:
+    """A field whose coordinate is known."""
+    marks = (getattr(m, coordinate) if coordinate and isinstance(m, ByCoordinate) else m for m in field.marks)
+    return field._replace(marks=tuple(marks))
 
 
 def _run_check(section: Any) -> Any:
@@ -178,9 +197,9 @@ def _default(field: DescribedField) -> Any:
     return ... if field.default is MISSING else field.default
 
 
-def _annotation(field: DescribedField, parts: Parts) -> Any:
+def _annotation(field: DescribedField, parts: Parts, coordinate: str) -> Any:
     """Type of a key of a case file."""
-    made = _type(field.hint, field, parts)
+    made = _type(field.hint, field, parts, owner_coordinate(field) or coordinate)
     least = field.mark(Least)
     if least is not None:
         made = Annotated[made, Field(min_length=least.count)]
@@ -193,11 +212,15 @@ def _annotation(field: DescribedField, parts: Parts) -> Any:
     return made if along is None else Annotated[made, BeforeValidator(_InUnitsOfTheJoint(along).parse)]
 
 
-def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
-    """Type of a value of a case file."""
+def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> Any:
+    """Type of a value of a case file; `coordinate` is that of the tables within it."""
     quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
-        choices = [_type(kind, field, parts) for kind in inner if kind is not type(None)]
+        choices = [_type(kind, field, parts, coordinate) for kind in inner if kind is not type(None)]
+        if len(choices) > 1 and any(map(is_described, inner)):
+            tags = ("a table" if is_described(kind) else "a number" for kind in inner)
+            choices = [Annotated[made, Tag(tag)] for made, tag in zip(choices, tags, strict=True)]
+            return Annotated[reduce(or_, choices), Discriminator(_form)]
         made: Any = reduce(or_, choices)
         return Optional[made] if type(None) in inner else made  # noqa: UP045
     if hint in parts:
@@ -208,10 +231,13 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
         return LengthVector
     if isinstance(quantity, NameOf):
         return _NAMES[quantity.what]
+    square = field.mark(Square)
+    if square is not None:
+        return _matrix(square.size, quantity)
     if isinstance(quantity, TableFile):
         return Annotated[str, InFolder(), AfterValidator(_ReadsTable(quantity).check)]
     if origin is tuple:
-        kinds = tuple(part if part is ... else _type(part, field, parts) for part in inner)
+        kinds = tuple(part if part is ... else _type(part, field, parts, coordinate) for part in inner)
         return GenericAlias(tuple, kinds)
     if origin is np.ndarray and field.mark(Shape) is not None:
         made = _number(quantity)
@@ -224,11 +250,15 @@ def _type(hint: Any, field: DescribedField, parts: Parts) -> Any:
     if origin is Literal:
         return hint
     if is_described(hint):
-        return section_of(hint)
+        return section_of(hint, coordinate)
     if hint is float:
         return _number(quantity)
     known = ", ".join(kind.__name__ for kind in parts)
     raise TypeError(f"{field.name}: {hint}, expected float{', or one of ' * bool(known)}{known}")
+
+
+def _form(value: Any) -> str:
+    return "a table" if isinstance(value, (dict, Section)) else "a number"
 
 
 def _number(quantity: Quantity | ByCoordinate) -> Any:
@@ -238,6 +268,35 @@ def _number(quantity: Quantity | ByCoordinate) -> Any:
         schema = quantity_schema("number in N/m^exponent", exclusiveMinimum=0.0)
         return Annotated[float, WithJsonSchema(schema, mode="validation")]
     return Annotated[float, quantity]
+
+
+def _matrix(size: int, quantity: Quantity) -> Any:
+    count = {"type": "array", "minItems": size, "maxItems": size}
+    row = {**count, "items": quantity_schema()}
+    schema = {"anyOf": [row, {**count, "items": row}]}
+    rows = tuple[tuple[float, ...], ...]
+    return Annotated[rows, BeforeValidator(_Rows(size, quantity).parse), WithJsonSchema(schema)]
+
+
+class _Rows:
+    """Parses a square matrix, which may be given by its diagonal."""
+
+    def __init__(self, size: int, quantity: Quantity) -> None:
+        self.size, self.quantity = size, quantity
+
+    def parse(self, value: Any) -> list[list[float]]:
+        """Rows in SI."""
+        n = self.size
+        expected = f"{n} numbers on the diagonal, or {n} rows of {n}"
+        if not isinstance(value, (list, tuple)) or len(value) != n:
+            reject(f"{value!r}", expected)
+        rows = [row for row in value if isinstance(row, (list, tuple))]
+        if not rows:
+            diagonal = parse_list(self.quantity, value)
+            return [[entry if i == k else 0.0 for k in range(n)] for i, entry in enumerate(diagonal)]
+        if len(rows) < n or any(len(row) != n for row in rows):
+            reject(f"{value!r}", expected)
+        return [parse_list(self.quantity, row, f"{i}.") for i, row in enumerate(rows)]
 
 
 class _InItsUnit:
@@ -271,9 +330,7 @@ class _InUnitsOfTheJoint:
         joints = {} if context is None else context.names.joints
         slides = joint_coordinate(joints.get(info.data["joint"], "")) == "travel"
         quantity = self.quantities.travel if slides else self.quantities.angle
-        return (
-            [quantity.parse(entry) for entry in value] if isinstance(value, list) else quantity.parse(value)
-        )
+        return parse_list(quantity, value) if isinstance(value, list) else quantity.parse(value)
 
 
 class _ReadsTable:
@@ -318,6 +375,7 @@ def _known_fluid(name: str, info: ValidationInfo) -> str:
 _NAMES: Mapping[str, Any] = {
     "body": BodyName,
     "side": SideName,
+    "hull": KnownHull,
     "joint": Annotated[str, AfterValidator(_turns_or_slides)],
     "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
 }
@@ -349,11 +407,10 @@ class Chosen:
         if not isinstance(value, dict):
             reject(f"{value!r} is not a table", "a table")
         word, described = self._word(value), self.described(value)
-        if word == "":
-            reject(f"key {self.family.key!r} is missing", "the kind of this table")
         if described is None:
             known = ", ".join(f"'{word}'" for word in self.family.words)
-            reject(f"{self.family.key} = {word!r}", f"one of {known}")
+            key = self.family.key
+            reject(f"{key} = {word!r}" if word != "" else f"key {key!r} is missing", f"one of {known}")
         return self.section(described).model_validate(value, context=info.context)
 
     def _word(self, row: Mapping[str, Any]) -> Any:

@@ -49,8 +49,11 @@ def input_errors(
     found = []
     for item in _causes(error.errors(include_url=False), document):
         keys, value = _place(document, item)
-        path = ".".join([*(str(key) for key in keys), *filter(None, [item.get("ctx", {}).get("key", "")])])
-        problem, expected = _words(item, value, _candidates(root, document, keys[:-1]))
+        context = item.get("ctx", {})
+        below = context.get("key", "") or getattr(context.get("error"), "key", "")
+        path = ".".join([*(str(key) for key in keys), *filter(None, [below])])
+        table = keys if item["type"] == "union_tag_not_found" else keys[:-1]
+        problem, expected = _words(item, value, _candidates(root, document, table))
         found.append(InputError(problem, source=file, key=path or "case", expected=expected))
     return found
 
@@ -107,10 +110,12 @@ def _has(node: Any, key: str | int) -> bool:
 
 
 def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseModel]]) -> tuple[str, str]:
-    """Say what is wrong and what was expected."""
+    """Say what is wrong and what was expected; `candidates` are sections that the table of the value may be."""
     kind, context = item["type"], item.get("ctx", {})
     if kind in {"case", "repeated"}:
         return context["problem"], context["expected"]
+    if isinstance(context.get("error"), InputError):
+        return context["error"].problem, context["error"].expected
     if kind == "missing" and isinstance(value, list):
         return f"{value!r} has {len(value)} entries", f"at least {int(item['loc'][-1]) + 1}"
     if kind == "missing":
@@ -135,7 +140,7 @@ def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseMo
     if kind == "union_tag_not_found":
         if not isinstance(value, dict):
             return f"{value!r} is not a table", "a table"
-        return f"key {context['discriminator']} is missing", "the kind of this table"
+        return f"key {context['discriminator']} is missing", f"one of {_choices(context, candidates)}"
     if kind == "literal_error":
         return f"{value!r}", context["expected"]
     if kind == "string_pattern_mismatch":
@@ -167,30 +172,40 @@ def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseMo
     return f"{shown}: {message[0].lower()}{message[1:]}" if shown else message, "another value"
 
 
+def _choices(context: Mapping[str, Any], sections: Iterable[type[BaseModel]]) -> str:
+    """Words by which the key that chooses between sections chooses them."""
+    fields = (section.model_fields.get(context["discriminator"].strip("'")) for section in sections)
+    return ", ".join(
+        repr(word) for field in fields if field is not None for word in get_args(field.annotation)
+    )
+
+
 def known_keys(sections: Iterable[type[BaseModel]]) -> set[str]:
     """Keys that some sections accept, as they are written in the file."""
     return {field.alias or name for section in sections for name, field in section.model_fields.items()}
 
 
-def _candidates(root: type[BaseModel], document: Any, keys: Sequence[str | int]) -> set[type[BaseModel]]:
+def _candidates(root: type[BaseModel], document: Any, keys: Sequence[str | int]) -> list[type[BaseModel]]:
     """Sections that the table at a key path may be."""
-    sections, node = {root}, document
+    sections, node = [root], document
     for key in keys:
         node = node[key] if _has(node, key) else _MISSING
         sections = sections_below(sections, key) or sections
-        chosen = {section for section in sections if is_chosen(section, node)}
+        chosen = [section for section in sections if is_chosen(section, node)]
         sections = chosen or sections
     return sections
 
 
-def sections_below(sections: Iterable[type[BaseModel]], key: str | int) -> set[type[BaseModel]]:
-    """Sections found in the field `key` of some sections; empty if none has such a field."""
-    found: set[type[BaseModel]] = set()
+def sections_below(sections: Iterable[type[BaseModel]], key: str | int) -> list[type[BaseModel]]:
+    """Sections found in the field `key` of some sections, each once; empty if none has such a field."""
+    found: dict[type[BaseModel], None] = {}
     for section in sections:
         for name, field in section.model_fields.items():
             if key in {name, field.alias}:
-                found |= set(sections_in(field.annotation))
-    return found
+                found |= dict.fromkeys(sections_in(field.annotation))
+                for mark in field.metadata:  # of an annotation that is not within another one
+                    found |= dict.fromkeys(sections_in(mark))
+    return list(found)
 
 
 def sections_in(annotation: Any) -> Iterable[type[BaseModel]]:

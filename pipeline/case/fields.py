@@ -43,6 +43,7 @@ __all__ = [
     "Direction",
     "ForceVector",
     "InFolder",
+    "KnownHull",
     "LengthVector",
     "Name",
     "NumberVector",
@@ -55,6 +56,7 @@ __all__ = [
     "UniqueName",
     "VelocityVector",
     "is_parallel",
+    "parse_list",
     "quantity_schema",
     "refuse_unknown",
     "reject",
@@ -141,6 +143,23 @@ class AnyOf:
         return self.first.__get_pydantic_json_schema__(schema, handler)
 
 
+def parse_list(quantity: Quantity, values: Sequence[object], key: str = "") -> list[float]:
+    """SI numbers of a list.
+
+    Raises
+    ------
+    InputError
+        If one is wrong, with its index behind `key`.
+    """
+    found = []
+    for index, value in enumerate(values):
+        try:
+            found.append(quantity.parse(value))
+        except InputError as error:
+            raise InputError(error.problem, key=f"{key}{index}", expected=error.expected) from None
+    return found
+
+
 _Length = Annotated[float, Quantity("length")]
 _Number = Annotated[float, Quantity("number")]
 _Velocity = Annotated[float, Quantity("velocity")]
@@ -207,6 +226,13 @@ def _known_side(name: str, info: ValidationInfo) -> str:
     return name
 
 
+def _known_hull(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context:
+        refuse_unknown("hull", name, context.names.hulls)
+    return name
+
+
 def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
     """Refuse a direction of no length."""
     if not any(axis):
@@ -257,6 +283,8 @@ BodyName = Annotated[str, AfterValidator(_known_body)]
 """Name of a body that the case has."""
 SideName = Annotated[str, AfterValidator(_known_side)]
 """Name of a body that the case has, or of the world."""
+KnownHull = Annotated[str, AfterValidator(_known_hull)]
+"""Name of a hull that the case has."""
 ReferenceName = Annotated[Name, AfterValidator(_unique_reference)]
 """Name of a reference history that no other one has."""
 Direction = Annotated[NumberVector, AfterValidator(_nonzero)]

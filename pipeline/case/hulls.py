@@ -1,28 +1,34 @@
-"""Tables of a case file that describe what floats: hulls, their hydrodynamic databases, ballast tanks."""
+"""Tables of a case file that describe what floats: what restores hulls, and their hydrodynamic databases.
+
+Both are about files and what a stage makes of them, surfaces and databases, so they are sections of their own; the
+numbers of a hull and of its tanks are described where the solver takes them.
+"""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+from functools import cache
 from itertools import pairwise
 from pathlib import PurePath
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 from numpy import linspace
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
+from heavylift.pipeline.case.described import make_section, section_of
 from heavylift.pipeline.case.fields import (
     CaseContext,
     InFolder,
+    KnownHull,
     LengthVector,
     Name,
     Positive,
     Quantity,
     Section,
-    UniqueName,
     refuse_unknown,
     reject,
 )
 from heavylift.pipeline.case.waves import Heading
-from heavylift.solver.scene.sea import Hull
+from heavylift.solver.scene.sea import Hull, LinearRestoring
 
 __all__ = [
     "DATABASE_FORMATS",
@@ -30,10 +36,7 @@ __all__ = [
     "DatabaseSection",
     "FrequenciesSection",
     "HullName",
-    "HullSection",
-    "KnownHull",
-    "LinearRestoringSection",
-    "TankSection",
+    "hull_section",
 ]
 
 DATABASE_FORMATS = {
@@ -56,11 +59,6 @@ _READER_KEYS = {
 }
 """Keys of databases in files, and the formats that need them."""
 
-_Number = Annotated[float, Quantity("number")]
-_Six = tuple[_Number, _Number, _Number, _Number, _Number, _Number]
-_Volume = Annotated[float, Quantity("volume")]
-_Moment = Annotated[float, Quantity("second moment of area")]
-
 
 def _floats(name: str, info: ValidationInfo) -> str:
     """Only free rigid bodies float."""
@@ -78,78 +76,20 @@ def _floats(name: str, info: ValidationInfo) -> str:
     return name
 
 
-def _known_hull(name: str, info: ValidationInfo) -> str:
-    context = CaseContext.of(info)
-    if context:
-        refuse_unknown("hull", name, context.names.hulls)
-    return name
-
-
 HullName = Annotated[str, AfterValidator(_floats)]
 """Name of a rigid body that floats."""
-KnownHull = Annotated[str, AfterValidator(_known_hull)]
-"""Name of a hull that the case has."""
 
 
-class LinearRestoringSection(Section):
-    """Buoyancy for small motions about a float plane, in numbers."""
-
-    volume: Annotated[float, Positive("volume")]
-    """Displaced at rest [m^3]."""
-    centre_of_buoyancy: LengthVector
-    """In the coordinates of the geometry [m]."""
-    reference: LengthVector
-    """Point of the float plane, to which the moments refer, in the coordinates of the geometry [m]."""
-    area: Annotated[float, Positive("area")]
-    """Of the float plane [m^2]."""
-    first_moments: tuple[_Volume, _Volume] = (0.0, 0.0)
-    """Integrals of x and y over it [m^3]."""
-    second_moments: tuple[_Moment, _Moment, _Moment]
-    """Integrals of x^2, y^2 and x y over it [m^4]."""
-
-
-def _square(value: Any) -> Any:
-    """Six numbers on the diagonal, or six rows of six numbers."""
-    expected = "six numbers, or six rows of six numbers, in SI"
-    if not isinstance(value, (list, tuple)) or len(value) != 6:
-        reject("has a wrong form", expected)
-    rows = [list(row) if isinstance(row, (list, tuple)) else row for row in value]
-    if all(isinstance(row, list) for row in rows):
-        if any(len(row) != 6 for row in rows):
-            reject("has a row that has not six numbers", expected)
-        return tuple(tuple(Quantity("number").parse(entry) for entry in row) for row in rows)
-    if any(isinstance(row, list) for row in rows):
-        reject("mixes rows and numbers", expected)
-    return tuple(
-        tuple(Quantity("number", minimum=0.0, closed=True).parse(row) if i == k else 0.0 for k in range(6))
-        for i, row in enumerate(rows)
-    )
-
-
-_MATRIX_SCHEMA: dict[str, Any] = {"type": "array", "minItems": 6, "maxItems": 6}
-Square = Annotated[tuple[tuple[float, ...], ...], BeforeValidator(_square), WithJsonSchema(_MATRIX_SCHEMA)]
-
-
-class HullSection(Section):
-    """A rigid body that floats: its buoyancy, and what dampens it beside the waves that it makes."""
-
-    CHANNELS: ClassVar = Hull.CHANNELS
+class _RestoredSection(Section):
+    """What gives a hull its buoyancy, and where."""
 
     surface: str | None = None
     """Name of a closed surface of this body, clipped by the still water."""
-    linear: LinearRestoringSection | None = None
+    linear: section_of(LinearRestoring) | None = None  # type: ignore[valid-type]
     """In place of `surface`, linear restoring in numbers."""
     restoring: Literal["clipped", "linear", "none"] | None = None
     """``clipped``: of the surface at every instant, the default with one; ``linear``: for small motions, of the numbers
     in `linear` or of the surface where it floats by itself; ``none``: of a body that is weighed under water."""
-    reference: LengthVector = (0.0, 0.0, 0.0)
-    """Point to which damping and database refer, in the coordinates of the geometry [m]."""
-    damping: Square | None = None
-    """Six numbers, or 6 x 6, of surge to yaw in SI: beside that of radiated waves."""
-    quadratic_damping: _Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    """Force for the square of the velocity, of surge to yaw, in SI."""
-    low_pass: Annotated[float, Quantity("angular velocity", minimum=0.0, maximum=1.0)] = 0.05
-    """Cut-off of the filter of place and heading that the waves see [rad/s]; well below the waves."""
     open_deck: Annotated[float, Quantity("length")] | None = None
     """Height in the coordinates of the geometry [m] from which on the surface may be open."""
 
@@ -170,9 +110,13 @@ class HullSection(Section):
             reject("'clipped' without 'surface'", "the name of a surface of this body", key="restoring")
         if self.open_deck is not None and self.surface is None:
             reject("'open_deck' without 'surface'", "a surface, or no 'open_deck'", key="open_deck")
-        if min(self.quadratic_damping) < 0.0:
-            reject(f"{list(self.quadratic_damping)}", "six numbers of 0 or more", key="quadratic_damping")
         return self
+
+
+@cache
+def hull_section(described: type[Hull]) -> type[Section]:
+    """Section of a hull."""
+    return make_section(described, _RestoredSection)
 
 
 class FrequenciesSection(Section):
@@ -296,43 +240,6 @@ class DatabaseSection(Section):
                 f"{len(self.reference_points)} points for {len(self.hulls)} hulls",
                 "one a hull",
                 key="reference_points",
-            )
-        return self
-
-
-class TankSection(Section):
-    """Ballast water as a point mass that follows a filling schedule."""
-
-    name: UniqueName
-    """Name."""
-    hull: KnownHull
-    """Hull that it is in."""
-    point: LengthVector
-    """Centre of the water, in the coordinates of the geometry [m]."""
-    mass: Annotated[float, Quantity("mass", minimum=0.0, closed=True)] | None = None
-    """[kg]."""
-    times: tuple[Annotated[float, Quantity("time")], ...] = ()
-    """In place of `mass`, a schedule: [s], increasing."""
-    masses: tuple[Annotated[float, Quantity("mass", minimum=0.0, closed=True)], ...] = ()
-    """[kg], one a time, linear between, held at the ends."""
-    free_surface: tuple[
-        Annotated[float, Quantity("second moment of area", minimum=0.0, closed=True)],
-        Annotated[float, Quantity("second moment of area", minimum=0.0, closed=True)],
-    ] = (0.0, 0.0)
-    """Second moments of its surface about its longitudinal and its transverse axis [m^4]: l b^3 / 12 and b l^3 / 12."""
-    density: Annotated[float, Quantity("density", minimum=100.0, maximum=20_000.0)] | None = None
-    """Of its water [kg/m^3]; that of the sea if absent."""
-
-    @model_validator(mode="after")
-    def _has_a_mass(self) -> Self:
-        if (self.mass is None) == (not self.times):
-            problem = "neither 'mass' nor 'times'" if self.mass is None else "both 'mass' and 'times'"
-            reject(problem, "one of them")
-        if len(self.times) != len(self.masses) or any(b <= a for a, b in pairwise(self.times)):
-            reject(
-                f"{len(self.times)} times and {len(self.masses)} masses",
-                "increasing times, one mass each",
-                key="masses",
             )
         return self
 

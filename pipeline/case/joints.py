@@ -7,7 +7,6 @@ from typing import Annotated, Any, Self
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
-from heavylift.pipeline.case.bodies import ProfileSection
 from heavylift.pipeline.case.described import Chosen, checked, make_section
 from heavylift.pipeline.case.fields import (
     AnyOf,
@@ -24,7 +23,6 @@ from heavylift.pipeline.case.fields import (
 )
 from heavylift.pipeline.case.meshes import EdgeName, NodeNumber
 from heavylift.solver.scene import connections as c
-from heavylift.solver.scene.bodies import Profile
 from heavylift.solver.scene.connections import Between, Place
 
 __all__ = [
@@ -273,10 +271,6 @@ _PLACES: dict[Place, type[JointSection]] = {
 """What a joint says of where it is."""
 
 
-def _profile_section(quantity: Quantity) -> Any:
-    return ProfileSection[Annotated[float, Quantity(quantity.kind)]]
-
-
 def _limits_section(quantity: Quantity) -> Any:
     return AngleLimitsSection if quantity.kind == "angle" else TravelLimitsSection
 
@@ -287,7 +281,7 @@ def joint_section(described: type[c.Joint]) -> type[Section]:
     base = _PLACES[described.PLACE]
     turning = described.ROTATIONAL
     changed = {"compliance": (_COMPLIANCE, 0.0)} if turning and not any(turning) else None
-    return make_section(described, base, {Profile: _profile_section, c.Limits: _limits_section}, changed)
+    return make_section(described, base, {c.Limits: _limits_section}, changed)
 
 
 Joint = Annotated[Any, Chosen(c.JOINTS, joint_section)]

@@ -84,7 +84,7 @@ def _value(text: str) -> Any:
 def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[BaseModel], text: str) -> None:
     """Set or remove one key, adding optional tables on the way."""
     node: Any = document
-    sections = {root}
+    sections = [root]
     for depth, key in enumerate(keys):
         last = depth == len(keys) - 1
         path = ".".join(keys[: depth + 1])
@@ -109,7 +109,7 @@ def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[Ba
                 expected=f"{'.'.join(keys[:depth])} is a value",
             )
         if keys[0] == "repeat" and depth == 2:  # the tables of a block have the keys of those they stand for
-            sections = sections | {root}
+            sections = [*sections, root]
         below = sections_below(sections, key)
         if key not in node and key not in known_keys(sections):
             near = get_close_matches(key, [*node, *known_keys(sections)], 1)

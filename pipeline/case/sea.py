@@ -9,11 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import field_validator, model_validator
 
 from heavylift.pipeline.case.fields import Positive, Quantity, Section, refuse_unknown, reject
-from heavylift.pipeline.case.hulls import DatabaseSection, HullSection, TankSection
+from heavylift.pipeline.case.hulls import DatabaseSection
 from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.waves import Waves, check_wave, one_or_many
-from heavylift.pipeline.case.wind import CurrentSection, WindSection
+from heavylift.pipeline.case.wind import Current, Wind
 
 __all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea"]
 
@@ -42,9 +42,9 @@ class SeaSection(Section):
     excitation: Literal["summed", "series"] = "summed"
     """``summed``: every component of the waves at the low-passed place and heading of each hull; ``series``: at the
     place and heading of the start, tabulated once, which is faster."""
-    wind: Annotated[tuple[WindSection, ...], one_or_many()] = ()
+    wind: Annotated[tuple[Wind, ...], one_or_many()] = ()
     """Wind; several with names of their own for loads that are far apart."""
-    current: Annotated[tuple[CurrentSection, ...], one_or_many()] = ()
+    current: Annotated[tuple[Current, ...], one_or_many()] = ()
     """Current."""
 
     @property
@@ -74,9 +74,9 @@ def check_sea(
     gravity: Any,
     simulate: SimulateSection | None,
     surfaces: Sequence[SurfaceSection],
-    hulls: Mapping[str, HullSection],
+    hulls: Mapping[str, Any],
     databases: Mapping[str, DatabaseSection],
-    tanks: Sequence[TankSection],
+    tanks: Sequence[Any],
     fluid_loads: Sequence[Any],
     lines: Sequence[Any],
 ) -> None:
@@ -117,7 +117,7 @@ def _check_weight(own: float | None, gravity: Any) -> None:
         )
 
 
-def _check_hulls(hulls: Mapping[str, HullSection], surfaces: Sequence[SurfaceSection]) -> None:
+def _check_hulls(hulls: Mapping[str, Any], surfaces: Sequence[SurfaceSection]) -> None:
     """Surfaces of hulls are on their bodies."""
     owners = {surface.name: surface.body for surface in surfaces}
     for name, hull in hulls.items():
@@ -135,7 +135,7 @@ def _check_hulls(hulls: Mapping[str, HullSection], surfaces: Sequence[SurfaceSec
 
 def _check_databases(
     databases: Mapping[str, DatabaseSection],
-    hulls: Mapping[str, HullSection],
+    hulls: Mapping[str, Any],
     simulate: SimulateSection | None,
 ) -> None:
     """Every hull has one database at most; one that is computed has surfaces; steps are fixed for convolution."""

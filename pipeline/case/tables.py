@@ -24,12 +24,11 @@ from heavylift.pipeline.case.contours import Contour
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
 from heavylift.pipeline.case.fields import GROUND, AccelerationVector, Section, UniqueName
-from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, HullSection, TankSection
+from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, hull_section
 from heavylift.pipeline.case.joints import Joint
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.case.wind import WindSection
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import FORCES, ROPES
@@ -37,7 +36,8 @@ from heavylift.solver.scene.contacts import COLLISION_LAWS, CONTACT_LAWS, Contac
 from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import SENSORS
-from heavylift.solver.scene.wind_loads import FLUID_LOADS
+from heavylift.solver.scene.sea import AT_SEA
+from heavylift.solver.scene.wind_loads import FLUID_LOADS, WindField
 
 __all__ = ["TABLES", "SceneTables", "Table", "declared", "lengths"]
 
@@ -320,7 +320,7 @@ class SceneTables(Section):
     sea: SeaSection | None = None
     """Water, waves, wind and current."""
     hulls: Annotated[
-        dict[HullName, HullSection],
+        dict[HullName, Annotated[Any, Chosen(AT_SEA, hull_section, word="hulls")]],
         Table("Hulls", "hull", "bodies", is_outer=lambda _hull, _case: True),
     ] = Field(default_factory=dict)
     """What floats, by the names of rigid bodies."""
@@ -328,7 +328,7 @@ class SceneTables(Section):
         Field(default_factory=dict)
     )
     """Added mass, damping and excitation of hulls, by names of their own."""
-    tanks: Annotated[tuple[TankSection, ...], Table("Tanks", "tank")] = ()
+    tanks: Annotated[tuple[Annotated[Any, Chosen(AT_SEA, word="tanks")], ...], Table("Tanks", "tank")] = ()
     """Ballast water in hulls."""
     fluid_loads: Annotated[
         tuple[Annotated[Any, Chosen(FLUID_LOADS)], ...],
@@ -394,7 +394,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
     collided = declared_collisions(rows["collisions"], surfaces, yielding)
     channels |= {pair: _quantities(Collision.CHANNELS) for _, pair, _ in collided}
     fluids = _fluids(document)
-    channels |= dict.fromkeys(fluids, _quantities(WindSection.CHANNELS))  # a current has the same
+    channels |= dict.fromkeys(fluids, _quantities(WindField.CHANNELS))  # a current has the same
     types = {name: str(body.get("type")) for name, body in bodies.items() if body}
     references, checks = list(_named(document.get("reference"))), list(_named(document.get("check"), "id"))
     own = [(table.by_name, key) for key, table in TABLES.items() if table.names == "own"]

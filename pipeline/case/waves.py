@@ -1,4 +1,8 @@
-"""Tables of a case file that describe waves: regular ones, spectra, and measured elevations."""
+"""Tables of a case file that describe waves: regular ones, spectra, and measured elevations.
+
+The solver takes components, which are made of them, of random numbers and of files; there is no object that has their
+keys, so they are sections of the pipeline.
+"""
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
@@ -16,7 +20,9 @@ from pydantic_core import CoreSchema
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.columns import read_columns
+from heavylift.pipeline.case.described import checked
 from heavylift.pipeline.case.fields import CaseContext, InFolder, Positive, Quantity, Section, reject
+from heavylift.solver.scene.wind_loads import check_heading
 
 __all__ = [
     "ELEVATION_COLUMNS",
@@ -32,7 +38,6 @@ __all__ = [
     "Waves",
     "check_wave",
     "one_or_many",
-    "turning",
 ]
 
 SPECTRUM_COLUMNS = (("omega", "density"), ("frequency", "density"))
@@ -44,14 +49,13 @@ _Length = Annotated[float, Positive("length")]
 _Time = Annotated[float, Positive("time")]
 
 
-def turning(value: float) -> float:
-    """An angle within a full turn: in radians, a larger one is meant as degrees."""
-    if abs(value) > 6.2831853072:
-        reject(f"{value:g} rad is more than a turn", f'-2 pi to 2 pi rad; in degrees "{value:g} deg"')
+def _turning(value: float) -> float:
+    """An angle within a full turn."""
+    checked(check_heading, value)
     return value
 
 
-Heading = Annotated[float, Quantity("angle"), AfterValidator(turning)]
+Heading = Annotated[float, Quantity("angle"), AfterValidator(_turning)]
 """A direction of propagation [rad]."""
 
 

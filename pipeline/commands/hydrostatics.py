@@ -47,11 +47,10 @@ def hydrostatics_command(
     InputError
         If the case has no hulls, or none of those that were asked for has a surface or a float plane.
     """
-    from heavylift.pipeline.assemble.hulls import frame_origin
+    from heavylift.pipeline.assemble.hulls import frame_origin, liquid_at_start
     from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
     from heavylift.pipeline.stages.stages import locked
     from heavylift.preprocess.surfaces.triangle_surface import placed
-    from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     sea, water = found.sea, found.sea.water
@@ -72,14 +71,9 @@ def hydrostatics_command(
             origin = frame_origin(found.case, hull.body)
             loading = hull_loading(found.scene, sea, hull.body)
             tanks = [
-                Liquid(
-                    mass=float(np.interp(0.0, tank.times, tank.masses)),
-                    point=tuple((np.asarray(tank.point) + origin).tolist()),
-                    free_surface=tank.free_surface,
-                    name=tank.name,
-                )
+                liquid_at_start(replace(tank, point=tank.point + origin), water)
                 for tank in sea.tanks
-                if tank.body == hull.body
+                if tank.hull == hull.body
             ]
             entry: dict[str, Any] = {
                 "hull": hull.body,
@@ -153,7 +147,7 @@ def linear_figures(
     mass
         Without tanks [kg].
     tanks
-        With mass, point and free surface.
+        With mass, point and free surface, none if empty.
     density
         Of the water [kg/m^3].
     """
@@ -162,9 +156,8 @@ def linear_figures(
     centre = moment / mass
     A, Sx, Sy, Ixx, Iyy, _ = restoring.waterplane
     volume = restoring.volume
-    wet = [tank for tank in tanks if tank.mass > 0.0]
     # moments of the water plane about the axes through its centre; x x is what resists trim
-    lost = [sum(tank.free_surface[k] for tank in wet) / (density * volume) for k in (0, 1)]
+    lost = [sum(tank.free_surface[k] for tank in tanks) / (density * volume) for k in (0, 1)]
     arm = float(centre[2] - buoyancy[2])
     about_x, about_y = Iyy - Sy * Sy / A, Ixx - Sx * Sx / A
     return {

@@ -16,12 +16,12 @@ from heavylift.numerics.quantity import (
     Shape,
     WorldDirection,
 )
-from heavylift.pipeline.case.bodies import ProfileSection
 from heavylift.pipeline.case.channel_kinds import joint_coordinate
 from heavylift.pipeline.case.fields import Section
 from heavylift.pipeline.case.joints import AngleLimitsSection, TravelLimitsSection
 from heavylift.pipeline.report.document import short_table
 from heavylift.pipeline.results.words import number_words, numbers_words, profile_words, range_words
+from heavylift.solver.scene.bodies import Profile
 from heavylift.solver.scene.descriptions import described_fields
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
     if isinstance(quantity, ByCoordinate):
         quantity = quantity.travel if coordinate == "travel" else quantity.angle
     unit = quantity.unit if isinstance(quantity, Quantity) else ""
-    if isinstance(value, ProfileSection):
+    if getattr(value, "DESCRIBED", None) is Profile:
         return f"{_PARTICIPLES.get(field.name, field.name)}: {profile_words(value, unit)}"
     if isinstance(value, (AngleLimitsSection, TravelLimitsSection)):
         return _limits(value, turns=isinstance(value, AngleLimitsSection))

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+from heavylift.numerics.quantity import (
+    BodyPoint,
+    ByCoordinate,
+    Positive,
+    Quantity,
+    Shape,
+    Square,
+    WorldDirection,
+)
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from heavylift.modal.reduced import ReducedBody
 
 __all__ = [
+    "BODIES",
     "FRAME_CHANNELS",
     "GROUND",
+    "MOTIONS",
     "POINT_CHANNELS",
     "Driven",
     "Fixed",
@@ -65,47 +75,49 @@ def _upright() -> NDArray[np.float64]:
     return np.array([1.0, 0.0, 0.0, 0.0])
 
 
+MOTIONS: Family[Any] = Family("frame", "heavylift.solver.scene", key="motion", alphabetical=False)
+"""How a frame moves, by the motions of a case file."""
+BODIES: Family[Any] = Family("body", "heavylift.solver.scene")
+"""Bodies that are said in numbers alone, by their types in a case file."""
+
+ANGLE_OR_LENGTH = ByCoordinate(Quantity("angle"), Quantity("length"))
+
+
+@MOTIONS.part
 @dataclass(frozen=True)
 class Harmonic:
-    """``amplitude sin(2 pi frequency t + phase)``: amplitude [m] or [rad], frequency [Hz], phase [rad]."""
+    """``amplitude sin(2 pi frequency t + phase)``."""
 
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
+    amplitude: Annotated[float, ANGLE_OR_LENGTH]
+    """Amplitude."""
+    frequency: Annotated[float, Quantity("frequency", minimum=0.0, closed=True)]
+    """Frequency [Hz]."""
+    phase: Annotated[float, Quantity("angle")] = 0.0
+    """Phase [rad]."""
 
 
+@MOTIONS.part
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A function of time: a C2 spline through a table, held at its ends, plus harmonics.
+    """A function of time: a smooth curve through a table, plus harmonics; at rest before and after the table."""
 
-    Attributes
-    ----------
-    times, values
-        Table [s], [m] or [rad], equal lengths, 0 or at least 2; the spline starts and ends at rest.
-    harmonics
-        Added to the table.
-
-    Raises
-    ------
-    InputError
-        If the table has one row, unequal lengths, or times that do not increase.
-    """
-
-    times: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
-    values: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
+    # a C2 spline, held at its ends
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
+    """Times of the table [s], increasing."""
+    values: Annotated[NDArray[np.float64], ANGLE_OR_LENGTH, Shape((None,))] = field(default_factory=no_rows)
+    """Values of the table."""
     harmonics: tuple[Harmonic, ...] = ()
+    """Sine functions that are added."""
 
-    def __post_init__(self) -> None:
-        times, values = np.asarray(self.times, dtype=np.float64), np.asarray(self.values, dtype=np.float64)
-        good = times.ndim == 1 and times.shape == values.shape and len(times) != 1
-        if not (good and np.all(np.diff(times) > 0.0) and np.all(np.isfinite(values))):
-            raise InputError(
-                f"table of {times.shape} times and {values.shape} values",
-                source="profile",
-                expected="no row, or two and more rows with increasing times",
-            )
+    @staticmethod
+    def check(said: Any) -> None:
+        """Something is a function."""
+        check_table("times", said.times, "values", said.values, shortest=2)
+        if not len(said.times) and not said.harmonics:
+            raise InputError("an empty profile", expected="'times' and 'values', or 'harmonics'")
 
 
+@MOTIONS.describe("free")
 @dataclass(frozen=True)
 class Free:
     """The frame moves by the equations of motion."""
@@ -114,40 +126,67 @@ class Free:
     """What bodies that move so record behind their own channels."""
 
 
+@MOTIONS.describe("fixed")
 @dataclass(frozen=True)
 class Fixed:
-    """The frame stays where it starts; its reaction is recorded."""
+    """The frame stays where it is; its reaction is recorded."""
 
     CHANNELS: ClassVar = HELD_CHANNELS
 
 
-@dataclass(frozen=True, eq=False)
+@MOTIONS.describe("driven")
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Driven:
-    """The frame follows functions of time; its reaction and the work of the drive are recorded.
-
-    Attributes
-    ----------
-    translation
-        Displacements along the world axes [m].
-    angle
-        Rotation [rad] about `axis` through `pivot`.
-    axis, pivot
-        World direction (any length) and world point [m].
-    """
+    """The frame follows functions of time; its reaction and the work of the drive are recorded."""
 
     CHANNELS: ClassVar = HELD_CHANNELS
 
-    translation: tuple[Profile | None, Profile | None, Profile | None] = (None, None, None)
-    angle: Profile | None = None
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    x: Annotated[Profile | None, Quantity("length")] = None
+    """Displacement along the world's x axis [m]."""
+    y: Annotated[Profile | None, Quantity("length")] = None
+    """Displacement along the world's y axis [m]."""
+    z: Annotated[Profile | None, Quantity("length")] = None
+    """Displacement along the world's z axis [m]."""
+    angle: Annotated[Profile | None, Quantity("angle")] = None
+    """Rotation [rad] about `axis` through `pivot`."""
+    axis: Annotated[tuple[float, float, float], WorldDirection()] = (0.0, 0.0, 1.0)
+    """World direction of the axis of rotation, any length."""
+    pivot: Annotated[tuple[float, float, float], Quantity("length")] = (0.0, 0.0, 0.0)
+    """World point on the axis of rotation [m]."""
+
+    @property
+    def profiles(self) -> tuple[Profile | None, Profile | None, Profile | None, Profile | None]:
+        """Displacements along the world axes [m], and the angle [rad]."""
+        return self.x, self.y, self.z, self.angle
 
 
 Motion = Free | Fixed | Driven
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Placed:
+    """What bodies with a frame have: how it moves, and where it starts.
+
+    Attributes
+    ----------
+    motion
+        How the frame moves.
+    position, orientation
+        Frame origin [m], world; unit quaternion (scalar first).
+    velocity, angular_velocity
+        Of the frame: world axes [m/s]; **body** axes [rad/s]. For free frames only: others move as their
+        motion says.
+    """
+
+    motion: Motion = field(default_factory=Free)
+    position: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+    orientation: NDArray[np.float64] = field(default_factory=_upright)
+    velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+    angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+
+
 @dataclass(frozen=True, eq=False)
-class FlexibleBody:
+class FlexibleBody(Placed):
     """A floating-frame body: reference frame plus mass-normalised modal coordinates.
 
     Attributes
@@ -156,13 +195,6 @@ class FlexibleBody:
         Prefix of its channels.
     reduced
         Mode shapes, stiffness and inertia integrals in the body frame.
-    motion
-        How the frame moves.
-    position, orientation
-        Frame origin [m], world; unit quaternion (scalar first).
-    velocity, angular_velocity
-        Of the frame: world axes [m/s]; **body** axes [rad/s]. For free frames only: others move as their
-        motion says.
     modal_position, modal_velocity
         Shape (nf,) [m kg^0.5], [m kg^0.5/s]; zero if empty.
     damping_ratio
@@ -180,43 +212,44 @@ class FlexibleBody:
 
     name: str
     reduced: ReducedBody
-    motion: Motion = field(default_factory=Free)
-    position: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
-    orientation: NDArray[np.float64] = field(default_factory=_upright)
-    velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
-    angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
-    modal_position: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
-    modal_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
-    damping_ratio: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
+    modal_position: NDArray[np.float64] = field(default_factory=no_rows, kw_only=True)
+    modal_velocity: NDArray[np.float64] = field(default_factory=no_rows, kw_only=True)
+    damping_ratio: NDArray[np.float64] = field(default_factory=no_rows, kw_only=True)
 
 
+@BODIES.describe("rigid")
 @dataclass(frozen=True, eq=False)
-class RigidBody:
-    """A rigid body.
-
-    Attributes
-    ----------
-    name
-        Prefix of its channels.
-    mass
-        [kg].
-    inertia
-        About the centre of mass, body axes [kg m2], shape (3, 3).
-    centre_of_mass
-        In the body frame [m], shape (3,).
-    motion, position, orientation, velocity, angular_velocity
-        As in `FlexibleBody`, of the body frame.
-    """
+class RigidBody(Placed):
+    """A body that does not deform."""
 
     CHANNELS: ClassVar[tuple[ChannelKind, ...]] = FRAME_CHANNELS
     """What it records, in the order of its columns."""
 
     name: str
-    mass: float
-    inertia: NDArray[np.float64]
-    centre_of_mass: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
-    motion: Motion = field(default_factory=Free)
-    position: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
-    orientation: NDArray[np.float64] = field(default_factory=_upright)
-    velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
-    angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+    mass: Annotated[float, Positive("mass")]
+    """Mass [kg]."""
+    inertia: Annotated[NDArray[np.float64], Quantity("moment of inertia"), Square(3)]
+    """About the centre of mass, body axes [kg m^2]: three principal values or a symmetric 3 x 3 matrix."""
+    centre_of_mass: Annotated[NDArray[np.float64], BodyPoint()] = field(default_factory=lambda: _zeros(3))
+    """In the coordinates of the geometry [m]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A mass distribution has this inertia: no principal value exceeds the sum of the other two.
+
+        Then ``1/2 tr(J) I - J``, the second moments of the mass, is positive semi-definite.
+        """
+        J = np.array(said.inertia, dtype=np.float64)
+        expected = "three principal values, or a symmetric 3 x 3 matrix, of a body that can exist"
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            if abs(J[i, j] - J[j, i]) > 1e-9 * np.abs(J).max():
+                problem = f"entries {i}{j} and {j}{i} differ: {J[i, j]:g} and {J[j, i]:g} kg m^2"
+                raise InputError(problem, key="inertia", expected=expected)
+        principal = np.linalg.eigvalsh(J)
+        if not principal[0] > 0.0:
+            raise InputError(
+                f"inertia {J.tolist()} is not positive definite", key="inertia", expected=expected
+            )
+        if principal[2] - principal[1] - principal[0] > 2e-9 * principal.sum():
+            problem = f"in inertia {J.tolist()} one principal value exceeds the sum of the others"
+            raise InputError(problem, key="inertia", expected=expected)

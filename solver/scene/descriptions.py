@@ -22,6 +22,7 @@ import sys
 import types
 from dataclasses import MISSING, Field, dataclass, fields
 from itertools import pairwise
+from numbers import Real
 from pathlib import Path
 from typing import (
     TYPE_CHECKING,
@@ -48,6 +49,8 @@ from heavylift.numerics.quantity import (
     ByExponent,
     NameOf,
     Quantity,
+    Shape,
+    Square,
     TableFile,
     WorldDirection,
 )
@@ -70,6 +73,7 @@ __all__ = [
     "is_described",
     "known_channels",
     "no_rows",
+    "owner_coordinate",
     "recorded_channels",
 ]
 
@@ -419,20 +423,27 @@ def check_table(
     Raises
     ------
     InputError
-        With the keys of both lists in words; that of the table they stand in is not known here.
+        With the key of the list.
     """
     if len(places) != len(values):
         raise InputError(
             f"{len(places)} {key} and {len(values)} {values_key}",
+            key=values_key,
             expected=f"one of {values_key} for each of {key}",
         )
     if any(b <= a for a, b in pairwise(places)):
-        raise InputError(f"{key} {list(places)}", expected=f"increasing {key}")
+        raise InputError(f"{key} {list(places)}", key=key, expected=f"increasing {key}")
     if 0 < len(places) < shortest:
         raise InputError(f"a table of {len(places)} rows", expected=f"{shortest} or more")
 
 
-def check_object(thing: Any, coordinate: str = "") -> None:
+def owner_coordinate(field: DescribedField) -> str:
+    """Coordinate that a table says of an angle or a length: a function of time, for instance."""
+    kind = field.quantity.kind if isinstance(field.quantity, Quantity) else ""
+    return {"angle": "angle", "length": "travel"}.get(kind, "")
+
+
+def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     """What a case file is checked for, of an object made otherwise: ranges of numbers, and what its keys say together.
 
     The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
@@ -443,6 +454,8 @@ def check_object(thing: Any, coordinate: str = "") -> None:
         The object; one without description is passed over.
     coordinate
         Coordinate of the joint along which it acts, ``"angle"`` or ``"travel"``.
+    source
+        Name of the thing, if it has none of its own.
 
     Raises
     ------
@@ -454,7 +467,8 @@ def check_object(thing: Any, coordinate: str = "") -> None:
     try:
         _said(thing, "", coordinate)
     except InputError as error:
-        raise InputError(error.problem, source=thing.name, key=error.key, expected=error.expected) from None
+        name = source or thing.name
+        raise InputError(error.problem, source=name, key=error.key, expected=error.expected) from None
 
 
 def _said(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
@@ -477,11 +491,14 @@ def _said(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
 
 def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
     """Value of a key as a case file says it."""
+    coordinate = owner_coordinate(field) or coordinate
     if is_described(type(value)):
         return _said(value, f"{key}.", coordinate)
     if isinstance(value, (tuple, list)):
         return [
-            _said(entry, f"{key}.{number}.", coordinate) if is_described(type(entry)) else entry
+            _as_said(field, entry, f"{key}.{number}", coordinate)
+            if isinstance(entry, (tuple, list)) or is_described(type(entry))
+            else entry
             for number, entry in enumerate(value)
         ]
     value = _listed(value)
@@ -498,17 +515,31 @@ def _listed(value: Any) -> Any:
 
 
 def _check_range(field: DescribedField, value: Any, key: str, coordinate: str) -> None:
-    """Numbers are finite and within their bounds."""
-    quantity = field.quantity
+    """Numbers are finite and within their bounds, and as many as are needed."""
+    quantity, shape = field.quantity, _shape(field)
+    if value is not None and shape is not None:
+        given = np.array(value, dtype=np.float64)
+        if given.shape != shape or not np.all(np.isfinite(given)):
+            raise InputError(f"{value}", key=key, expected=f"finite numbers, shape {shape}")
     if isinstance(quantity, ByCoordinate):
         quantity = quantity.travel if coordinate == "travel" else quantity.angle
-    if value is None or not isinstance(quantity, Quantity):
-        return
+    if not isinstance(quantity, Quantity) or not isinstance(value, (Real, list, tuple)):
+        return  # a table has ranges of its own
     for number in np.ravel(np.array(value, dtype=np.float64)):
         try:
             quantity.parse(float(number))
         except InputError as error:
             raise InputError(error.problem, key=key, expected=error.expected) from None
+
+
+def _shape(field: DescribedField) -> tuple[int, ...] | None:
+    """Shape of an array; None if it may be any."""
+    if isinstance(field.quantity, (BodyPoint, BodyDirection, WorldDirection)):
+        return (3,)
+    if square := field.mark(Square):
+        return (square.size, square.size)
+    shape = field.mark(Shape)
+    return None if shape is None or None in shape.lengths else shape.lengths
 
 
 def _place(described: type) -> str:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Absent, BodyPoint, NameOf, Positive, Quantity, Shape, Square
 from heavylift.solver.scene.bodies import RigidBody
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.wind_loads import (
@@ -23,7 +24,20 @@ if TYPE_CHECKING:
     )
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
-__all__ = ["FloatingBody", "Hull", "LinearRestoring", "Radiation", "Sea", "Tank", "Water"]
+__all__ = [
+    "AT_SEA",
+    "FloatingBody",
+    "Hull",
+    "LinearRestoring",
+    "Radiation",
+    "Restored",
+    "Sea",
+    "Tank",
+    "Water",
+]
+
+UNSYMMETRIC = 1e-6
+"""Of its largest entry, that a matrix of damping may be off symmetry."""
 
 
 @dataclass(frozen=True)
@@ -46,36 +60,41 @@ class Water:
     depth: float = math.inf
 
 
-@dataclass(frozen=True, eq=False)
+AT_SEA: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
+"""What floats and what is in it, by the tables of a case file in which they stand."""
+
+
+@AT_SEA.part
+@dataclass(frozen=True, eq=False, kw_only=True)
 class LinearRestoring:
-    """Buoyancy for small motions about a float plane: a constant volume, and the moments of the water plane.
+    """Buoyancy for small motions about a float plane, in numbers."""
 
-    Attributes
-    ----------
-    volume
-        Displaced at rest [m3].
-    centre_of_buoyancy
-        In the body frame [m], shape (3,): the constant buoyancy acts there.
-    reference
-        Point of the body frame [m], shape (3,), that lies in the water plane at rest; the moments are about it.
-    waterplane
-        A, Sx, Sy, Ixx, Iyy, Ixy: area [m2], and integrals of x, y [m3], x^2, y^2, x y [m4] in the axes of the body.
+    # Forces derive from the potential rho g / 2 int (height of the float plane)^2 dA plus that of the constant volume,
+    # whose buoyancy acts at its centre. Weight acts at the centre of mass of the body, so its terms (-m g z_G in roll
+    # and pitch) are not part of this.
 
-    Notes
-    -----
-    Weight acts at the centre of mass of the body, so its terms (-m g z_G in roll and pitch) are not part of this.
-    Forces derive from the potential ``rho g / 2 int (height of the float plane)^2 dA`` plus that of the volume.
-    """
+    volume: Annotated[float, Positive("volume")]
+    """Displaced at rest [m^3]."""
+    centre_of_buoyancy: Annotated[NDArray[np.float64], BodyPoint()]
+    """In the coordinates of the geometry [m]."""
+    reference: Annotated[NDArray[np.float64], BodyPoint()]
+    """Point of the float plane, to which the moments refer, in the coordinates of the geometry [m]."""
+    area: Annotated[float, Positive("area")]
+    """Of the float plane [m^2]."""
+    first_moments: Annotated[tuple[float, float], Quantity("volume")] = (0.0, 0.0)
+    """Integrals of x and y over it [m^3]."""
+    second_moments: Annotated[tuple[float, float, float], Quantity("second moment of area")]
+    """Integrals of x^2, y^2 and x y over it [m^4]."""
 
-    volume: float
-    centre_of_buoyancy: NDArray[np.float64]
-    reference: NDArray[np.float64]
-    waterplane: NDArray[np.float64]
+    @property
+    def waterplane(self) -> NDArray[np.float64]:
+        """A, Sx, Sy, Ixx, Iyy, Ixy: area and moments in the axes of the body."""
+        return np.array([self.area, *self.first_moments, *self.second_moments], dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Hull:
-    """A rigid body that floats.
+class Restored:
+    """What gives a hull its buoyancy. A case file names a surface, or says it in numbers.
 
     Attributes
     ----------
@@ -84,17 +103,28 @@ class Hull:
     restoring
         A closed surface in the frame of the body, clipped at the water level at every instant; or `LinearRestoring`;
         or None for a body under water whose weight is given as it weighs there. Never two of them.
-    reference
-        Point of the body frame [m], shape (3,), to which `damping` and the database refer.
-    damping, quadratic_damping
-        Shape (6, 6) and (6,) in surge ... yaw at the reference point, heading axes: ``D u + q |u| u`` of the
-        velocity over ground, beside what the database has, for viscous effects [N s/m, N s, N m s]; q the same per
-        velocity.
-    low_pass
-        Cut-off of the filter of position and heading that the waves see [rad/s]; well below the waves.
     open_deck
-        Height in the frame of the body [m] from which on the surface may be open; right while all of that is dry.
+        Height in the body frame [m] from which on the surface may be open; right while all of that is dry.
     """
+
+    body: str
+    restoring: TriangleSurface | LinearRestoring | None
+    open_deck: float | None = None
+
+    @property
+    def name(self) -> str:
+        """That of its body."""
+        return self.body
+
+
+def _undamped() -> NDArray[np.float64]:
+    return np.zeros((6, 6))
+
+
+@AT_SEA.describe("hulls")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Hull(Restored):
+    """A rigid body that floats: its buoyancy, and what dampens it beside the waves that it makes."""
 
     CHANNELS: ClassVar = (
         ChannelKind("displaced_volume", "volume", "volume of the water that the hull displaces"),
@@ -127,13 +157,32 @@ class Hull:
     )
     """What it records behind the channels of its body, in the order of its columns."""
 
-    body: str
-    restoring: TriangleSurface | LinearRestoring | None
-    reference: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-    damping: NDArray[np.float64] = field(default_factory=lambda: np.zeros((6, 6)))
-    quadratic_damping: NDArray[np.float64] = field(default_factory=lambda: np.zeros(6))
-    low_pass: float = 0.05
-    open_deck: float | None = None
+    reference: Annotated[NDArray[np.float64], BodyPoint()] = field(default_factory=lambda: np.zeros(3))
+    """Point to which damping and database refer, in the coordinates of the geometry [m]."""
+    damping: Annotated[NDArray[np.float64], Quantity("number"), Square(6), Absent()] = field(
+        default_factory=_undamped
+    )
+    """Six numbers, or 6 x 6, of surge to yaw in SI: beside that of radiated waves, along the heading."""
+    quadratic_damping: Annotated[
+        NDArray[np.float64], Quantity("number", minimum=0.0, closed=True), Shape((6,))
+    ] = field(default_factory=lambda: np.zeros(6))
+    """Force for the square of the velocity, of surge to yaw, in SI."""
+    low_pass: Annotated[float, Quantity("angular velocity", minimum=0.0, maximum=1.0)] = 0.05
+    """Cut-off of the filter of place and heading that the waves see [rad/s]; well below the waves."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Damping dissipates."""
+        if said.damping is None:
+            return
+        D = np.array(said.damping, dtype=np.float64)
+        size = float(np.abs(D).max())
+        if np.abs(D - D.T).max() > UNSYMMETRIC * size or np.linalg.eigvalsh(D)[0] < -1e-9 * size:
+            raise InputError(
+                f"{D.tolist()}",
+                key="damping",
+                expected="a symmetric matrix that dissipates in every direction",
+            )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -166,29 +215,59 @@ class Radiation:
     drift: bool = False
 
 
+@AT_SEA.describe("tanks")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tank:
-    """Ballast water as a point mass that follows a filling schedule.
+    """Ballast water as a point mass that follows a filling schedule."""
 
-    Attributes
-    ----------
-    name, body
-        Its own name and that of a hull.
-    point
-        Centre of the water in the body frame [m], shape (3,).
-    times, masses
-        Schedule [s], [kg], linear in between and held at the ends. Water comes and goes with the velocity of the hull.
-    free_surface
-        Second moment of its free surface times the density of its water, about x and about y of the body [kg m2],
-        shape (2,): takes from the restoring of roll and pitch for small angles.
-    """
+    SENTENCES: ClassVar = {"name": "Name."}
 
+    # Water comes and goes with the velocity of the hull; its free surface takes from the restoring of roll and pitch
+    # for small angles.
     name: str
-    body: str
-    point: NDArray[np.float64]
-    times: NDArray[np.float64]
-    masses: NDArray[np.float64]
-    free_surface: tuple[float, float] = (0.0, 0.0)
+    hull: Annotated[str, NameOf("hull")]
+    """Hull that it is in."""
+    point: Annotated[NDArray[np.float64], BodyPoint()]
+    """Centre of the water, in the coordinates of the geometry [m]."""
+    mass: Annotated[float | None, Quantity("mass", minimum=0.0, closed=True)] = None
+    """[kg]."""
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
+    """In place of `mass`, a schedule: [s], increasing."""
+    masses: Annotated[NDArray[np.float64], Quantity("mass", minimum=0.0, closed=True), Shape((None,))] = (
+        field(default_factory=no_rows)
+    )
+    """[kg], one a time, linear between, held at the ends."""
+    free_surface: Annotated[
+        tuple[float, float], Quantity("second moment of area", minimum=0.0, closed=True)
+    ] = (0.0, 0.0)
+    """Second moments of its surface about its longitudinal and its transverse axis [m^4]: l b^3 / 12 and b l^3 / 12."""
+    density: Annotated[float | None, Quantity("density", minimum=100.0, maximum=20_000.0)] = None
+    """Of its water [kg/m^3]; that of the sea if absent."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A mass, or a schedule."""
+        if (said.mass is None) == (not len(said.times)):
+            problem = "neither 'mass' nor 'times'" if said.mass is None else "both 'mass' and 'times'"
+            raise InputError(problem, expected="one of them")
+        check_table("times", said.times, "masses", said.masses)
+
+    @property
+    def schedule(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times [s] and masses [kg]; of a mass that does not change one of each."""
+        if self.mass is not None:
+            return np.zeros(1), np.array([self.mass], dtype=np.float64)
+        return self.times, self.masses
+
+    @property
+    def start_mass(self) -> float:
+        """Mass at the start [kg]."""
+        return float(np.interp(0.0, *self.schedule))
+
+    def surface(self, water: Water) -> tuple[float, float]:
+        """Second moments of its free surface times the density of its water [kg m]."""
+        density = water.density if self.density is None else self.density
+        return density * self.free_surface[0], density * self.free_surface[1]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,40 +15,50 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal
+from numbers import Real
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import BodyDirection, NameOf
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family
+from heavylift.numerics.quantity import Absent, BodyDirection, Least, NameOf, Quantity, Shape
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table
 from heavylift.solver.water.wind.spectrum import (
     HIGHEST_FREQUENCY,
     HOUR,
+    LARGEST_CURRENT,
+    LARGEST_WIND,
     LOWEST_FREQUENCY,
     POWER_EXPONENT,
     REFERENCE_HEIGHT,
+    check_speed,
     wind_components,
     wind_record,
 )
 
 __all__ = [
     "AIR_DENSITY",
+    "FLUIDS",
     "FLUID_LOADS",
     "LOAD_FORCE",
     "CurrentField",
+    "CurrentProfile",
     "DragElement",
     "FluctuationRecord",
     "FluidField",
     "FluidLoad",
+    "Veering",
     "WindField",
+    "check_heading",
     "fluctuation_record",
     "fluctuation_records",
 ]
 
 AIR_DENSITY = 1.225
 """[kg/m3]."""
+FULL_TURN = 6.2831853072
+"""[rad], rounded up."""
 
 GOES = ChannelKind("direction", "angle", "where the wind or current goes, from world x, anticlockwise")
 LOAD_FORCE = ChannelKind("force", "force", "sum of the forces of the pieces of this name, world axes", XYZ)
@@ -159,31 +169,75 @@ def fluctuation_records(
     )
 
 
+FLUIDS: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
+"""Winds and currents, by the keys of a case file in which they stand."""
+
+
+def check_heading(angle: float) -> None:
+    """Refuse a direction beyond a full turn: in radians, a larger one is meant as degrees.
+
+    Raises
+    ------
+    InputError
+        If it is.
+    """
+    if abs(angle) > FULL_TURN:
+        raise InputError(
+            f"{angle:g} rad is more than a turn", expected=f'-2 pi to 2 pi rad; in degrees "{angle:g} deg"'
+        )
+
+
+@FLUIDS.part
+@dataclass(frozen=True, eq=False)
+class Veering:
+    """A direction that changes in time, linear between."""
+
+    times: Annotated[Array, Quantity("time"), Shape((None,)), Least(2)]
+    """[s], increasing."""
+    angles: Annotated[Array, Quantity("angle"), Shape((None,)), Least(2)]
+    """Where the fluid goes [rad]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """An angle a time."""
+        check_table("times", said.times, "angles", said.angles, shortest=2)
+
+
+@FLUIDS.part
+@dataclass(frozen=True, eq=False)
+class CurrentProfile:
+    """A current over the depth, linear between, held beyond."""
+
+    depths: Annotated[Array, Quantity("length", minimum=0.0, closed=True), Shape((None,)), Least(2)]
+    """Below the still water [m], increasing."""
+    speeds: Annotated[Array, Quantity("velocity", minimum=0.0, closed=True), Shape((None,)), Least(2)]
+    """[m/s]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A speed a depth."""
+        check_table("depths", said.depths, "speeds", said.speeds, shortest=2)
+        for speed in said.speeds:
+            check_speed(speed, source="", key="speeds", largest=LARGEST_CURRENT)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
-class WindField:
-    """Wind above the still water.
+class Fluctuating:
+    """What is made of a spectrum, which a case file says.
 
     Attributes
     ----------
-    name
-        By which loads refer to it, and prefix of its channels.
-    speed
-        Mean at 10 m above the water [m/s].
-    averaging_time
-        Over which the given speed is a mean [s]; converted to the one-hour mean by ISO 19901-1.
-    direction
-        Where the wind goes [rad]; or rows of time [s] and angle [rad], shape (n, 2), linear between.
-    profile
-        ``"log"`` is that of ISO 19901-1, ``"power"`` eq. (226), ``"uniform"`` the same at all heights.
-    exponent
-        Of the power law.
-    gust
-        Averaging time [s] of a constant gust wind that blows in place of the one-hour mean; None for the mean.
     fluctuation
         Turbulence that is added to the mean at all heights.
-    density
-        Of the air [kg/m3].
     """
+
+    fluctuation: FluctuationRecord | None = None
+
+
+@FLUIDS.describe("wind")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WindField(Fluctuating):
+    """Wind above the still water."""
 
     CHANNELS: ClassVar = (
         ChannelKind("speed", "velocity", "speed of the wind at 10 m above the still water"),
@@ -191,31 +245,42 @@ class WindField:
     )
     """What it records, in the order of its columns."""
 
-    speed: float
     name: str = "wind"
-    averaging_time: float = HOUR
-    direction: float | Array = 0.0
+    speed: Annotated[float, Quantity("velocity", minimum=0.0, closed=True)]
+    """Mean at 10 m above the water [m/s]."""
+    averaging_time: Annotated[float, Quantity("time", minimum=0.0)] = HOUR
+    """Over which the speed is a mean [s], up to an hour; converted to the one-hour mean by ISO 19901-1."""
+    direction: Annotated[float | Veering, Quantity("angle")] = 0.0
+    """Where the wind goes [rad], from world x, anticlockwise seen from above; or a table over time."""
     profile: Literal["log", "power", "uniform"] = "log"
-    exponent: float = POWER_EXPONENT
-    gust: float | None = None
-    fluctuation: FluctuationRecord | None = None
-    density: float = AIR_DENSITY
+    """``log``: ISO 19901-1; ``power``: with an exponent of 0.11; ``uniform``: the same at all heights."""
+    exponent: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0), Absent()] = POWER_EXPONENT
+    """Of the profile ``power``; 0.11 if absent."""
+    gust: Annotated[float | None, Quantity("time", minimum=0.0)] = None
+    """Averaging time [s] of a constant gust in place of the one-hour mean."""
+    density: Annotated[float, Quantity("density", minimum=0.5, maximum=2.0)] = AIR_DENSITY
+    """Of the air [kg/m^3]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A speed and a direction that are no slip of units, times up to an hour, an exponent where it counts."""
+        _check_flow(said, LARGEST_WIND)
+        for key in ("averaging_time", "gust"):
+            value = getattr(said, key)
+            if value is not None and value > HOUR:
+                raise InputError(f"{value:g} s", key=key, expected="a time up to an hour [s]")
+        if said.exponent is not None and said.profile != "power":
+            raise InputError(
+                f"'exponent' with profile {said.profile!r}",
+                key="exponent",
+                expected="profile 'power', or no 'exponent'",
+            )
 
 
+@FLUIDS.describe("current")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurrentField:
-    """Current below the still water.
-
-    Attributes
-    ----------
-    name
-        By which loads refer to it, and prefix of its channels.
-    speed
-        The same at all depths [m/s]; or rows of height above the still water, so negative [m], and speed [m/s],
-        shape (n, 2), linear between and held beyond.
-    direction
-        Where the water goes [rad]; or rows of time [s] and angle [rad], shape (n, 2), linear between.
-    """
+    """Current below the still water."""
 
     CHANNELS: ClassVar = (
         ChannelKind("speed", "velocity", "speed of the current at the still water"),
@@ -223,9 +288,27 @@ class CurrentField:
     )
     """What it records, in the order of its columns."""
 
-    speed: float | Array
     name: str = "current"
-    direction: float | Array = 0.0
+    speed: Annotated[float | CurrentProfile, Quantity("velocity", minimum=0.0, closed=True)]
+    """The same at all depths [m/s], or a table over the depth."""
+    direction: Annotated[float | Veering, Quantity("angle")] = 0.0
+    """Where the water goes [rad], from world x, anticlockwise seen from above; or a table over time."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A speed and a direction that are no slip of units."""
+        _check_flow(said, LARGEST_CURRENT)
+
+
+def _check_flow(said: Any, largest: float) -> None:
+    """Speed and direction, as far as they are numbers."""
+    if isinstance(said.speed, Real):
+        check_speed(float(said.speed), source="", key="speed", largest=largest)
+    if isinstance(said.direction, Real):
+        try:
+            check_heading(float(said.direction))
+        except InputError as error:
+            raise InputError(error.problem, key="direction", expected=error.expected) from None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -141,7 +141,7 @@ LAND, PLATE, FLOOR = "collisions.0", "surfaces.0", "surfaces.1"
             "no 'exclude'",
         ),
         # laws
-        ([f"{LAND}.law="], LAND, "key 'law' is missing", "the kind"),
+        ([f"{LAND}.law="], LAND, "key 'law' is missing", "one of 'rigid', 'linear'"),
         (
             [f"{LAND}.law=bilateral"],
             LAND,

@@ -58,7 +58,7 @@ CURVE = "{control=[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], knots=%s}"
         (["contacts.4.name=energy"], "contacts.4.name", "a channel of the whole scene", "another name"),
         (["contours.skid.body=blok"], "contours.skid.body", "did you mean 'block'", "one of: ball"),
         # laws
-        ([f"{LAND}.law="], LAND, "key 'law' is missing", "the kind"),
+        ([f"{LAND}.law="], LAND, "key 'law' is missing", "one of 'rigid', 'bilateral'"),
         (
             [f"{LAND}.law=rgid"],
             LAND,

@@ -62,7 +62,22 @@ SPRING = (
         ("joints.0.at=", "joints.0", "neither 'at' nor 'points'", "a point in the world"),
         ("joints.0.points=[[0, 0, 0], [0, 0, 0]]", "joints.0", "both 'at' and 'points'", "one a side"),
         ("joints.0.type=hing", "joints.0", "type = 'hing'", "'hinge'"),
-        ("joints.0.type=", "joints.0", "key 'type' is missing", "the kind of this table"),
+        ("joints.0.type=", "joints.0", "key 'type' is missing", "one of 'ball', 'cylindrical'"),
+        (
+            "bodies.load.type=",
+            "bodies.load",
+            "key 'type' is missing",
+            "'flexible', 'rigid', 'frame', 'shell'",
+        ),
+        ("bodies.load.frame={}", "bodies.load.frame", "key 'motion' is missing", "'free', 'fixed', 'driven'"),
+        ("bodies.load.inertia=[1, 2, '3 m']", "bodies.load.inertia.2", "'3 m' is a length", "[kg m^2]"),
+        (
+            "bodies.load.inertia=[[1, 0, 0], [0, 1, 's'], [0, 0, 1]]",
+            "bodies.load.inertia.1.2",
+            "'s' is not a number",
+            "[kg m^2]",
+        ),
+        ("forces.2.loads=['-5 N m', 3, '1 kg']", "forces.2.loads.2", "'1 kg' is a mass", "[N m]"),
         ("joints.0.limits.upper=-40 deg", "joints.0.limits", "is not below upper", "lower < upper"),
         ("joints.0.limits.upper=1 m", "joints.0.limits.upper", "'1 m' is a length", "an angle [rad]"),
         ("joints.1.limits.upper=1 rad", "joints.1.limits.upper", "'1 rad' is an angle", "a length [m]"),
@@ -94,7 +109,7 @@ SPRING = (
         ("forces.3.load=20 N m", "forces.3.load", "is a moment or energy", "a force [N]"),
         ("forces.3.times=[0, 1]", "forces.3", "not exactly one of 'load' and a table", "'times' and 'loads'"),
         ("forces.2.stiffness=1", "forces.2", "both 'stiffness' and a table", "'stiffness', or"),
-        ("forces.2.deflections=[1, -1]", "forces.2", "deflections [1.0, -1.0]", "increasing"),
+        ("forces.2.deflections=[1, -1]", "forces.2.deflections", "deflections [1.0, -1.0]", "increasing"),
         ("forces.1.stiffness=-2", "forces.1.stiffness", "-2 is too small", ">= 0 N/m"),
         (f"{SPRING}}}", "forces.1", "neither a stiffness nor a damping", "'stiffness', 'damping'"),
         (f"{SPRING}, elongations=[0], forces=[0]}}", "forces.1", "a table of 1 rows", "2 or more"),
@@ -115,7 +130,7 @@ SPRING = (
         ("ropes.1.path.1.body=ground", "ropes.1.path", "on the ground", "a point on a body"),
         ("ropes.0.axial_stiffness=0", "ropes.0.axial_stiffness", "0 is too small", "> 0 N"),
         ("ropes.1.stiffness=-1 kN/m", "ropes.1.stiffness", "is too small", "> 0 N/m"),
-        ("ropes.0.winch.speeds=[0]", "ropes.0.winch", "2 times and 1 speeds", "one speed a time"),
+        ("ropes.0.winch.speeds=[0]", "ropes.0.winch.speeds", "2 times and 1 speeds", "one of speeds"),
         ("ropes.0.type=chain", "ropes.0", "type = 'chain'", "one of 'spring', 'wire'"),
         ("ropes.0.length=0", "ropes.0.length", "0 is too small", "> 0 m"),
         # from (0, 0, 0) over (0, 0.5, 1) to (0, 0, -8) is 1.118 + 9.014 m, less 2 x 0.2 m for the pulley
@@ -142,6 +157,22 @@ def test_a_motor_needs_one_angle_or_one_travel(linkage, kind):
     assert f"forces.3.joint: joint 'rail' of type '{kind}' has" in line
     assert "neither an angle nor a travel" in line or "an angle and a travel" in line
     assert line.endswith("expected a hinge or a slider")
+
+
+@pytest.mark.parametrize(
+    ("stop", "key", "problem"),
+    [
+        ("body='load', radius=-1", "radius", "-1 is too small"),
+        ("body='load', radius=1", "axis", "a pulley without 'axis'"),
+        ("body='load', raduis=1", "raduis", "unknown key; did you mean 'radius'?"),
+        ("body='laod'", "body", "body 'laod' does not exist"),
+    ],
+)
+def test_a_key_of_a_table_in_lists_of_tables_is_named(linkage, stop, key, problem):
+    ends = "{body='ground', point=[0, 0, 9]}", "{body='load', point=[0, 0, 0]}"
+    path = f"{ends[0]}, {{point=[0, 0, 1], {stop}}}, {ends[1]}"
+    line = complaint(linkage, f"repeat=[{{count=1, ropes=[{{name='r', axial_stiffness=1, path=[{path}]}}]}}]")
+    assert f"repeat.0.ropes.0.path.1.{key}: {problem}" in line
 
 
 def test_a_rope_within_its_strain_is_taken(linkage):

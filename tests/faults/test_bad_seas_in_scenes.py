@@ -87,7 +87,13 @@ def radiation(**more: Any) -> Radiation:
     return Radiation(**{"bodies": ("barge",), "database": database(), **more})
 
 
-SMALL = LinearRestoring(-1.0, np.zeros(3), np.zeros(3), np.array([200.0, 0, 0, 6667.0, 1667.0, 0]))
+SMALL = LinearRestoring(
+    volume=-1.0,
+    centre_of_buoyancy=np.zeros(3),
+    reference=np.zeros(3),
+    area=200.0,
+    second_moments=(6667.0, 1667.0, 0.0),
+)
 
 
 @pytest.mark.parametrize(
@@ -95,13 +101,13 @@ SMALL = LinearRestoring(-1.0, np.zeros(3), np.zeros(3), np.array([200.0, 0, 0, 6
     [
         ({"hulls": (replace(HULL, body="bardge"),)}, "'bardge' is no rigid body"),
         ({"hulls": (HULL, HULL)}, "'barge' floats already"),
-        ({"hulls": (replace(HULL, low_pass=0.0),)}, "barge: low_pass: 0.0 rad/s"),
+        ({"hulls": (replace(HULL, low_pass=0.0),)}, "barge: low_pass: 0.0 is too small"),
         ({"hulls": (replace(HULL, damping=-np.eye(6)),)}, "barge: damping"),
         ({"hulls": (replace(HULL, quadratic_damping=np.array([0, 0, -1.0, 0, 0, 0])),)}, "barge: quadratic"),
         ({"hulls": (replace(HULL, restoring=SMALL),)}, "barge: restoring: volume -1.0 m3"),
         ({"water": Water(density=DENSITY, gravity=1.62)}, "gravity"),
-        ({"tanks": (Tank(name="T1", body="bardge", point=np.zeros(3), times=np.zeros(1), masses=np.ones(1)),)}, "T1"),
-        ({"tanks": (Tank(name="T1", body="barge", point=np.zeros(3), times=np.zeros(2), masses=np.ones(2)),)}, "T1"),
+        ({"tanks": (Tank(name="T1", hull="bardge", point=np.zeros(3), times=np.zeros(1), masses=np.ones(1)),)}, "T1"),
+        ({"tanks": (Tank(name="T1", hull="barge", point=np.zeros(3), times=np.zeros(2), masses=np.ones(2)),)}, "T1"),
         ({"lines": (replace(LINE, sections=(LineSection(40.0, 80.0, 2e7),)),)}, "bow_line"),
         ({"lines": (replace(LINE, sections=(LineSection(-40.0, 80.0, 2e7),)),)}, "bow_line"),
         ({"lines": (replace(LINE, body_b="bardge"),)}, "bardge"),

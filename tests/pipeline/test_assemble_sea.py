@@ -24,13 +24,13 @@ from heavylift.pipeline.assemble.scene import assemble_rigid
 from heavylift.pipeline.assemble.sea import assemble_sea, make_waves, sea_provenance
 from heavylift.pipeline.assemble.sides import start_sides
 from heavylift.pipeline.assemble.water import water_of
-from heavylift.pipeline.case.hulls import DatabaseSection, HullSection
+from heavylift.pipeline.case.hulls import DatabaseSection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.report.sea import sea_sections
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.preprocess.surfaces.refinement import refined_triangles
-from heavylift.solver.scene.sea import Hull, Radiation, Water
+from heavylift.solver.scene.sea import Radiation, Water
 from heavylift.solver.water.wind.packing import fluid_pieces
 
 HERE = Path(__file__).parent
@@ -90,7 +90,6 @@ def test_defaults_of_the_case_are_those_of_the_solver():
         assert DatabaseSection.model_fields[key].default == Radiation.__dataclass_fields__[key].default
     for key in ("density", "level"):
         assert SeaSection.model_fields[key].default == Water.__dataclass_fields__[key].default
-    assert HullSection.model_fields["low_pass"].default == Hull.__dataclass_fields__["low_pass"].default
 
 
 def test_trains_go_through_each_other(folder):
@@ -136,8 +135,8 @@ def test_wind_current_and_loads(folder):
     assert wind.direction == pytest.approx(math.pi / 2.0)
     assert wind.fluctuation.seed == 7
     assert wind.fluctuation.duration >= 20.0
-    # heights above the still water, increasing
-    assert current.speed.tolist() == [[-10.0, 0.2], [0.0, 1.0]]
+    assert current.speed.depths.tolist() == [0.0, 10.0]
+    assert current.speed.speeds.tolist() == [1.0, 0.2]
     house, aft, under = fluid_pieces(sea_of(folder).loads)
     assert (house.name, house.area, house.coefficient) == ("house", 30.0, 1.1)
     assert (aft.name, aft.area, aft.extent) == ("house", (10.0, 12.0, 4.0), 3.0)
@@ -163,7 +162,7 @@ def test_coefficients_may_stand_in_a_file_in_degrees(folder):
 def test_points_of_tanks_lines_and_fenders_are_in_the_frames_of_bodies(folder):
     sea = sea_of(folder, "bodies.barge.frame.origin=centre_of_mass")  # 1 m above the origin of the geometry
     assert sea.tanks[0].point.tolist() == [15.0, 0.0, -2.0]
-    assert sea.tanks[0].free_surface == (1025.0 * 20.0, 1025.0 * 40.0)
+    assert sea.tanks[0].surface(sea.water) == (1025.0 * 20.0, 1025.0 * 40.0)
     assert sea.lines[0].point_a.tolist() == [230.0, 0.0, -49.5]
     assert sea.lines[0].point_b.tolist() == [20.0, 0.0, 0.0]
     assert sea.lines[0].seabed == -49.5

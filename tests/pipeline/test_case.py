@@ -147,7 +147,7 @@ def test_values_out_of_range_are_refused(small_case, override, words):
         ([1.0, -1.0, 1.0], "not positive definite"),
         ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "not positive definite"),
         ([[1, 0.1, 0], [0.2, 1, 0], [0, 0, 1]], "differ"),
-        ([1.0, 2.0], "three principal values"),
+        ([1.0, 2.0], "3 numbers on the diagonal"),
     ],
 )
 def test_inertia_of_no_body_is_refused(small_case, inertia, words):
@@ -224,7 +224,9 @@ def test_profiles_of_driven_frames(small_case):
     text = "\n".join(messages(small_case, "bodies.beam.frame.angle.values=[0, '1 m']"))
     assert "is a length" in text
     text = "\n".join(messages(small_case, "bodies.beam.frame.angle.times=[0, 0]"))
-    assert "increase" in text
+    assert "increasing times" in text
+    text = "\n".join(messages(small_case, "bodies.beam.frame.angle.valus=[0]"))
+    assert "valus does not exist; did you mean 'values'" in text
 
 
 def test_errors_carry_their_parts(small_case):

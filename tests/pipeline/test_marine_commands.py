@@ -248,10 +248,11 @@ def test_masses_in_air_follow_from_the_weight_in_water() -> None:
 def test_a_float_plane_has_metacentric_heights() -> None:
     volume = LENGTH * BREADTH * DRAFT
     restoring = LinearRestoring(
-        volume,
-        np.array([0.0, 0.0, -2.25]),
-        np.zeros(3),
-        np.array([LENGTH * BREADTH, 0.0, 0.0, BREADTH * LENGTH**3 / 12.0, LENGTH * BREADTH**3 / 12.0, 0.0]),
+        volume=volume,
+        centre_of_buoyancy=np.array([0.0, 0.0, -2.25]),
+        reference=np.zeros(3),
+        area=LENGTH * BREADTH,
+        second_moments=(BREADTH * LENGTH**3 / 12.0, LENGTH * BREADTH**3 / 12.0, 0.0),
     )
     figures = linear_figures(
         restoring, restoring.centre_of_buoyancy, np.array([0.0, 0.0, 2.0]), 1025.0 * volume, (), 1025.0

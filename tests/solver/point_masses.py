@@ -306,7 +306,7 @@ class System:
         kinks = {0.0, duration}
         tables = [load.times for load in self.loads]
         if isinstance(self.motion, Driven):
-            tables += [p.times for p in (*self.motion.translation, self.motion.angle) if p is not None]
+            tables += [p.times for p in self.motion.profiles if p is not None]
         for times in tables:
             kinks |= {float(t) for t in times if 0.0 < t < duration}
         edges = sorted(kinks)
@@ -406,7 +406,7 @@ def _prescribed(system: System, time: float) -> tuple[Array, Array, Array, Array
     axis = axis / np.linalg.norm(axis)
     pivot = np.asarray(system.motion.pivot, dtype=float)
     phi, rate, rate2 = profile_values(system.motion.angle, time)
-    moved = np.array([profile_values(profile, time) for profile in system.motion.translation])
+    moved = np.array([profile_values(profile, time) for profile in system.motion.profiles[:3]])
     Q = Rotation.from_rotvec(phi * axis).as_matrix()
     arm = Q @ (x0 - pivot)
     R = Q @ R0

@@ -41,7 +41,7 @@ def loads_of(seed: int) -> tuple[Load, Load]:
 
 
 HARMONICS = Driven(
-    translation=(Profile(harmonics=(Harmonic(0.1, 2.0, 0.3),)), None, None),
+    x=Profile(harmonics=(Harmonic(0.1, 2.0, 0.3),)),
     angle=Profile(harmonics=(Harmonic(0.3, 1.5, 0.2), Harmonic(0.05, 4.0))),
     axis=(1.0, 2.0, -1.0),
     pivot=(0.5, 0.2, -0.3),
@@ -49,11 +49,8 @@ HARMONICS = Driven(
 """About an inclined axis that does not pass through the body, and along x."""
 
 TABLES = Driven(
-    translation=(
-        None,
-        Profile(np.array([0.0, 0.1, 0.2, 0.4]), np.array([0.0, 0.05, 0.02, 0.1])),
-        Profile(np.array([0.1, 0.3]), np.array([0.0, 0.04]), (Harmonic(0.02, 1.0),)),
-    ),
+    y=Profile(np.array([0.0, 0.1, 0.2, 0.4]), np.array([0.0, 0.05, 0.02, 0.1])),
+    z=Profile(np.array([0.1, 0.3]), np.array([0.0, 0.04]), (Harmonic(0.02, 1.0),)),
     angle=Profile(np.array([0.0, 0.2, 0.4]), np.array([0.0, 0.5, 0.8]), (Harmonic(0.1, 1.5, 0.2),)),
     axis=(0.0, -3.0, 1.0),
     pivot=(-0.5, 1.0, 0.4),

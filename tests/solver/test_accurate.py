@@ -238,7 +238,7 @@ def test_redundant_loops_pass_their_singular_positions(loops: int) -> None:
 
 def test_a_driven_body_swings_a_pendulum_and_its_work_is_counted() -> None:
     """Pivot that moves up and down: ``J th'' = -(m/2) (g + z'') cos th`` for a rod."""
-    drive = Driven(translation=(None, Profile(harmonics=(Harmonic(0.1, 1.5),)), None))
+    drive = Driven(y=Profile(harmonics=(Harmonic(0.1, 1.5),)))
     simulation = Simulation(chain(2, motion=drive), 0.02, "accurate", tolerance=1e-8)
     times, records = simulation.advance(150)
     omega = 3.0 * math.pi

@@ -54,6 +54,57 @@ class Hook:
     size: Annotated[float, Positive("length")]
 
 
+SHELVES: Family[Any] = Family("shelf", "heavylift.solver.joints")
+
+
+@SHELVES.part
+@dataclass(frozen=True, kw_only=True)
+class Box:
+    """A box that weighs more than what is in it."""
+
+    mass: Annotated[float, Positive("mass")] = 2.0
+    """[kg]."""
+    inside: Annotated[float, Positive("mass")] = 1.0
+    """[kg]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """The box itself weighs something."""
+        if said.inside >= said.mass:
+            raise InputError("too heavy", key="inside", expected="less than 'mass'")
+
+
+@SHELVES.part
+@dataclass(frozen=True, kw_only=True)
+class Layer:
+    """A layer of boxes."""
+
+    boxes: tuple[Box, ...] = ()
+    """In a row."""
+    stacks: tuple[tuple[Box, ...], ...] = ()
+    """One upon the other."""
+
+
+@SHELVES.describe("shelf")
+@dataclass(frozen=True, kw_only=True)
+class Shelf:
+    """Layers of boxes."""
+
+    name: str
+    layers: tuple[Layer, ...]
+    """From below."""
+
+
+@pytest.mark.parametrize(("box", "wrong"), [(Box(mass=-1.0), "mass"), (Box(inside=3.0), "inside")])
+@pytest.mark.parametrize("place", ["boxes.1", "stacks.0.1"])
+def test_a_key_of_a_table_in_lists_of_lists_is_named(box, wrong, place):
+    row = (Box(), box)
+    layer = Layer(boxes=row) if place == "boxes.1" else Layer(stacks=(row,))
+    with pytest.raises(InputError) as raised:
+        check_object(Shelf(name="store", layers=(Layer(), layer)))
+    assert raised.value.key == f"layers.1.{place}.{wrong}"
+
+
 def family() -> Family[Thing]:
     return Family("thing", "heavylift.solver.joints")
 
@@ -194,7 +245,7 @@ def test_an_object_is_checked_as_a_case_file_is():
         (replace(rope, length=np.nan), r"fall: length: nan is not finite"),
         (replace(rope, path=(pulley, path[1])), r"fall: path\.0\.radius: a pulley at an end"),
         (replace(rope, path=(path[0], replace(pulley, radius=0.0))), r"fall: path\.1\.axis: 'axis' without"),
-        (replace(rope, winch=Winch(np.zeros(2), np.zeros(2))), r"fall: winch: times \[0\.0, 0\.0\]"),
+        (replace(rope, winch=Winch(np.zeros(2), np.zeros(2))), r"fall: winch\.times: times \[0\.0, 0\.0\]"),
     ):
         with pytest.raises(InputError, match=message):
             check_object(wrong)

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.drive import DRIVE_HEAD, drive_pose, drive_velocity, pack_drive, profile_value
+from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.scene import Driven, Harmonic, Profile
 
 TIMES, VALUES = np.array([0.5, 1.0, 1.7, 2.0, 3.0]), np.array([1.0, -2.0, 0.5, 0.5, 4.0])
@@ -17,7 +18,7 @@ TIMES, VALUES = np.array([0.5, 1.0, 1.7, 2.0, 3.0]), np.array([1.0, -2.0, 0.5, 0
 
 def packed(profile: Profile | None) -> np.ndarray:
     """A drive whose first profile starts behind the head."""
-    drive = pack_drive(Driven(translation=(profile, None, None)), np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    drive = pack_drive(Driven(x=profile), np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     return np.ascontiguousarray(drive)
 
 
@@ -102,20 +103,21 @@ def test_bad_drives() -> None:
     pose = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
     with pytest.raises(InputError, match="driven frame: axis: the axis has length zero"):
         pack_drive(Driven(angle=turn, axis=(0.0, 0.0, 0.0)), *pose)
-    pack_drive(Driven(translation=(turn, None, None), axis=(0.0, 0.0, 0.0)), *pose)  # needs no axis
+    pack_drive(Driven(x=turn, axis=(0.0, 0.0, 0.0)), *pose)  # needs no axis
 
 
 @pytest.mark.parametrize(
-    ("times", "values"),
+    ("times", "values", "words"),
     [
-        ([0.0], [1.0]),
-        ([0.0, 1.0], [1.0]),
-        ([0.0, 0.0], [1.0, 2.0]),
-        ([1.0, 0.0], [1.0, 2.0]),
-        ([0.0, np.nan], [1.0, 2.0]),
-        ([0.0, 1.0], [1.0, np.nan]),
+        ([0.0], [1.0], "angle: a table of 1 rows; expected 2 or more"),
+        ([0.0, 1.0], [1.0], "angle.values: 2 times and 1 values"),
+        ([0.0, 0.0], [1.0, 2.0], "angle.times: .*increasing"),
+        ([1.0, 0.0], [1.0, 2.0], "angle.times: .*increasing"),
+        ([0.0, np.nan], [1.0, 2.0], "angle.times: nan is not finite"),
+        ([0.0, 1.0], [1.0, np.nan], r"angle.values: nan is not finite; expected an angle \[rad\]"),
+        ([], [], "angle: an empty profile"),
     ],
 )
-def test_bad_tables(times: list[float], values: list[float]) -> None:
-    with pytest.raises(InputError, match=r"profile: .*expected no row, or two and more"):
-        Profile(np.array(times), np.array(values))
+def test_bad_tables(times: list[float], values: list[float], words: str) -> None:
+    with pytest.raises(InputError, match=f"platform: {words}"):
+        check_object(Driven(angle=Profile(np.array(times), np.array(values))), source="platform")

@@ -167,7 +167,7 @@ def test_record_is_the_last_row_and_channels_tile_it() -> None:
 def test_a_load_that_is_not_finite_stops_the_run(
     name: str, integrator: str, bad: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(scene_checks, "check_object", lambda *_: None)  # which refuses the table
+    monkeypatch.setattr(scene_checks, "check_object", lambda *_, **__: None)  # which refuses the table
     scene = SYSTEMS[name]
     gravity, *loads = scene.forces
     forces = np.array([[1.0, 2.0, 3.0]] * 2 + [[bad, 0.0, -bad]] * 2)
@@ -188,7 +188,7 @@ def test_a_load_that_is_not_finite_stops_the_run(
 def test_the_state_after_a_stop_is_the_last_good_one(
     integrator: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(scene_checks, "check_object", lambda *_: None)  # which refuses the table
+    monkeypatch.setattr(scene_checks, "check_object", lambda *_, **__: None)  # which refuses the table
     scene = SYSTEMS["free"]
     gravity, load, _ = scene.forces
     good = replace(load, times=BREAK, forces=np.array([[1.0, 2.0, 3.0]] * 4))
@@ -325,7 +325,7 @@ def test_a_scene_imports_only_what_it_contains() -> None:
         reduced = ReducedBody(
             np.zeros((1, 3)), np.ones(1), np.zeros((1, 1, 3)), integrals, False, ("1",), np.zeros(1), 0.0
         )
-        Simulation(Scene((FlexibleBody("beam", reduced, Fixed()),)), 1e-3)
+        Simulation(Scene((FlexibleBody("beam", reduced, motion=Fixed()),)), 1e-3)
         names = [name for name in sys.modules]
         unwanted = ("floating_frame_step", "floating_frame_record", "floating_frame_thesis", "floating_frame_kind",
                     "rigid", "forces.gravity", "forces.point", "gmsh", "skfem", "meshio", "pyvista", "matplotlib",

@@ -133,7 +133,7 @@ def test_modes_of_a_fixed_flexible_body_sag() -> None:
     """``q = S^T R^T g / k`` with S the modal momenta: every mode for itself."""
     cloud = make_cloud(rigid_part=0.3)
     turn = Rotation.from_rotvec([0.3, -0.5, 0.8])
-    body = FlexibleBody("beam", cloud.reduced(), Fixed(), orientation=quaternion(turn))
+    body = FlexibleBody("beam", cloud.reduced(), motion=Fixed(), orientation=quaternion(turn))
     rows = rows_of(Scene((body,), (DOWN,)))
     find_equilibrium(rows)
     translation = np.einsum("n,mnk->mk", cloud.masses, cloud.shapes)

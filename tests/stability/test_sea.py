@@ -271,9 +271,14 @@ def linear_hull(**more: Any) -> Hull:
     """The barge with a float plane in place of its surface."""
     length, breadth, _ = BARGE
     area = length * breadth
-    plane = np.array([area, 0.0, 0.0, area * length**2 / 12.0, area * breadth**2 / 12.0, 0.0])
-    centre = np.array([0.0, 0.0, -0.5 * DRAFT])
-    return Hull(body="barge", restoring=LinearRestoring(area * DRAFT, centre, np.zeros(3), plane), **more)
+    restoring = LinearRestoring(
+        volume=area * DRAFT,
+        centre_of_buoyancy=np.array([0.0, 0.0, -0.5 * DRAFT]),
+        reference=np.zeros(3),
+        area=area,
+        second_moments=(area * length**2 / 12.0, area * breadth**2 / 12.0, 0.0),
+    )
+    return Hull(body="barge", restoring=restoring, **more)
 
 
 @pytest.mark.parametrize("step", [0.05, 0.5])
@@ -336,7 +341,13 @@ def test_a_body_lighter_than_the_water_it_carries_along(share: float, step: floa
     displaced = data.density * length * breadth * depth
     mass = share * 0.5 * displaced
     body = barge(mass=mass, position=np.array([0.0, 0.0, -300.0]))
-    whole = LinearRestoring(length * breadth * depth, np.zeros(3), np.zeros(3), np.zeros(6))
+    whole = LinearRestoring(
+        volume=length * breadth * depth,
+        centre_of_buoyancy=np.zeros(3),
+        reference=np.zeros(3),
+        area=0.0,
+        second_moments=(0.0, 0.0, 0.0),
+    )
     # a single wave of no height: the memory acts, no wave does
     scene = in_waves(body, Hull(body="barge", restoring=whole), 1e-9, 9.0, 0.0)
     found = completed(simulate(scene, step, 4.0, record_every=1))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
@@ -16,13 +16,11 @@ from heavylift.solver.interface import Bodies
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 
 if TYPE_CHECKING:
-    from heavylift.solver.scene.sea import FloatingBody, Hull, Radiation, Sea, Tank, Water
+    from heavylift.solver.scene.sea import FloatingBody, Radiation, Sea, Water
 
 __all__ = [
-    "check_hull_numbers",
     "check_places",
     "check_sea",
-    "check_tank",
     "check_volume",
     "check_water",
     "left_because",
@@ -37,18 +35,6 @@ YAW_TOLERANCE = np.radians(5.0)
 
 VOLUME_TOLERANCE = 0.1
 """Of the volume of a database, that a hull may displace more or less with its reference point where that is there."""
-
-UNSYMMETRIC = 1e-6
-
-
-def _finite(values: ArrayLike, shape: tuple[int, ...], source: str, key: str) -> NDArray[np.float64]:
-    """An array of a shape, without holes."""
-    given = np.asarray(values, dtype=np.float64)
-    if given.shape != shape or not np.all(np.isfinite(given)):
-        raise InputError(
-            f"{given.tolist()}", source=source, key=key, expected=f"finite numbers, shape {shape}"
-        )
-    return given
 
 
 def check_sea(sea: Sea) -> None:
@@ -94,62 +80,8 @@ def check_water(water: Water) -> None:
         value = getattr(water, key)
         if not (value > 0.0 and (np.isfinite(value) or key == "depth")):
             raise InputError(f"{value:g}", source="sea", key=key, expected="a positive number")
-    _finite(water.level, (), "sea", "level")
-
-
-def check_hull_numbers(hull: Hull) -> None:
-    """Shapes and numbers of a hull, and damping that dissipates.
-
-    Raises
-    ------
-    InputError
-        If not.
-    """
-    _finite(hull.reference, (3,), hull.body, "reference")
-    D = _finite(hull.damping, (6, 6), hull.body, "damping")
-    quadratic = _finite(hull.quadratic_damping, (6,), hull.body, "quadratic_damping")
-    size = float(np.abs(D).max())
-    if np.abs(D - D.T).max() > UNSYMMETRIC * size or np.linalg.eigvalsh(D)[0] < -1e-9 * size:
-        raise InputError(
-            f"{D.tolist()}",
-            source=hull.body,
-            key="damping",
-            expected="a symmetric matrix that dissipates in every direction",
-        )
-    if np.any(quadratic < 0.0):
-        raise InputError(
-            f"{quadratic.tolist()}", source=hull.body, key="quadratic_damping", expected="0 or more each"
-        )
-    if not 0.0 < hull.low_pass < np.inf:
-        raise InputError(
-            f"{hull.low_pass} rad/s", source=hull.body, key="low_pass", expected="a positive frequency"
-        )
-
-
-def check_tank(tank: Tank) -> None:
-    """Refuse a tank without a place or a schedule.
-
-    Raises
-    ------
-    InputError
-        If a number is missing, times do not increase, or a mass or free surface is negative.
-    """
-    _finite(tank.point, (3,), tank.name, "point")
-    surface = _finite(tank.free_surface, (2,), tank.name, "free_surface")
-    if np.any(surface < 0.0):
-        raise InputError(
-            f"{surface.tolist()}", source=tank.name, key="free_surface", expected="0 or more about each axis"
-        )
-    times, masses = np.atleast_1d(tank.times).astype(float), np.atleast_1d(tank.masses).astype(float)
-    good = times.ndim == 1 and times.shape == masses.shape and len(times) > 0
-    if not (good and np.all(np.isfinite(times)) and np.all(np.diff(times) > 0.0) and np.all(masses >= 0.0)):
-        raise InputError(
-            f"times {times.tolist()}, masses {masses.tolist()}",
-            source=tank.name,
-            key="masses",
-            expected="increasing times with one mass of 0 or more each",
-        )
-    _finite(masses, masses.shape, tank.name, "masses")
+    if not np.isfinite(water.level):
+        raise InputError(f"{water.level}", source="sea", key="level", expected="a finite height")
 
 
 def check_places(radiation: Radiation, hulls: Sequence[FloatingBody]) -> None:

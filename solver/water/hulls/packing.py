@@ -16,8 +16,8 @@ from heavylift.solver.bodies.rigid.kind import RigidFrame
 from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import channel_width
-from heavylift.solver.scene.sea import FloatingBody, LinearRestoring, Radiation, Sea, Tank
-from heavylift.solver.water.hulls.checks import check_hull_numbers, check_places, check_tank, check_volume
+from heavylift.solver.scene.sea import FloatingBody, LinearRestoring, Radiation, Sea, Tank, Water
+from heavylift.solver.water.hulls.checks import check_places, check_volume
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 from heavylift.solver.water.hulls.kind import (
     CLIPPED,
@@ -115,22 +115,21 @@ def pack_hulls(
     rows = records(HullData, count)
     damping = np.zeros((6 * count, 6 * count))
     surfaces = _Surfaces()
-    tanks = [tank for name in names for tank in sea.tanks if tank.body == name]
+    tanks = [tank for name in names for tank in sea.tanks if tank.hull == name]
     for row, body in enumerate(bodies):
         rows[row].group = groups.index(body.group)
         rows[row].offset = 6 * body.group.index(body.name)
-        of_body = [i for i, tank in enumerate(tanks) if tank.body == body.name]
+        of_body = [i for i, tank in enumerate(tanks) if tank.hull == body.name]
         rows[row].first_tank = of_body[0] if of_body else 0
         rows[row].last_tank = of_body[-1] + 1 if of_body else 0
         axes = rotation_matrix(rigid.frame[row].axes).T  # body to principal
         centre = rigid.frame[row].centre
-        check_hull_numbers(body.hull)
         _fill_hull(rows[row], body, axes, centre, surfaces)
         at = slice(6 * row, 6 * row + 6)
         damping[at, at] = body.hull.damping
         rows[row].quadratic_damping[:] = body.hull.quadratic_damping
         rows[row].cut_off = body.hull.low_pass
-    tank_rows, levels = _pack_tanks(tanks, names, rigid.frame)
+    tank_rows, levels = _pack_tanks(tanks, names, rigid.frame, sea.water)
     for entry in sea.radiation:
         for place, name in enumerate(entry.bodies):
             _cover(entry, place, names.index(name), bodies, rows, surfaces, rigid.frame)
@@ -263,19 +262,18 @@ def _fill_hull(
 
 
 def _pack_tanks(
-    tanks: Sequence[Tank], names: Sequence[str], frame: Records[RigidFrame]
+    tanks: Sequence[Tank], names: Sequence[str], frame: Records[RigidFrame], water: Water
 ) -> tuple[Records[TankData], Records[TankLevel]]:
     """Tanks, and the rows of their schedules."""
     levels: list[tuple[float, float]] = []
     rows = records(TankData, len(tanks))
     for row, tank in zip(rows, tanks, strict=True):
-        check_tank(tank)
-        times, masses = np.atleast_1d(tank.times).astype(float), np.atleast_1d(tank.masses).astype(float)
-        row.hull, row.first, row.count = names.index(tank.body), len(levels), len(times)
+        times, masses = tank.schedule
+        row.hull, row.first, row.count = names.index(tank.hull), len(levels), len(times)
         axes = rotation_matrix(frame[row.hull].axes).T
         row.point[:] = axes @ (np.asarray(tank.point) - frame[row.hull].centre)
-        row.free_surface[:] = tank.free_surface
-        row.mass = np.interp(0.0, times, masses)
+        row.free_surface[:] = tank.surface(water)
+        row.mass = tank.start_mass
         levels.extend(zip(times, masses, strict=True))
     return rows, records(TankLevel, levels)
 

@@ -16,13 +16,15 @@ from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.descriptions import ChannelKind
 from heavylift.solver.scene.wind_loads import (
     CurrentField,
+    CurrentProfile,
     DragElement,
     FluctuationRecord,
     FluidField,
     FluidLoad,
+    Veering,
     WindField,
 )
-from heavylift.solver.water.wind.coefficients import SMALL_ANGLE, CoefficientLoad, coefficient_curves
+from heavylift.solver.water.wind.coefficients import CoefficientLoad, coefficient_curves
 from heavylift.solver.water.wind.forces import (
     BOX,
     COEFFICIENTS,
@@ -39,9 +41,7 @@ from heavylift.solver.water.wind.forces import (
 )
 from heavylift.solver.water.wind.spectrum import (
     HOUR,
-    LARGEST_CURRENT,
     REFERENCE_HEIGHT,
-    check_speed,
     gust_coefficient,
     hourly_mean,
     profile_slope,
@@ -49,7 +49,6 @@ from heavylift.solver.water.wind.spectrum import (
 
 __all__ = ["fluid_channels", "fluid_markers", "fluid_pieces", "pack_fluid_loads"]
 
-FULL_TURN = 2.0 * math.pi
 INTENSITY_EXPONENT = -0.22
 """Of the turbulence intensity over the height, ISO 19901-1."""
 
@@ -190,21 +189,16 @@ class _Rows:
 
 def _wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
     """Fill the numbers of a field; rows of the profile and of the fluctuation."""
-    check_speed(wind.speed, source=wind.name, key="speed")
-    _positive(wind.averaging_time, wind.name, "averaging_time", "s", HOUR)
     speed = hourly_mean(wind.speed, wind.averaging_time) if wind.averaging_time < HOUR else wind.speed
     sorts = {"log": LOG, "power": POWER, "uniform": TABLE}
     if wind.profile not in sorts:
         raise InputError(
             f"profile {wind.profile!r}", source=wind.name, key="profile", expected="log, power or uniform"
         )
-    if not 0.0 <= wind.exponent <= 1.0:
-        raise InputError(f"exponent {wind.exponent:g}", source=wind.name, key="exponent", expected="0 to 1")
     sort = sorts[wind.profile]
     shape = profile_slope(speed) if sort == LOG else wind.exponent
     gust = 0.0
     if wind.gust is not None:
-        _positive(wind.gust, wind.name, "gust", "s", HOUR)
         if wind.fluctuation is not None:
             raise InputError(
                 "a gust and a fluctuation",
@@ -216,7 +210,6 @@ def _wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
     record, step = np.zeros((0, 1)), 1.0
     if wind.fluctuation is not None:
         record, step = _record(wind.fluctuation, wind.name), wind.fluctuation.step
-    _positive(wind.density, wind.name, "density", "kg/m3")
     exponent = 0.0 if sort == TABLE else INTENSITY_EXPONENT
     data.profile, data.density, data.side, data.speed, data.shape = sort, wind.density, 1.0, speed, shape
     data.gust, data.gust_exponent = gust, exponent
@@ -227,21 +220,10 @@ def _wind(wind: WindField, data: FieldData) -> tuple[Array, Array]:
 
 def _current(current: CurrentField, data: FieldData) -> tuple[Array, Array]:
     """As `_wind`."""
-    rows = np.asarray(current.speed, dtype=np.float64)
-    if rows.ndim == 0:
-        rows = np.array([[0.0, float(rows)]])
-    _check_rows(
-        rows, current.name, "speed", "rows of height above the still water and speed, from below to above"
-    )
-    if np.any(rows[:, 0] > 0.0):
-        raise InputError(
-            f"height {rows[:, 0].max():g} m above the still water",
-            source=current.name,
-            key="speed",
-            expected="heights of the current not above 0: depths are negative",
-        )
-    for speed in rows[:, 1]:
-        check_speed(speed, source=current.name, key="speed", largest=LARGEST_CURRENT)
+    rows = np.array([[0.0, current.speed]])
+    if isinstance(current.speed, CurrentProfile):
+        # heights above the still water, increasing
+        rows = np.column_stack([-np.asarray(current.speed.depths), current.speed.speeds])[::-1]
     data.profile, data.side, data.record_step = TABLE, -1.0, 1.0
     return rows, np.zeros((0, 1))
 
@@ -260,26 +242,11 @@ def _positive(value: float, source: str, key: str, unit: str, largest: float = m
         raise InputError(f"{value:g} {unit}", source=source, key=key, expected=f"a positive number{limit}")
 
 
-def _check_rows(rows: Array, source: str, key: str, expected: str) -> None:
-    """Pairs of finite numbers, the first of them increasing."""
-    fits = rows.ndim == 2 and rows.shape[1:] == (2,) and len(rows) > 0 and bool(np.all(np.isfinite(rows)))
-    if not (fits and np.all(np.diff(rows[:, 0]) > 0.0)):
-        raise InputError(f"table of shape {rows.shape}", source=source, key=key, expected=expected)
-
-
 def _direction(one: FluidField) -> Array:
     """Rows of time and angle."""
-    rows = np.asarray(one.direction, dtype=np.float64)
-    if rows.ndim:
-        _check_rows(rows, one.name, "direction", "rows of time and angle in rad, times increasing")
-        return rows
-    angle = float(rows)
-    if not abs(angle) <= FULL_TURN + SMALL_ANGLE:
-        hint = f" ({angle:g} deg are {math.radians(angle):.4g} rad)" if math.isfinite(angle) else ""
-        raise InputError(
-            f"direction {angle:g} rad", source=one.name, key="direction", expected=f"-2 pi to 2 pi{hint}"
-        )
-    return np.array([[0.0, angle]])
+    if isinstance(one.direction, Veering):
+        return np.column_stack([one.direction.times, one.direction.angles])
+    return np.array([[0.0, one.direction]])
 
 
 def _record(record: FluctuationRecord, source: str) -> Array:

@@ -88,7 +88,7 @@ def check_speed(speed: float, *, source: object, key: str, largest: float = LARG
         return float(speed)
     problem, expected = f"{speed:g} m/s", f"a speed from 0 to {largest:g} m/s"
     if largest < speed < math.inf:
-        expected += f" (if {speed:g} is in knots it is {speed * KNOT:.4g} m/s)"
+        expected += f'; in knots "{speed:g} knot" is {speed * KNOT:.4g} m/s'
     elif speed < 0.0:
         expected += "; the direction says where it goes"
     raise InputError(problem, source=source, key=key, expected=expected)

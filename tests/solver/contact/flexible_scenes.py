@@ -70,7 +70,7 @@ def hit(
     """A point mass that falls onto the plate, which is held by its frame or free."""
     held = Fixed() if motion is None else motion
     modes = body.cloud.mode_count
-    flexible = FlexibleBody("plate", body.cloud.reduced(), held, damping_ratio=np.full(modes, damping))
+    flexible = FlexibleBody("plate", body.cloud.reduced(), motion=held, damping_ratio=np.full(modes, damping))
     mover = ball([*place, height], [*sideways, -speed], mass=mass)
     return Scene(
         bodies=(flexible, mover),

@@ -381,7 +381,7 @@ def test_table_carries_a_ball_by_friction():
         name="table",
         mass=1.0,
         inertia=np.eye(3),
-        motion=Driven(translation=(way, None, None)),
+        motion=Driven(x=way),
         position=np.zeros(3),
     )
     scene = Scene(

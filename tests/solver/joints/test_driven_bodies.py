@@ -19,7 +19,7 @@ ACROSS = MASS * (LENGTH**2 + WIDTH**2) / 12.0
 @pytest.fixture(scope="module")
 def scene() -> Scene:
     slide = Profile(harmonics=(Harmonic(AMPLITUDE, FREQUENCY),))
-    platform = RigidBody("platform", PLATFORM, np.eye(3), motion=Driven(translation=(slide, None, None)))
+    platform = RigidBody("platform", PLATFORM, np.eye(3), motion=Driven(x=slide))
     rod = RigidBody(
         "rod",
         MASS,

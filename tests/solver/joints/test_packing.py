@@ -111,7 +111,7 @@ def test_distance_of_the_start_is_kept_if_none_is_given() -> None:
 def test_driven_body_holds_a_joint_where_its_drive_starts() -> None:
     """The pose of a driven body is that for zero displacement; the drive may begin elsewhere."""
     lift = Profile(harmonics=(Harmonic(0.5, 1.0, np.pi / 2),))
-    thing = body(motion=Driven(translation=(None, None, lift)), position=np.array([1.0, 0.0, 0.0]))
+    thing = body(motion=Driven(z=lift), position=np.array([1.0, 0.0, 0.0]))
     joint = Ball(name="j", body_a=GROUND, body_b="b", frame_b=JointFrame(np.array([0.0, 1.0, 0.0])))
     np.testing.assert_allclose(start_frames(joint, [thing])[1].point, [1.0, 1.0, 0.5])
 

@@ -57,7 +57,7 @@ def test_rope_shorter_than_its_path_says_by_how_much() -> None:
         (wire(eye(GROUND), pulley(GROUND, (1, 0, 0), 0.3, 0.0), eye("block")), "axis"),
         (
             wire(eye(GROUND), eye("block"), winch=Winch(np.array([0.0, 0.0]), np.array([1.0, 1.0]))),
-            "winch: times.*increasing times",
+            "winch.times: times.*increasing times",
         ),
     ],
 )

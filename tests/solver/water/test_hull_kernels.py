@@ -70,7 +70,14 @@ def wedge() -> TriangleSurface:
 def kind() -> Hulls:
     """Three hulls in one kind: clipped, clipped with a tank, linear with a tank."""
     names = ("plain", "tanked", "linear")
-    linear = LinearRestoring(90.0, np.array([0.3, 0.1, -0.9]), np.array([0.2, -0.3, 0.5]), WATERPLANE)
+    linear = LinearRestoring(
+        volume=90.0,
+        centre_of_buoyancy=np.array([0.3, 0.1, -0.9]),
+        reference=np.array([0.2, -0.3, 0.5]),
+        area=WATERPLANE[0],
+        first_moments=tuple(WATERPLANE[1:3]),
+        second_moments=tuple(WATERPLANE[3:]),
+    )
     hulls = tuple(
         Hull(body=name, restoring=linear if name == "linear" else wedge(), reference=REFERENCE_POINT)
         for name in names
@@ -78,11 +85,11 @@ def kind() -> Hulls:
     tanks = tuple(
         Tank(
             name=f"tank_{name}",
-            body=name,
+            hull=name,
             point=np.array([1.0, 0.2, 0.1]),
-            times=np.zeros(1),
-            masses=np.array([4e3]),
-            free_surface=(1.1e4, 2.3e4),
+            mass=4e3,
+            free_surface=(11.0, 23.0),
+            density=1e3,
         )
         for name in names[1:]
     )
@@ -258,7 +265,14 @@ def test_steps_of_the_filter_compose() -> None:
 )
 def test_moments_that_no_water_plane_has(moments: list[float], volume: float) -> None:
     """A negative second moment, first moments beyond what the second ones allow, no volume."""
-    linear = LinearRestoring(volume, np.zeros(3), np.zeros(3), np.array(moments))
+    linear = LinearRestoring(
+        volume=volume,
+        centre_of_buoyancy=np.zeros(3),
+        reference=np.zeros(3),
+        area=moments[0],
+        first_moments=tuple(moments[1:3]),
+        second_moments=tuple(moments[3:]),
+    )
     body = RigidBody("raft", 1.0, np.eye(3))
     sea = Sea(water=Water(gravity=G), hulls=(Hull(body="raft", restoring=linear),))
     with pytest.raises(InputError, match="water plane"):

@@ -57,8 +57,13 @@ def surface():
 
 
 def linear() -> LinearRestoring:
-    moments = np.array([AREA, 0.0, 0.0, BREADTH * LENGTH**3 / 12.0, LENGTH * BREADTH**3 / 12.0, 0.0])
-    return LinearRestoring(AREA * DRAFT, np.array([0.0, 0.0, -DRAFT / 2.0]), np.zeros(3), moments)
+    return LinearRestoring(
+        volume=AREA * DRAFT,
+        centre_of_buoyancy=np.array([0.0, 0.0, -DRAFT / 2.0]),
+        reference=np.zeros(3),
+        area=AREA,
+        second_moments=(BREADTH * LENGTH**3 / 12.0, LENGTH * BREADTH**3 / 12.0, 0.0),
+    )
 
 
 def barge(name: str = "barge", place=(0.0, 0.0, 0.2), turn=(0.03, 0.01, 0.2), **values) -> RigidBody:
@@ -238,7 +243,7 @@ class TestHullsAlone:
     def test_ballast_is_a_mass_on_the_hull(self) -> None:
         """Against a hull that has it in mass, centre and moments of inertia; the difference is of second order."""
         place = np.array([20.0, 5.0, 2.0])
-        tank = Tank(name="T", body="barge", point=place, times=np.zeros(1), masses=np.array([0.2 * MASS]))
+        tank = Tank(name="T", hull="barge", point=place, times=np.zeros(1), masses=np.array([0.2 * MASS]))
         apart = []
         for h in (0.1, 0.05):
             one = motion(run(scene(barge()), h, 60.0, 0.2)[1])
@@ -251,7 +256,7 @@ class TestHullsAlone:
     def test_filling_sinks_the_hull_by_the_mass_over_the_water_plane(self) -> None:
         """And the energy that the water brings is booked."""
         tank = Tank(
-            name="T", body="barge", point=np.zeros(3), times=np.array([0.0, 300.0]), masses=np.array([0.0, 0.2 * MASS])
+            name="T", hull="barge", point=np.zeros(3), times=np.array([0.0, 300.0]), masses=np.array([0.0, 0.2 * MASS])
         )  # fmt: skip
         made = scene(barge(place=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0)), tanks=(tank,))
         times, history, _ = run(made, 0.05, 500.0, 0.5)
@@ -263,7 +268,7 @@ class TestHullsAlone:
 
     def test_hull_with_ballast_starts_where_it_rests(self) -> None:
         tank = Tank(
-            name="T", body="barge", point=np.array([0.0, 3.0, 0.0]), times=np.zeros(1), masses=np.array([0.05 * MASS])
+            name="T", hull="barge", point=np.array([0.0, 3.0, 0.0]), times=np.zeros(1), masses=np.array([0.05 * MASS])
         )  # fmt: skip
         _, history, _ = run(scene(barge(), tanks=(tank,)), 0.05, 5.0, 0.5, start="equilibrium")
         assert np.ptp(history("barge.position"), axis=0).max() < 1e-6

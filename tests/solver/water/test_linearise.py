@@ -187,11 +187,12 @@ def test_a_free_box_has_the_stiffness_of_its_water_plane_and_the_motions_of_its_
 def test_ballast_has_mass_and_its_free_surface_takes_from_the_restoring() -> None:
     tank = Tank(
         name="ballast",
-        body="barge",
+        hull="barge",
         point=np.array([0.0, 0.0, -3.0]),
         times=np.array([0.0, 100.0]),
         masses=np.array([2e5, 9e5]),
-        free_surface=(4e6, 7e6),
+        free_surface=(4e3, 7e3),
+        density=1e3,
     )
     plain, filled = linearise(barge_scene()), linearise(barge_scene(tanks=(tank,)))
     change = filled.mass - plain.mass

@@ -16,11 +16,14 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.wind_loads import (
     CurrentField,
+    CurrentProfile,
     DragElement,
     FluctuationRecord,
+    Veering,
     WindField,
     fluctuation_record,
     fluctuation_records,
@@ -69,6 +72,8 @@ def apply(body, fields, loads, time=0.0, **water):
     markers = fluid_markers(book, loads)
     channels = fluid_channels(fields, loads)
     columns = np.cumsum([0, *[len(kind.columns()) for _, kind in channels]])
+    for one in fields:
+        check_object(one)
     kind = pack_fluid_loads(fields, loads, markers, [int(c) for c in columns[:-1]], **water)
     work = Workspace.empty(6, book.count)
     for load, (point, heading) in zip(loads, markers, strict=True):
@@ -112,6 +117,10 @@ def element(**changes):
         DragElement(name="jib", body="barge", point=np.array([10.0, 3.0, 40.0]), area=25.0, coefficient=1.3),
         **changes,
     )
+
+
+def current(depths=(0.0, 5.0), speeds=(1.0, 0.5)):
+    return CurrentField(speed=CurrentProfile(np.array(depths), np.array(speeds)))
 
 
 def log_wind(z, speed):
@@ -266,7 +275,8 @@ def test_profiles_and_gusts_of_iso_19901_1():
 
 
 def test_wind_acts_above_the_water_and_current_below():
-    current = CurrentField(speed=np.array([[-20.0, 0.2], [-10.0, 0.8], [0.0, 1.2]]), direction=np.pi)
+    profile = CurrentProfile(np.array([0.0, 10.0, 20.0]), np.array([1.2, 0.8, 0.2]))
+    current = CurrentField(speed=profile, direction=np.pi)
     assert force_at(WindField(speed=10.0), -1e-9) == force_at(current, 1e-9) == 0.0
     for depth, speed in ((0.5, 1.18), (5.0, 1.0), (15.0, 0.5), (40.0, 0.2)):
         assert force_at(current, -depth) == pytest.approx(speed, rel=1e-12)
@@ -280,7 +290,10 @@ def test_of_a_piece_that_the_water_cuts_each_side_has_its_part():
     body = Body(np.random.default_rng(0), height=1.0)
     body.velocity, body.spin = np.zeros(3), np.zeros(3)
     column = element(point=np.zeros(3), area=12.0, coefficient=1.0, extent=6.0)
-    fields = [WindField(speed=10.0), CurrentField(speed=np.array([[-10.0, 0.0], [0.0, 1.0]]))]
+    fields = [
+        WindField(speed=10.0),
+        CurrentField(speed=CurrentProfile(np.array([0.0, 10.0]), np.array([1.0, 0.0]))),
+    ]
     (air, _), (water, _) = apply(body, fields, [column, replace(column, name="wet", fluid="current")])[0]
     assert air[0] == pytest.approx(0.5 * 1.225 * 8.0 * log_wind(2.0, 10.0) ** 2, rel=1e-12)
     assert water[0] == pytest.approx(0.5 * 1025.0 * 4.0 * 0.9**2, rel=1e-12)
@@ -292,7 +305,7 @@ def test_fluctuations_follow_their_record_directions_their_table_and_all_of_it_t
     smooth = 0.1 * np.arange(200)
     wind = WindField(
         speed=10.0,
-        direction=np.array([[0.0, 0.1], [10.0, 0.5]]),
+        direction=Veering(np.array([0.0, 10.0]), np.array([0.1, 0.5])),
         fluctuation=FluctuationRecord(0.1, np.sin(smooth)),
     )
     for time in (0.0, 0.05, 3.3, 7.777, 12.0):
@@ -345,11 +358,19 @@ def test_loads_of_one_name_are_recorded_as_their_sum():
 @pytest.mark.parametrize(
     ("fields", "loads", "message"),
     [
-        ([WindField(speed=90.0)], [], r"wind: speed: 90 m/s.*in knots it is 46\.3 m/s"),
+        ([WindField(speed=90.0)], [], r'wind: speed: 90 m/s.*in knots "90 knot" is 46\.3 m/s'),
         ([CurrentField(speed=15.0)], [], "current: speed: 15 m/s.*knots"),
-        ([CurrentField(speed=np.array([[0.0, 1.0], [-5.0, 0.5]]))], [], "from below to above"),
-        ([CurrentField(speed=np.array([[0.0, 1.0], [5.0, 0.5]]))], [], "depths are negative"),
-        ([WindField(speed=9.0, direction=223.0)], [], r"direction 223 rad.*223 deg are 3\.892 rad"),
+        ([current(depths=[5.0, 0.0])], [], "current: speed.depths: .*increasing depths"),
+        ([current(depths=[-5.0, 0.0])], [], "current: speed.depths: -5.0 is too small"),
+        ([current(speeds=[1.0, 20.0])], [], "current: speed.speeds: 20 m/s.*in knots"),
+        ([current(speeds=[1.0])], [], "current: speed.speeds: 2 depths and 1 speeds"),
+        (
+            [WindField(speed=9.0, direction=223.0)],
+            [],
+            'wind: direction: 223 rad is more than a turn.*"223 deg"',
+        ),
+        ([WindField(speed=9.0, averaging_time=7200.0)], [], "wind: averaging_time: 7200 s.*up to an hour"),
+        ([WindField(speed=9.0, exponent=0.2)], [], "wind: exponent: .*profile 'power'"),
         ([WindField(speed=9.0, profile="linear")], [], "log, power or uniform"),
         (
             [WindField(speed=9.0, gust=3.0, fluctuation=FluctuationRecord(0.1, np.zeros(9)))],

@@ -153,7 +153,7 @@ def test_the_hourly_mean_of_a_gust_is_the_wind_that_has_this_gust(duration, heig
 
 
 def test_speeds_that_look_like_knots_are_refused_with_the_conversion():
-    with pytest.raises(InputError, match=r"120 m/s.*knots it is 61\.73 m/s"):
+    with pytest.raises(InputError, match=r'120 m/s.*knots "120 knot" is 61\.73 m/s'):
         check_speed(120.0, source="wind", key="speed")
     for speed in (-1.0, np.nan, np.inf):
         with pytest.raises(InputError, match="speed from 0 to 75"):
