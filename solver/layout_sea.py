@@ -80,17 +80,6 @@ def float_bodies(scene: Scene) -> Scene:
             )
     if hulls:
         _check_gravity(scene, sea)
-    if any(len(body.group) > 1 for body in hulls.values()) and scene.touches:
-        group = next(body.group for body in hulls.values() if len(body.group) > 1)
-        owners = [surface.body for surface in scene.surfaces] + [contour.body for contour in scene.contours]
-        touched = set(owners) & set(group)
-        if touched:
-            raise InputError(
-                f"{min(touched)!r} interacts with other hulls, and touches something",
-                source="scene",
-                key="collisions",
-                expected="contacts on hulls with a database of their own only",
-            )
     others = tuple(body for body in scene.bodies if body.name not in hulls)
     return replace(scene, bodies=(*others, *hulls.values()))
 

@@ -122,24 +122,24 @@ def liquid_at_start(tank: seas.Tank, water: seas.Water) -> Liquid:
 
 
 def resting_position(case: Case, name: str, folder: OutputFolder) -> FloatingPosition:
-    """How a hull floats by itself, with its tanks, without waves and lines.
+    """How a hull floats with its tanks and all that joints hold on it, without waves and lines.
 
     Raises
     ------
     InputError
         If its surface is no hull, or it does not float.
     """
+    from heavylift.pipeline.assemble.loading import case_loading
     from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
     from heavylift.solver.water.hulls.hydrostatics import equilibrium
 
-    section, body, origin = case.hulls[name], case.bodies[name], frame_origin(case, name)
-    assert body.type == "rigid"
+    section, origin, loading = case.hulls[name], frame_origin(case, name), case_loading(case, name, folder)
     hull = check_hull(hull_surface(case, name, folder), open_deck=_open_deck(section, origin))
     water = water_of(case)
     return equilibrium(
         hull,
-        body.mass,
-        np.array(body.centre_of_mass) - origin,
+        loading.mass,
+        loading.centre,
         density=water.density,
         gravity=water.gravity,
         level=water.level,
@@ -158,11 +158,16 @@ def upright_position(case: Case, name: str, folder: OutputFolder) -> FloatingPos
     position = resting_position(case, name, folder)
     pose = position.pose
     if max(abs(pose.list), abs(pose.trim)) > LEVEL:
+        from heavylift.pipeline.assemble.loading import case_loading
+
+        found = case_loading(case, name, folder)
+        carries = f", carrying {', '.join(found.bodies)}" if found.bodies else ""
+        left = f"; not counted: {', '.join(found.left_out)}" if found.left_out else ""
         raise InputError(
             f"{name!r} floats with a list of {math.degrees(pose.list):.3g} and a trim of "
-            f"{math.degrees(pose.trim):.3g} degrees",
+            f"{math.degrees(pose.trim):.3g} degrees{carries}{left}",
             key="surface",
-            expected="a hull that floats upright with its masses and tanks",
+            expected="a hull that floats upright with its mass, its tanks and what joints hold on it",
         )
     return position
 
@@ -223,7 +228,7 @@ def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> Be
     """What a database is computed from.
 
     The axes of the database are those of the first hull at the start, its origin above or below that of its frame.
-    Every hull lies upright as deep as it floats by itself, with its tanks, where it is at the start.
+    Every hull lies upright, where it is at the start, as deep as it floats with its tanks and what joints hold on it.
 
     Raises
     ------
@@ -255,10 +260,9 @@ def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> Be
         for hull in hulls:
             _check_symmetry(hull)
     headings = compute.headings or _headings(compute)
-    steps = compute.frequencies
     return BemInputs(
         hulls=tuple(hulls),
-        omega=np.linspace(steps.first, steps.last, steps.count),
+        omega=np.array(compute.frequencies.values),
         headings=np.array(headings),
         reference_points=np.array(references),
         density=water.density,

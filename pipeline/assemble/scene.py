@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scene import AnyBody
     from heavylift.solver.scene.sea import Sea
 
-__all__ = ["assemble_rigid", "assemble_scene", "modal_coordinates"]
+__all__ = ["assemble_rigid", "assemble_scene", "modal_coordinates", "start_of_frame"]
 
 
 def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
@@ -56,7 +56,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             origins[name] = np.zeros(3)
             from heavylift.pipeline.assemble.meshes import assemble_frame, assemble_shell
 
-            start = _initial(body.initial, origins[name])
+            start = start_of_frame(body.initial, origins[name])
             bodies.append(
                 assemble_frame(case, name, body, start)
                 if body.type == "frame"
@@ -83,7 +83,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
                 modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
                 damping_ratio=ratios + 0.5 * body.modes.stiffness_damping * frequencies,
-                **_initial(body.initial, origins[name]),
+                **start_of_frame(body.initial, origins[name]),
             )
         )
     sides = start_sides(bodies, origins)
@@ -254,12 +254,14 @@ def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDAr
     """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
     centre = np.array(body.centre_of_mass)
     origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
-    given = {"name": name, "motion": _motion(body.frame), **_initial(body.initial, origin)}
+    given = {"name": name, "motion": _motion(body.frame), **start_of_frame(body.initial, origin)}
     rigid = assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given)
     return rigid, origin
 
 
-def _initial(initial: RigidInitialSection, origin: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def start_of_frame(
+    initial: RigidInitialSection, origin: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]]:
     """Initial state of a frame; by default the body is where its geometry was drawn."""
     orientation = np.array([1.0, 0.0, 0.0, 0.0])
     if initial.orientation is not None:

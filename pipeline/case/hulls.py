@@ -11,6 +11,7 @@ from itertools import pairwise
 from pathlib import PurePath
 from typing import Annotated, Literal, Self
 
+from numpy import linspace
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from heavylift.pipeline.case.described import make_section, section_of
@@ -127,12 +128,29 @@ class FrequenciesSection(Section):
     """[rad/s]."""
     count: Annotated[int, Field(ge=3, le=1000, strict=True)]
     """How many."""
+    leave_out: tuple[Annotated[float, Positive("angular velocity")], ...] = ()
+    """The nearest of these steps are left out [rad/s], in between is interpolated: where a gap between hulls resonates
+    and panels give no reciprocal matrix."""
 
     @model_validator(mode="after")
     def _increases(self) -> Self:
         if self.last <= self.first:
             reject(f"{self.first:g} to {self.last:g} rad/s", "the lower frequency first")
+        half = 0.5 * (self.last - self.first) / (self.count - 1)
+        for omega in self.leave_out:
+            if not self.first - half <= omega <= self.last + half:
+                reject(f"{omega:g} rad/s", f"{self.first:g} to {self.last:g} rad/s", key="leave_out")
+        if len(self.values) < 3:
+            reject(f"{len(self.values)} frequencies are left", "3 or more", key="leave_out")
         return self
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Frequencies [rad/s], increasing."""
+        step = (self.last - self.first) / (self.count - 1)
+        out = {round((omega - self.first) / step) for omega in self.leave_out}
+        steps = linspace(self.first, self.last, self.count).tolist()
+        return tuple(omega for i, omega in enumerate(steps) if i not in out)
 
 
 class ComputeSection(Section):

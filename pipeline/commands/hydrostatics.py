@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline.assemble.loading import Loading, scene_loading
 from heavylift.pipeline.commands.scene import choose_hulls, load_sea_case
-from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
 from heavylift.solver.scene.sea import LinearRestoring
 
 if TYPE_CHECKING:
@@ -25,27 +24,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.scene.sea import Hull, Sea
 
-__all__ = ["Loading", "hull_loading", "hydrostatics_command", "linear_figures"]
-
-
-@dataclass(frozen=True, eq=False)
-class Loading:
-    """What a hull carries at the start, without its tanks.
-
-    Attributes
-    ----------
-    mass, centre
-        [kg]; centre of gravity in the frame of the hull [m], shape (3,).
-    bodies
-        Names of the bodies that are joined to the hull and counted, beside itself.
-    left_out
-        Words for what holds or loads the hull and is not counted.
-    """
-
-    mass: float
-    centre: NDArray[np.float64]
-    bodies: tuple[str, ...]
-    left_out: tuple[str, ...]
+__all__ = ["hull_loading", "hydrostatics_command", "linear_figures"]
 
 
 def hydrostatics_command(
@@ -140,45 +119,13 @@ def hydrostatics_command(
 
 
 def hull_loading(scene: Scene, sea: Sea, name: str) -> Loading:
-    """Masses that stand on a hull at the start: its own, and of all free bodies that joints join to it.
-
-    Notes
-    -----
-    Bodies hang together by joints of any kind; they are taken where they are at the start, as if rigidly fixed. What
-    hangs on ropes or springs, other hulls, lines and fenders pull otherwise, and are named in `left_out`.
-    """
-    bodies = {body.name: body for body in scene.bodies}
-    others = {hull.body for hull in sea.hulls} - {name}
-    group, beyond = {name}, set()
-    grew = True
-    while grew:
-        grew = False
-        for joint in scene.joints:
-            sides = {joint.body_a, joint.body_b}
-            known = {side for side in sides - others if side in bodies and _is_free(bodies[side])}
-            if known & group:
-                beyond |= sides - known
-                grew |= not known <= group
-                group |= known
-    hull = bodies[name]
-    assert isinstance(hull, RigidBody)
-    axes = rotation_matrix(hull.orientation)
-    total, moment, left = 0.0, np.zeros(3), []
-    for other in scene.bodies:
-        if other.name not in group:
-            continue
-        mass, centre = _mass_of(other)
-        if mass is None:
-            left.append(f"{other.name} (frame or shell)")
-            continue
-        place = other.position + rotation_matrix(other.orientation) @ centre
-        total += mass
-        moment += mass * (axes.T @ (place - hull.position))
-    left += [f"joints to {other}" for other in sorted(beyond)]
+    """What a hull carries at the start; what hangs on ropes or springs, lines and fenders is named in `left_out`."""
+    found = scene_loading(scene, [hull.body for hull in sea.hulls], name)
+    left = [*found.left_out]
     left += [f"line {line.name}" for line in sea.lines if name in (line.body_a, line.body_b)]
     left += [f"fender {one.name}" for one in sea.fenders if name in (one.body_a, one.body_b)]
-    left += _ropes(scene, group)
-    return Loading(total, moment / total, tuple(sorted(group - {name})), tuple(left))
+    left += _ropes(scene, {name, *found.bodies})
+    return replace(found, left_out=tuple(left))
 
 
 def linear_figures(
@@ -248,20 +195,6 @@ _UNITS = {
     "GM_T": "m",
     "GM_L": "m",
 }
-
-
-def _is_free(body: Any) -> bool:
-    return isinstance(getattr(body, "motion", Free()), Free)
-
-
-def _mass_of(body: Any) -> tuple[float | None, NDArray[np.float64]]:
-    """Mass and centre of mass in the frame of a body; None of frames and shells."""
-    if isinstance(body, RigidBody):
-        return body.mass, np.asarray(body.centre_of_mass, dtype=np.float64)
-    if isinstance(body, FlexibleBody):
-        integrals = body.reduced.integrals
-        return float(integrals.mass), np.asarray(integrals.first_moment, dtype=np.float64) / integrals.mass
-    return None, np.zeros(3)
 
 
 def _ropes(scene: Scene, group: set[str]) -> list[str]:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.report.described import described_table
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
+from heavylift.pipeline.results.provenance import database_digest
+from heavylift.pipeline.results.storage import read_json
 from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
@@ -166,13 +168,20 @@ def _hulls(case: Case, stages: OutputFolder) -> list[Table | Text]:
     return [short_table(header, rows, frozenset({2, 3, 4, 5})), *problems] if rows else []
 
 
-def _databases(case: Case, stages: OutputFolder) -> list[Table]:
-    """What the mesh stage found of the databases."""
+def _databases(case: Case, stages: OutputFolder) -> list[Table | Text]:
+    """What the mesh stage found of the databases, and why it refused what it has computed."""
     from heavylift.pipeline.assemble.hulls import database_manifest
 
     items, rows = database_manifest(stages), []
+    refused: list[Text] = []
     for name, section in case.databases.items():
         about = items.get(name, {}).get("properties")
+        told = read_json(stages.refused_database(name).with_suffix(".json")) or {}
+        if told.get("digest") == database_digest(case, section):
+            about = None
+            problems = "; ".join(told["problems"])
+            refused.append(Text(f"{name} was computed and is refused: {problems}.", warning=True))
+            refused += [Text(f"What to set: {told['remedy']}.")] if told["remedy"] else []
         if not about:
             rows.append((name, ", ".join(section.hulls), section.file or "computed", *[_NONE] * 4))
             continue
@@ -194,7 +203,7 @@ def _databases(case: Case, stages: OutputFolder) -> list[Table]:
             )
         )
     header = ("database", "hulls", "source", "frequencies [rad/s]", "headings [deg]", "depth [m]", "memory")
-    return [short_table(header, rows)] if rows else []
+    return [short_table(header, rows), *refused] if rows else []
 
 
 def _tanks(case: Case) -> list[Table]:

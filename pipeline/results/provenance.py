@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from heavylift.pipeline.case.fields import InFolder, Section
+from heavylift.pipeline.case.joined import joined_to_hull
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
 
@@ -250,10 +251,24 @@ def database_digest(case: Case, section: DatabaseSection) -> str:
             "hull": case.hulls[name].model_dump(mode="json", include={"reference", "open_deck"}),
             "surface": surface_digest(case, surfaces[case.hulls[name].surface or ""]),
             "tanks": [tank.model_dump(mode="json") for tank in case.tanks if tank.hull == name],
+            "joined": _joined(case, name),
         }
         for name in section.hulls
     }
     return _digest("hydrodynamics", inputs)
+
+
+def _joined(case: Case, name: str) -> dict[str, Any]:
+    """What joints hold on a hull, which floats as deep as its weight says; meshes of frames and shells do not count."""
+    found: dict[str, Any] = {}
+    for other in sorted(joined_to_hull(case, name)[0] - {name}):
+        body = case.bodies[other]
+        if body.type == "rigid":
+            found[other] = body.model_dump(mode="json", exclude={"inertia"})
+        elif body.type == "flexible":
+            start = body.model_dump(mode="json", include={"frame", "initial"})
+            found[other] = {**start, "mesh": mesh_digest(case, body)}
+    return found
 
 
 def surface_digest(case: Case, surface: SurfaceSection) -> str:

@@ -75,6 +75,10 @@ class OutputFolder:
         """Hydrodynamic database."""
         return self.root / "mesh" / f"{name}.nc"
 
+    def refused_database(self, name: str) -> Path:
+        """What was computed for a hydrodynamic database and cannot be one; beside it, as JSON, why."""
+        return self.root / "mesh" / f"{name}.refused.nc"
+
     @property
     def database_manifest(self) -> Path:
         """Manifest of the hydrodynamic databases."""

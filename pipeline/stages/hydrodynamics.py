@@ -12,15 +12,24 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.assemble.hulls import database_manifest, read_database_source, stored_database
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import database_digest, source_digest, versions
-from heavylift.pipeline.results.storage import replacing, write_json
+from heavylift.pipeline.results.storage import read_json, replacing, write_json
+from heavylift.preprocess.hydrodynamics.database import (
+    UNSYMMETRIC,
+    check_database,
+    check_phase,
+    database_faults,
+)
+from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.hulls import DatabaseSection
     from heavylift.pipeline.stages.stages import Work
-    from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.bem import BemInputs
+    from heavylift.preprocess.hydrodynamics.database import Fault, HydrodynamicDatabase
 
 __all__ = ["make_databases"]
 
@@ -96,51 +105,158 @@ def _write_manifest(file: Path, case: Case, items: dict[str, Any]) -> None:
 
 
 def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDatabase:
-    """Database from its file, or computed; written to the output folder."""
-    file = work.folder.database(name)
+    """Database from its file, or computed; written to the output folder, also if it is refused."""
     if section.compute is None:
-        database = read_database_source(work.case, section)
-        _write(file, database, "")
-        return database
+        read = read_database_source(work.case, section)
+        _write(work.folder.database(name), read, "")
+        return read
     from heavylift.pipeline.assemble.hulls import bem_inputs
     from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database
     from heavylift.preprocess.hydrodynamics.bem import database_digest as inputs_digest
-    from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf
 
     inputs = bem_inputs(work.case, section, work.folder)
     digest = inputs_digest(inputs)
-    if "mesh" not in work.force and file.is_file() and read_digest(file) == digest:
-        about = database_manifest(work.folder).get(name, {}).get("properties", {})
+    refused = work.folder.refused_database(name)
+    database = None if "mesh" in work.force else _computed_before(work, name, inputs)
+    if database is None:
+        capytaine_version()  # before anything is said: without it nothing can be done
+        count = sum(len(hull.panels) for hull in inputs.hulls)
+        work.log.say(
+            f"mesh: {name}: {count} panels, {len(inputs.omega)} frequencies, {len(inputs.headings)} headings"
+        )
+        found: list[HydrodynamicDatabase] = []
+        with work.log.progress(f"mesh {name}", len(inputs.omega) + 1) as progress:
+            try:
+                database = compute_database(
+                    inputs,
+                    processes=section.compute.processes,
+                    progress=progress,
+                    warn=lambda text: work.log.say(f"mesh: {name}: WARNING: {text}"),
+                    keep=found.append,
+                )
+            except InputError as error:
+                if found:
+                    _write(refused, found[0], digest, checked=False)
+                    raise _told(work, name, section, found[0], error) from None
+                key = _KEYS.get(error.key)
+                if key is None:
+                    raise
+                raise InputError(error.problem, key=f"compute.{key}", expected=error.expected) from None
+    else:
         work.log.say(f"mesh: {name}: the same panels, frequencies and headings: not computed again")
-        return replace(read_netcdf(file), source=str(about.get("source", name)))
-    capytaine_version()  # before anything is said: without it nothing can be done
-    count = sum(len(hull.panels) for hull in inputs.hulls)
-    work.log.say(
-        f"mesh: {name}: {count} panels, {len(inputs.omega)} frequencies, {len(inputs.headings)} headings"
-    )
-
-    def warn(text: str) -> None:
-        work.log.say(f"mesh: {name}: WARNING: {text}")
-
-    with work.log.progress(f"mesh {name}", len(inputs.omega) + 1) as progress:
         try:
-            database = compute_database(
-                inputs, processes=section.compute.processes, progress=progress, warn=warn
-            )
+            check_database(database)
+            check_phase(database)
         except InputError as error:
-            key = _KEYS.get(error.key)
-            if key is None:
-                raise
-            raise InputError(error.problem, key=f"compute.{key}", expected=error.expected) from None
-    _write(file, database, digest)
+            raise _told(work, name, section, database, error) from None
+    _write(work.folder.database(name), database, digest)
+    if not refused.is_file() or read_digest(refused) == digest:
+        for file in (refused, refused.with_suffix(".json")):
+            file.unlink(missing_ok=True)
     return database
 
 
-def _write(file: Path, database: HydrodynamicDatabase, digest: str) -> None:
+def _computed_before(work: Work, name: str, inputs: BemInputs) -> HydrodynamicDatabase | None:
+    """From the output folder, accepted or refused, if it has all that is wanted of the same panels."""
+    from heavylift.preprocess.hydrodynamics.bem import database_digest as inputs_digest
+    from heavylift.preprocess.hydrodynamics.bem import part_of
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+
+    refused = work.folder.refused_database(name)
+    accepted = database_manifest(work.folder).get(name, {}).get("properties", {})
+    told = read_json(refused.with_suffix(".json")) or {}
+    for file, about in ((work.folder.database(name), accepted), (refused, told)):
+        digest = read_digest(file) if file.is_file() else ""
+        if not digest:
+            continue
+        kept: HydrodynamicDatabase | None = read_netcdf(file, checked=False)
+        assert kept is not None
+        if digest != inputs_digest(inputs):
+            same = digest == inputs_digest(replace(inputs, omega=kept.omega))
+            kept = part_of(kept, inputs.omega) if same else None
+        if kept is not None:
+            return replace(kept, source=str(about.get("source", name)))
+    return None
+
+
+def _told(
+    work: Work,
+    name: str,
+    section: DatabaseSection,
+    database: HydrodynamicDatabase,
+    error: InputError,
+) -> InputError:
+    """What is wrong with what was computed, with every frequency, and what to set; as JSON beside it and in the log."""
+    faults = database_faults(database)
+    kept = work.folder.refused_database(name)
+    sentences = [fault.words(database) for fault in faults] or [f"{error.key}: {error.problem}"]
+    remedy = _remedy(section, database, faults)
+    write_json(
+        kept.with_suffix(".json"),
+        {
+            "file": kept.name,
+            "digest": database_digest(work.case, section),
+            "source": database.source,
+            "problems": sentences,
+            "faults": [
+                {
+                    "matrix": fault.key,
+                    "omega": fault.omega if np.isfinite(fault.omega) else None,
+                    "entries": list(fault.entries),
+                    "share": fault.size,
+                }
+                for fault in faults
+            ],
+            "remedy": remedy,
+        },
+    )
+    for sentence in sentences:
+        work.log.say(f"mesh: {name}: REFUSED: {sentence}")
+    work.log.say(f"mesh: {name}: what was computed is kept in {kept}")
+    shown = "; ".join(sentences[:_SHOWN])
+    if len(sentences) > _SHOWN:
+        shown += f"; {len(sentences) - _SHOWN} more in {kept.with_suffix('.json').name}"
+    return InputError(
+        f"what was computed cannot be: {shown}", key="compute", expected=remedy or error.expected
+    )
+
+
+_SHOWN = 4
+"""Frequencies that a message names."""
+
+
+def _remedy(section: DatabaseSection, database: HydrodynamicDatabase, faults: Sequence[Fault]) -> str:
+    """What to set against matrices that are not reciprocal, or drive."""
+    compute = section.compute
+    assert compute is not None
+    if not faults:
+        return ""
+    bad = sorted({fault.omega for fault in faults if np.isfinite(fault.omega)})
+    words = [] if compute.lid else ["'lid = true', which takes irregular frequencies away"]
+    words.append(f"a 'panel_size' below {compute.panel_size:g} m")
+    good = [omega for omega in database.omega.tolist() if not bad or omega < bad[0]]
+    if bad and bad == database.omega[-len(bad) :].tolist() and good:
+        words.append(f"'frequencies.last' up to {good[-1]:.4g} rad/s")
+    elif bad and len(bad) <= len(database.omega) // _FEW:
+        resonates = (
+            ", if it is the water between the hulls that resonates there" if len(section.hulls) > 1 else ""
+        )
+        rounded = ", ".join(f"{omega:.4g}" for omega in bad)
+        words.append(f"'frequencies.leave_out = [{rounded}]'{resonates}; nothing is computed again then")
+    return f"a symmetric matrix within {UNSYMMETRIC:.0%} and damping that takes energy away: " + "; or ".join(
+        words
+    )
+
+
+_FEW = 4
+"""At most one in so many frequencies is proposed to be left out."""
+
+
+def _write(file: Path, database: HydrodynamicDatabase, digest: str, *, checked: bool = True) -> None:
     from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
     with replacing(file) as temporary:
-        write_netcdf(temporary, database, digest=digest)
+        write_netcdf(temporary, database, digest=digest, checked=checked)
 
 
 def _properties(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -43,6 +43,7 @@ __all__ = [
     "compute_database",
     "database_digest",
     "input_warnings",
+    "part_of",
 ]
 
 
@@ -272,6 +273,7 @@ def compute_database(
     processes: int = 0,
     progress: Callable[[float, str], None] = lambda _done, _note: None,
     warn: Callable[[str], None] = lambda _text: None,
+    keep: Callable[[HydrodynamicDatabase], None] = lambda _database: None,
 ) -> HydrodynamicDatabase:
     """Coefficients of all frequencies, of infinite frequency, and of all headings.
 
@@ -285,6 +287,8 @@ def compute_database(
         Called with the number of finished frequencies (of ``len(omega) + 1``) and a note.
     warn
         Called with each sentence of `input_warnings`.
+    keep
+        Called with what was computed, before it is checked.
 
     Raises
     ------
@@ -335,9 +339,24 @@ def compute_database(
         centres_of_buoyancy=np.array([each.centre_of_buoyancy for each in still]),
         hydrostatic_stiffness=np.array([each.stiffness for each in still]),
     )
+    keep(database)
     check_database(database)
     check_phase(database)
     return database
+
+
+def part_of(database: HydrodynamicDatabase, omega: NDArray[np.float64]) -> HydrodynamicDatabase | None:
+    """The database at some of its frequencies; None if it does not have all of them."""
+    at = np.searchsorted(database.omega, omega)
+    if at.max() >= len(database.omega) or np.any(database.omega[at] != omega):
+        return None
+    return replace(
+        database,
+        omega=database.omega[at],
+        added_mass=database.added_mass[at],
+        damping=database.damping[at],
+        excitation=database.excitation[at],
+    )
 
 
 def _capytaine() -> Any:

@@ -12,7 +12,7 @@ simulation ... ships and offshore structures" (2018), section 2.9.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,12 @@ if TYPE_CHECKING:
 __all__ = [
     "COORDINATES",
     "MIRROR_SIGNS",
+    "UNSYMMETRIC",
+    "Fault",
     "HydrodynamicDatabase",
     "check_database",
     "check_phase",
+    "database_faults",
     "length_scales",
     "over_full_circle",
     "wave_numbers",
@@ -227,6 +230,52 @@ def check_database(database: HydrodynamicDatabase) -> None:
     _check_damping(database, damping)
 
 
+class Fault(NamedTuple):
+    """What is wrong with a matrix at a frequency.
+
+    Attributes
+    ----------
+    key
+        ``added_mass``, ``added_mass_infinite`` or ``damping``.
+    omega
+        [rad/s]; infinite for the limit.
+    entries
+        Coordinates of a pair of entries that differ, or twice the one that moves most where damping drives.
+    size
+        Difference, or eigenvalue, as a share of the largest of all frequencies; negative where damping drives.
+    """
+
+    key: str
+    omega: float
+    entries: tuple[int, int]
+    size: float
+
+    def words(self, database: HydrodynamicDatabase) -> str:
+        """For a person."""
+        at = f"{self.omega:.4g} rad/s" if np.isfinite(self.omega) else "infinite frequency"
+        names = [_coordinate(database, i) for i in self.entries]
+        if self.size < 0.0:
+            return f"{at}: damping drives {names[0]}, {self.size:.1%} of the largest"
+        return f"{at}: {self.key} of {names[0]} and {names[1]} differs by {self.size:.1%} of the largest"
+
+
+def database_faults(database: HydrodynamicDatabase) -> tuple[Fault, ...]:
+    """Frequencies whose matrices `check_database` refuses: not symmetric, or with damping that drives; increasing."""
+    scaling = np.outer(*[length_scales(database)] * 2)
+    found = _unsymmetric(database, database.added_mass_infinite[None] * scaling, "added_mass_infinite")
+    for key in ("added_mass", "damping"):
+        found += _unsymmetric(database, getattr(database, key) * scaling, key)
+    scaled = database.damping * scaling
+    values, vectors = np.linalg.eigh(0.5 * (scaled + np.swapaxes(scaled, 1, 2)))
+    largest = float(values.max())
+    for w, lowest in enumerate(values[:, 0]):
+        if lowest < -NEGATIVE_DAMPING * largest:
+            i = int(np.argmax(np.abs(vectors[w, :, 0])))
+            share = float(lowest) / largest if largest > 0.0 else -1.0
+            found.append(Fault("damping", float(database.omega[w]), (i, i), share))
+    return tuple(sorted(found, key=lambda fault: fault.omega))
+
+
 def check_phase(database: HydrodynamicDatabase) -> None:
     """Refuse excitation that is conjugated, or whose headings say where waves come from.
 
@@ -395,17 +444,37 @@ def _check_units(database: HydrodynamicDatabase) -> None:
 
 def _check_symmetry(database: HydrodynamicDatabase, scaled: NDArray[np.float64], key: str) -> None:
     """Reciprocity: the matrix is its transpose, to what panel codes can do."""
-    largest = float(np.max(np.abs(scaled)))
-    difference = np.abs(scaled - np.swapaxes(scaled, 1, 2))
-    if difference.max() > UNSYMMETRIC * largest:
-        w, i, j = (int(v) for v in np.unravel_index(int(np.argmax(difference)), difference.shape))
-        where = f" at {database.omega[w]:.3g} rad/s" if len(scaled) == len(database.omega) else ""
+    faults = _unsymmetric(database, scaled, key)
+    if faults:
+        worst = max(faults, key=lambda fault: fault.size)
+        i, j = worst.entries
+        where = f" at {worst.omega:.3g} rad/s" if np.isfinite(worst.omega) else ""
+        more = f" (the worst of {len(faults)} frequencies)" if len(faults) > 1 else ""
         raise InputError(
-            f"entries ({i}, {j}) and ({j}, {i}) differ by {difference[w, i, j] / largest:.1%} of the largest{where}",
+            f"entries ({i}, {j}) and ({j}, {i}), {_coordinate(database, i)} and {_coordinate(database, j)}, differ by "
+            f"{worst.size:.1%} of the largest{where}{more}",
             source=database.source,
             key=key,
             expected=f"a symmetric matrix within {UNSYMMETRIC:.0%} (finer panels, or a lid)",
         )
+
+
+def _unsymmetric(database: HydrodynamicDatabase, scaled: NDArray[np.float64], key: str) -> list[Fault]:
+    """The worst pair of entries of each matrix that is not its transpose."""
+    largest, found = float(np.max(np.abs(scaled))), []
+    omega = database.omega if len(scaled) == len(database.omega) else [np.inf]
+    for w, matrix in enumerate(scaled):
+        difference = np.abs(matrix - matrix.T)
+        i, j = (int(v) for v in np.unravel_index(int(np.argmax(difference)), difference.shape))
+        if difference[i, j] > UNSYMMETRIC * largest:
+            found.append(Fault(key, float(omega[w]), (i, j), float(difference[i, j] / largest)))
+    return found
+
+
+def _coordinate(database: HydrodynamicDatabase, i: int) -> str:
+    """Name of a coordinate, with that of the hull if there are several."""
+    body = f"{database.bodies[i // 6]} " if database.body_count > 1 else ""
+    return body + COORDINATES[i % 6]
 
 
 def _check_mirror(database: HydrodynamicDatabase, scaled: NDArray[np.float64]) -> None:

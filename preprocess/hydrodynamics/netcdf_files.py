@@ -125,7 +125,9 @@ UNITS = {
 }
 
 
-def write_netcdf(path: Path | str, database: HydrodynamicDatabase, *, digest: str = "") -> None:
+def write_netcdf(
+    path: Path | str, database: HydrodynamicDatabase, *, digest: str = "", checked: bool = True
+) -> None:
     """Write ``database``, compressed, double precision.
 
     Parameters
@@ -136,6 +138,8 @@ def write_netcdf(path: Path | str, database: HydrodynamicDatabase, *, digest: st
         As `check_database` accepts it.
     digest
         Key of the inputs it was computed from, stored as the attribute ``digest``.
+    checked
+        False: of a database that is kept though it is refused.
 
     Raises
     ------
@@ -144,7 +148,8 @@ def write_netcdf(path: Path | str, database: HydrodynamicDatabase, *, digest: st
     """
     import h5py
 
-    check_database(database)
+    if checked:
+        check_database(database)
     dofs = [f"{body}__{name.capitalize()}" for body in database.bodies for name in COORDINATES]
     n = len(dofs)
     axes: dict[str, Any] = {
@@ -208,7 +213,11 @@ def write_netcdf(path: Path | str, database: HydrodynamicDatabase, *, digest: st
 
 
 def read_netcdf(
-    path: Path | str, *, time_convention: str = "", reference_points: NDArray[np.float64] | None = None
+    path: Path | str,
+    *,
+    time_convention: str = "",
+    reference_points: NDArray[np.float64] | None = None,
+    checked: bool = True,
 ) -> HydrodynamicDatabase:
     """Read a file of `write_netcdf` or of Capytaine (netCDF-4, or netCDF-3 as xarray writes without its library).
 
@@ -220,6 +229,8 @@ def read_netcdf(
         ``"exp(-i omega t)"`` or ``"exp(+i omega t)"`` for a file of another program that does not state it.
     reference_points
         (N, 3) [m] for a file that does not state them (``rotation_center``).
+    checked
+        False: a database that is refused is read too.
 
     Raises
     ------
@@ -281,8 +292,9 @@ def read_netcdf(
         centres_of_buoyancy=centres,
         hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"]),
     )
-    check_database(database)
-    check_phase(database)
+    if checked:
+        check_database(database)
+        check_phase(database)
     return database
 
 

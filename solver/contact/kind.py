@@ -360,7 +360,7 @@ class Counts(Record):
     controls
         Control points under the contact that is being located, whose numbers stand in `places`.
     all_rigid
-        Whether all contacts are between rigid bodies.
+        Whether all contacts are between rigid bodies of which none is a hull.
     """
 
     present: int

@@ -31,7 +31,7 @@ class PackedCollisions:
     most
         Contacts at once.
     all_rigid
-        Whether all surfaces are on rigid bodies or the ground.
+        Whether all surfaces are on rigid bodies, hulls apart, or the ground.
     widest
         Velocities that a side of a contact sees at most.
     """

@@ -14,6 +14,8 @@ from heavylift.preprocess.hydrodynamics.database import (
     HydrodynamicDatabase,
     check_database,
     check_phase,
+    database_faults,
+    length_scales,
     over_full_circle,
     wave_numbers,
 )
@@ -218,3 +220,30 @@ def test_shipped_databases_have_the_limits_of_long_waves(case):
     for stiffness in database.hydrostatic_stiffness:
         expected = DENSITY * GRAVITY * np.diag([0.0, 0.0, area, roll, pitch, 0.0])
         np.testing.assert_allclose(stiffness, expected, atol=1e-9 * expected.max())
+
+
+def test_every_bad_frequency_is_named_with_its_entries():
+    database = long_waves()
+    assert database_faults(database) == ()
+    added, damping = database.added_mass.copy(), database.damping.copy()
+    scales = length_scales(database)
+    largest = np.abs(added * np.outer(scales, scales)).max()
+    for w, size in ((0, 0.2), (2, 0.07), (3, 0.04)):
+        added[w, 0, 4] += size * largest / (scales[0] * scales[4])
+    damping[1, 2, 2] = -np.abs(damping).max()
+    bad = replace(database, added_mass=added, damping=damping)
+    found = database_faults(bad)
+    assert [(fault.key, fault.omega) for fault in found] == [
+        ("added_mass", database.omega[0]),
+        ("damping", database.omega[1]),
+        ("added_mass", database.omega[2]),
+    ]
+    assert [sorted(fault.entries) for fault in found] == [[0, 4], [2, 2], [0, 4]]
+    np.testing.assert_allclose([found[0].size, found[2].size], [0.2, 0.07], rtol=0.05)
+    assert found[1].size < 0.0
+    assert "added_mass of surge and pitch differs by 20" in found[0].words(bad).replace(
+        "pitch and surge", "surge and pitch"
+    )
+    assert "drives heave" in found[1].words(bad)
+    with pytest.raises(InputError, match="worst of 2 frequencies"):
+        check_database(replace(database, added_mass=added))

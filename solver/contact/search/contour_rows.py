@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import rotate_back
-from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.contact.kind import OF_RIGID, ContactRows
 
 __all__ = ["put_frame_rows", "put_pose_rows"]
 
@@ -20,11 +20,19 @@ def put_frame_rows(contacts: ContactRows, contact: int) -> None:
 
 @kernel(internal=True)
 def put_pose_rows(contacts: ContactRows, attachment: int, pose_row: int, sign: float) -> None:
-    """``sign d . [1, -R c~]`` of the three directions d at the lever c: velocity of the frame, own spin."""
-    if contacts.attachments[attachment].width == 0:
+    """``sign d . [1, -R c~]`` of the three directions d at the lever c: velocity of the frame, own spin.
+
+    On a hull that interacts with others rows run over the velocities of all of them, and the frame has six of these.
+    """
+    width = contacts.attachments[attachment].width
+    if width == 0:
         return
     lanes = len(contacts.shape[1])
     panel = contacts.attachments[attachment].panel
+    if width > 6 and contacts.contours[pose_row].owner == OF_RIGID:
+        for i in range(width * lanes):
+            contacts.panels[panel + i] = 0.0
+        panel += lanes * (contacts.contours[pose_row].dof - contacts.attachments[attachment].dof)
     scratch = contacts.scratch
     pose = contacts.poses[pose_row]
     c1, c2, c3 = sign * scratch.lever[0], sign * scratch.lever[1], sign * scratch.lever[2]

@@ -37,7 +37,7 @@ from heavylift.solver.contact.triangles.kind import (
     SurfacePair,
     SurfacePairs,
 )
-from heavylift.solver.rows.structure import Attachment
+from heavylift.solver.rows.structure import DIAGONAL, PRESCRIBED, Attachment
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import BilateralLaw, RigidLaw
 from heavylift.solver.scene.meshes import MeshBody
@@ -199,7 +199,8 @@ def pack_collisions(
         poses=placed,
         placed=np.zeros((len(moved) + count + 1, 12)),
         most=most,
-        all_rigid=not deforming,
+        # hulls are no free bodies: their inverse mass is that of the water too
+        all_rigid=not deforming and bool(np.isin(sides["holder"], (DIAGONAL, PRESCRIBED)).all()),
         widest=max(6, int(sides["width"].max())),
     )
 
