@@ -33,7 +33,6 @@ from heavylift.solver.scene.scene import (
     RigidBody,
     Scene,
 )
-from heavylift.solver.scene.wind_loads import Veering
 from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene", "scene_corners"]
@@ -261,7 +260,7 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
     if scene.sea is not None:
         times += [time for tank in scene.sea.tanks for time in tank.schedule[0]]
         turns = [field.direction for field in scene.sea.fields]
-        times += [time for turn in turns if isinstance(turn, Veering) for time in turn.times]
+        times += [time for turn in turns if hasattr(turn, "times") for time in turn.times]
         times.append(scene.sea.ramp)
     profiles: list[Profile | None] = [getattr(joint, "drive", None) for joint in scene.joints]
     for body in scene.bodies:
