@@ -396,6 +396,8 @@ class Events(Record):
         Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
     known
         Contacts before the search of the step.
+    uncut
+        Whether the step is a whole one, without an impact within.
     stopping_work
         Work of rows that look ahead in the middle of the step [J].
     """
@@ -418,6 +420,7 @@ class Events(Record):
     rough: int
     roughest: float
     known: int
+    uncut: bool
     stopping_work: float
 
 

@@ -51,6 +51,9 @@ __all__ = ["REST", "pressed_force"]
 REST = 1e-6
 """Rate after an impact relative to that before it, below which the contact is closed."""
 
+UNCUT = 1.0 - 1e-9
+"""Of a whole step: what is shorter has been cut by an impact."""
+
 OFF = 1e-4
 """Gap relative to the size of a contact, with which it does not stay closed: it has slid over a border."""
 
@@ -237,9 +240,12 @@ def close_contact_step(
     for c in range(contact_count(contacts)):
         _close_one(contacts, c, step, work)
     interval = work.control.interval
+    # what keeps a contact without compliance closed is an impulse: over a part of a step that an impact has cut, no force
+    contacts.control.uncut = step >= UNCUT * contacts.control.nominal_step
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
-        note_value(state.forces, interval, state.normal_force)
+        if contacts.control.uncut or contacts.table[c].law == COMPLIANT:
+            note_value(state.forces, interval, state.normal_force)
         if state.located:  # what is far from touching has no gap that is known
             note_value(state.gaps, interval, state.gap)
     watch_pairs(contacts.meshes, contacts, interval)

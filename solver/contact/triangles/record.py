@@ -74,7 +74,8 @@ def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int)
             gap = min(gap, state.gap)
             if state.normal_force > 0.0 or state.closed:
                 force += state.normal_force
-        note_value(gone.forces, interval, force)
+        if contacts.control.uncut or meshes.pairs[pair].law == COMPLIANT:
+            note_value(gone.forces, interval, force)
         if gap < meshes.pairs[pair].reach:
             note_value(gone.gaps, interval, gap)
 
