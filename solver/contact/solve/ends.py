@@ -240,7 +240,7 @@ def close_contact_step(
     for c in range(contact_count(contacts)):
         _close_one(contacts, c, step, work)
     interval = work.control.interval
-    # what keeps a contact without compliance closed is an impulse: over a part of a step that an impact has cut, no force
+    # what keeps a contact without compliance closed is an impulse: over a part of a cut step it is no force
     contacts.control.uncut = step >= UNCUT * contacts.control.nominal_step
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]

@@ -594,3 +594,12 @@ def test_what_contacts_gain_is_no_negative_dissipation(step: float) -> None:
         assert "energy grew by" in found.simulation.warning
     else:
         assert abs(gained) < 1e-3 * found["energy.kinetic"].max()
+
+
+@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
+def test_the_largest_force_of_a_box_that_tips_over_is_its_weight(step: float) -> None:
+    """It lands on a corner and comes to lie on a face: blows have impulses, and steps that they cut have no forces."""
+    cube = body("box", (0.0, 0.0, 0.9), orientation=turn((0.3, 1.0, 0.0), 0.5))
+    found = run(scene([(cube, box_surface(1.0))], FLOOR, friction=0.4), step, 2.0)
+    assert found["floor-box.normal_force_max"].max() < 1.1 * WEIGHT
+    assert found["floor-box.normal_force"][-1] == pytest.approx(WEIGHT, rel=1e-6)
