@@ -26,6 +26,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.ringing import steady_rate
 from heavylift.solver.scene.connections import Between
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes, no_rows
 from heavylift.solver.scene.moorings import MOORINGS
@@ -116,11 +117,32 @@ class FenderData(Record):
 
 
 class FenderState(Record):
-    """Energy at the start [J], whether that is known, the force last found [N], and its extremes."""
+    """What a fender remembers.
+
+    Attributes
+    ----------
+    start_energy, started
+        Energy at the start [J], and whether that is known.
+    time, rate, force
+        Last evaluation [s]: how fast it was compressed [m/s], and its force [N].
+    mean_time, mean_rate, before_time, before_rate
+        The same in the middles of the last step and the one before.
+    steps
+        How many of them are known, at most two.
+    extremes
+        Of the force.
+    """
 
     start_energy: float
     started: bool
+    time: float
+    rate: float
     force: float
+    mean_time: float
+    mean_rate: float
+    before_time: float
+    before_rate: float
+    steps: int
     extremes: Extremes
 
 
@@ -287,7 +309,7 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
         a, n, b = kind.table[i].tip, kind.table[i].normal, kind.table[i].point
         depth, rate = _compression(kind, i, work)
         force, stiffness, damping = _push(kind, i, depth, rate)
-        kind.state[i].force = force
+        kind.state[i].time, kind.state[i].rate, kind.state[i].force = time, rate, force
         n1, n2, n3 = work.markers[n].point[0], work.markers[n].point[1], work.markers[n].point[2]
         normal = (n1, n2, n3)
         for j in range(3):
@@ -305,9 +327,22 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
 @implement(watch_forces, Fenders)
 @kernel(internal=True)
 def watch_fenders(kind: Fenders, work: Workspace) -> None:
-    """Forces that were found in the middle of the step."""
+    """Forces and rates that were found in the middle of the step."""
     for i in range(kind.table.shape[0]):
-        note_value(kind.state[i].extremes, work.control.interval, kind.state[i].force)
+        state = kind.state[i]
+        note_value(state.extremes, work.control.interval, state.force)
+        state.before_time, state.before_rate = state.mean_time, state.mean_rate
+        state.mean_time, state.mean_rate = state.time, state.rate
+        state.steps = min(state.steps + 1, 2)
+
+
+@kernel(internal=True)
+def _end_rate(state: FenderState, time: float, rate: float) -> float:
+    """How fast a fender is compressed at the end of a step, without what rings, from the rate by its velocities."""
+    if state.steps < 2:
+        return rate
+    slope = (state.mean_rate - state.before_rate) / (state.mean_time - state.before_time)
+    return steady_rate(state.mean_rate, slope * (time - state.mean_time), rate)
 
 
 @implement(record_forces, Fenders)
@@ -318,7 +353,7 @@ def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.
         fender, state = kind.table[i], kind.state[i]
         column, first, count = fender.column, fender.first, fender.count
         depth, rate = _compression(kind, i, work)
-        row[column] = force = _push(kind, i, depth, rate)[0]
+        row[column] = force = _push(kind, i, depth, _end_rate(state, time, rate))[0]
         depth = max(depth, 0.0)
         row[column + 1] = depth
         row[column + 2] = largest_of(state.extremes, work.control.interval, force)

@@ -23,10 +23,10 @@ from heavylift.solver.water.lines.fenders import Fender, Fenders, fender_markers
 TABLE = np.array([0.0, 0.2, 0.5]), np.array([0.0, 1e5, 1e6])
 
 
-def evaluate(kinds: tuple[Any, ...], work: Workspace, row: np.ndarray) -> None:
+def evaluate(kinds: tuple[Any, ...], work: Workspace, row: np.ndarray, time: float) -> None:
     """Forces, then a record of them."""
-    add_forces(kinds, 0.0, work)
-    record_forces(kinds, 0.0, work, row)
+    add_forces(kinds, time, work)
+    record_forces(kinds, time, work, row)
 
 
 def fender(**more: Any) -> Fender:
@@ -50,14 +50,14 @@ class Bench:
         self.work = Workspace.empty(0, 3)
         self.row = np.zeros(channel_width(one.CHANNELS))
 
-    def at(self, *vectors: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
+    def at(self, *vectors: np.ndarray, rates: np.ndarray | None = None, time: float = 0.0) -> np.ndarray:
         """Forces [N] on the three markers, shape (3, 3)."""
         self.work.markers.view(float)[:] = 0.0
         self.work.sums.words[:] = 0.0
         self.work.markers["point"] = vectors
         if rates is not None:
             self.work.markers["velocity"] = rates
-        evaluate((self.kind,), self.work, self.row)
+        evaluate((self.kind,), self.work, self.row, time)
         return self.work.markers["force"].copy()
 
 
@@ -156,14 +156,34 @@ def test_forces_of_steps_between_records_are_kept() -> None:
     bench = Bench(fender(stiffness=1e6))
     vectors = np.zeros((3, 3))
     vectors[1] = (0.0, 1.0, 0.0)
+    time = 0.0
     for interval, depths in ((1, (0.1, 0.3, 0.2)), (2, (0.05, 0.0))):
         bench.work.control.interval = interval
         for depth in depths:
             vectors[2] = (0.0, -depth, 0.0)
-            bench.at(*vectors)
+            time += 0.01
+            bench.at(*vectors, time=time)
             watch_forces((bench.kind,), bench.work)
         vectors[2] = (0.0, 0.1, 0.0)
         for _ in range(2):  # who looks changes nothing
             bench.at(*vectors)
             np.testing.assert_allclose(bench.row[[0, 2]], [0.0, 1e6 * max(depths)], rtol=1e-14)
             assert bench.row[3] == 0.0
+
+
+def test_a_damper_records_the_rate_of_its_steps() -> None:
+    """Pressed ever faster, 0.02 m/s a step, by a body whose end velocity rings by 0.5 m/s with every step."""
+    bench = Bench(fender(stiffness=1e6, damping=1e5))
+    place = TIP - 0.2 * Y
+    rates, step = np.zeros((3, 3)), 0.01
+    for n in range(6):
+        middle, ring = 0.4 + 0.02 * n, 0.5 * (-1) ** n
+        rates[2] = -middle * Y
+        bench.at(TIP, Y, place, rates=rates, time=(n + 0.5) * step)
+        watch_forces((bench.kind,), bench.work)
+        rates[2] = -(middle + 0.01 + ring) * Y
+        bench.work.markers["velocity"] = rates
+        record_forces((bench.kind,), (n + 1) * step, bench.work, bench.row)
+        if n > 0:  # a velocity that has jumped against its growth counts as that of the middle
+            expected = middle + (0.01 if ring > 0.0 else 0.0)
+            assert bench.row[0] == pytest.approx(0.2 * 1e6 + 1e5 * expected, rel=1e-12)
