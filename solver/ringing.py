@@ -10,6 +10,9 @@ and has little of the ringing. Where a velocity has jumped, as in an impact, the
 so the smaller of both changes counts, and none if they differ in sign (the minmod limiter, A. Harten, J. Comput.
 Phys. 49, 1983).
 
+Forces of joints are known in the middle of steps and are carried on by half a step. Where one changes by turns, three
+steps on end, the part that does so is left out; where it has jumped, as in an impact, what it was before is no slope.
+
 A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with
 it: this drives the ringing, in shells by a percent a step, until it has as much energy as the motion. There the part
 of the end velocities that changes its sign with every step is left out where it matters.
@@ -19,7 +22,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 
-__all__ = ["alternating", "steady_rate"]
+__all__ = ["alternating", "steady_force", "steady_rate"]
 
 
 @kernel(inline=True, internal=True)
@@ -50,3 +53,30 @@ def alternating(deviation: float, before: float) -> float:
     if deviation * before >= 0.0:
         return 0.0
     return deviation if abs(deviation) < abs(before) else -before
+
+
+@kernel(inline=True, internal=True)
+def steady_force(
+    middle: float, slope: float, before: float, long_before: float, step: float, spacing: float
+) -> float:
+    """Force at the end of a step without ringing, from those in the middles of the last four.
+
+    Parameters
+    ----------
+    middle
+        In the middle of the step [N].
+    slope, before, long_before
+        Of the force from the middle of one step to that of the next [N/s]: the last one first.
+    step, spacing
+        The step, and the time since the middle of the one before [s].
+
+    Notes
+    -----
+    Of second order where the force is smooth: two slopes have opposite signs near an extreme only, where both are of
+    the order of the step. Twice the slope before bounds that of a jump.
+    """
+    if slope * before > 0.0:
+        return middle + 0.5 * step * (slope if abs(slope) < 2.0 * abs(before) else 2.0 * before)
+    if slope * before < 0.0 and before * long_before < 0.0:
+        return middle - 0.5 * spacing * alternating(alternating(slope, before), -long_before)
+    return middle

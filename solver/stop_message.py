@@ -127,7 +127,8 @@ def mesh_warning(layout: Layout) -> str:
                 parts.append(
                     f"{name!r} rings: velocities at the ends of steps change their sign from step to step, with up to"
                     f" {share:.1%} of the largest energy of its motion; recorded velocities and kinetic energies have"
-                    " it, its path and the forces on it have not: take a smaller step, or more damping"
+                    " it, reactions of its joints may have some, its path has not: take a smaller step, or more"
+                    " damping"
                 )
             if numbers.changed_over:
                 parts.append(

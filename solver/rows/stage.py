@@ -40,6 +40,7 @@ from heavylift.solver.interface import (
     watch_joints,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.ringing import steady_force
 from heavylift.solver.rows.impulses import add_impulses, add_reactions
 from heavylift.solver.rows.solver import (
     assemble,
@@ -250,16 +251,24 @@ def close_row_step(
     complete(bodies, all_systems, False, step, work)
     set_velocity(bodies, step, work)
     _check_closed(system, work)
-    ahead = step / (step + work.control.last_step)
-    rate = 1.0 / step
+    spacing = 0.5 * (step + work.control.last_step)
+    rate, per_spacing = 1.0 / step, 1.0 / spacing
+    smooth = work.control.step_count < 2
     for node in range(system.attachments.shape[0] // 2):
         row = system.rows[node]
         for r in range(lanes):
             # of second order in the middle of the step only, and only with the part of the projection
             middle = rate * (2.0 * row.half_impulse[r] + row.impulse[r])
-            before = row.last_reaction[r]
-            row.reaction[r] = middle + ahead * (middle - before)
+            slope = per_spacing * (middle - row.last_reaction[r])
+            if smooth:
+                row.reaction[r] = middle + 0.5 * step * slope
+            else:
+                row.reaction[r] = steady_force(
+                    middle, slope, row.slope[r], row.slope_before[r], step, spacing
+                )
             row.last_reaction[r] = middle
+            row.slope_before[r] = row.slope[r]
+            row.slope[r] = slope
     watch_joints(joints, work, system)
 
 

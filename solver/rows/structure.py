@@ -64,6 +64,8 @@ class Row(Record):
         Physical compliance and relaxation time [s].
     impulse, half_impulse, reaction, last_reaction
         Of the solution; of the midpoint; force at the end of the step and in its middle.
+    slope, slope_before
+        Of the force from the middle of one step to that of the next [N/s, N m/s], the last two.
     solution
         Right-hand side, then change of the impulse; of a hub its velocities.
     rigid
@@ -82,6 +84,8 @@ class Row(Record):
     half_impulse: Lanes
     reaction: Lanes
     last_reaction: Lanes
+    slope: Lanes
+    slope_before: Lanes
     solution: Lanes
     rigid: Lanes
     hold: Lanes

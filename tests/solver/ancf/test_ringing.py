@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from jointed_shells import sheet
 
-from heavylift.numerics.jit import in_python
+from heavylift.numerics.jit import in_python, kernel
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.ringing import steady_force as steady_force_kernel
 from heavylift.solver.ringing import steady_rate as steady_rate_kernel
 from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.mesh_shapes import rectangle
@@ -16,6 +17,16 @@ from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
 steady_rate = in_python(steady_rate_kernel)
+
+
+@kernel
+def steady_force(
+    middle: float, slope: float, before: float, long_before: float, step: float, spacing: float
+) -> float:
+    """The kernel, from Python."""
+    return steady_force_kernel(middle, slope, before, long_before, step, spacing)
+
+
 G = 9.81
 PLATE, HOOK = 20.0 * 10.0 * 0.02 * 7850.0 * G, 5000.0 * G
 
@@ -115,3 +126,33 @@ def test_a_steady_rate_is_of_second_order_and_blind_to_what_alternates() -> None
     # a jump is taken from the end itself
     assert steady_rate(0.5, 10.0, 1.0) == 1.0
     assert steady_rate(0.5, -10.0, 1.0) == 0.5
+
+
+def test_a_steady_force_is_of_second_order_and_blind_to_what_alternates() -> None:
+    """From means of sin over steps, of equal and unequal length; with an alternating part; and behind an impact."""
+
+    def carried_on(mean: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        spacing = 0.5 * (steps[1:] + steps[:-1])
+        slope = np.diff(mean) / spacing
+        return np.array(
+            [
+                steady_force(mean[n], slope[n - 1], slope[n - 2], slope[n - 3], steps[n], spacing[n - 1])
+                for n in range(3, len(mean))
+            ]
+        )
+
+    errors = []
+    for count in (500, 1000):
+        steps = 2.0 * np.pi / count * (1.0 + 0.3 * np.sin(np.arange(count)))
+        t = np.concatenate([[0.0], np.cumsum(steps)])
+        mean = -np.diff(np.cos(t)) / steps
+        errors.append(np.abs(carried_on(mean, steps) - np.sin(t[4:])).max())
+    assert errors[0] / errors[1] > 3.5
+    h = np.full(500, 2.0 * np.pi / 500)
+    t = np.cumsum(h)
+    mean = (np.cos(t - h) - np.cos(t)) / h
+    # the part that alternates is left out with half of a step's change of the force: up to a step late
+    rung = carried_on(mean + 5.0 * (-1.0) ** np.arange(500), h)
+    assert np.abs(rung - np.sin(t[3:])).max() < 1.01 * h[0]
+    mean[250] += 1e3  # an impact
+    assert np.abs(carried_on(mean, h)[248:] - np.sin(t[251:])).max() < 0.51 * h[0]
