@@ -105,6 +105,10 @@ def force_warning(layout: Layout) -> str:
 LARGEST_RINGING = 0.05
 """Energy of what rings over the largest of the motion that is worth a warning."""
 
+SMALLEST_RINGING = 1e-6
+"""The same over the elastic energy: forces change by a thousandth of those that bend the body. Less is what is left
+of a search for its rest."""
+
 
 def mesh_warning(layout: Layout) -> str:
     """Meshes that ring, or whose carried strains drifted too far, as a sentence; empty if none.
@@ -122,7 +126,10 @@ def mesh_warning(layout: Layout) -> str:
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
             name = layout.body_names[line.number]
-            if numbers.largest_ringing > LARGEST_RINGING * numbers.largest_motion:
+            least = max(
+                LARGEST_RINGING * numbers.largest_motion, SMALLEST_RINGING * numbers.elastic_energy
+            )
+            if numbers.largest_ringing > least:
                 share = numbers.largest_ringing / numbers.largest_motion
                 parts.append(
                     f"{name!r} rings: velocities at the ends of steps change their sign from step to step, with up to"

@@ -106,6 +106,14 @@ def test_what_rings_all_the_same_is_told() -> None:
     assert found["hoist.tension"] == pytest.approx(PLATE + HOOK, rel=1e-2)
 
 
+@pytest.mark.parametrize("stiffness_damping", [0.0, 20e-3])
+def test_what_is_left_of_a_search_for_rest_is_no_ringing(stiffness_damping: float) -> None:
+    """At rest, before the puff, the plate moves by the rounding of its equilibrium, which means nothing."""
+    simulation = plate_on_slings(10e-3, stiffness_damping)
+    histories(simulation, 0.8)
+    assert simulation.warning == ""
+
+
 def test_a_steady_rate_is_of_second_order_and_blind_to_what_alternates() -> None:
     """A cosine by mean rates at 1e-2 and 5e-3, with and without a part that changes its sign with every step."""
     errors = []
