@@ -126,9 +126,7 @@ def mesh_warning(layout: Layout) -> str:
 
         for line, numbers in zip(kind.table, kind.body, strict=True):
             name = layout.body_names[line.number]
-            least = max(
-                LARGEST_RINGING * numbers.largest_motion, SMALLEST_RINGING * numbers.elastic_energy
-            )
+            least = max(LARGEST_RINGING * numbers.largest_motion, SMALLEST_RINGING * numbers.elastic_energy)
             if numbers.largest_ringing > least:
                 share = numbers.largest_ringing / numbers.largest_motion
                 parts.append(

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.statics.newton import BALANCED, CLOSED, ROUNDED, Progress, correct, large
+from heavylift.solver.statics.newton import BALANCED, CLOSED, NOISE, STEADY, Progress, correct, large
 from heavylift.solver.statics.problem import (
     StaticProblem,
     factorise,
@@ -180,13 +180,14 @@ def _step(
     problem.move(went)
     factor = progress.factor + more
     multipliers = progress.multipliers + more * tangent[1]
-    last, floor = np.inf, 0.0
+    last, floor, size, promised = np.inf, 0.0, np.inf, large(problem, went)
     for iteration in range(1, PATIENCE + 1):
         now = measure(problem, factor, multipliers)
         if not np.isfinite(now.residual):
             return None
-        enough = max(BALANCED, min(floor, ROUNDED))
+        enough = max(BALANCED, min(floor, NOISE))
         good = now.residual <= POLISHED or (now.residual <= enough and now.residual > 0.3 * last)
+        good = good or (now.residual <= floor and size <= STEADY * promised)
         if now.gap_size <= CLOSED and good:
             progress.factor, progress.multipliers, progress.residual = factor, multipliers, now.residual
             return went, iteration
@@ -208,6 +209,7 @@ def _step(
         choices = [(-b + s * np.sqrt(root)) / (2.0 * a) for s in (1.0, -1.0)]
         m = max(choices, key=lambda m: dot(went + back + m * along, went))
         change = back + m * along
+        size = large(problem, change)
         problem.move(change)
         went = went + change
         factor += m

@@ -160,6 +160,8 @@ def _finish(search: _Search, motions: FreeMotions) -> Equilibrium:
         f"equilibrium in {plural(progress.steps, 'step')}, {plural(progress.iterations, 'iteration')}{way}: largest"
         f" displacement {moved:.4g} m, {progress.residual:.1e} of the loads is left"
     )
+    if progress.rounded:
+        text += ", which is rounding of stiff forces that are far larger"
     if motions.count:
         text += f"; beside their weight nothing holds this: {motions.text}"
     return Equilibrium(progress.residual, progress.iterations, moved, True, text)

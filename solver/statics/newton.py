@@ -24,7 +24,18 @@ from heavylift.solver.statics.problem import (
     unstable_count,
 )
 
-__all__ = ["BALANCED", "CLOSED", "ROUNDED", "Progress", "correct", "large", "push", "stiffness"]
+__all__ = [
+    "BALANCED",
+    "CLOSED",
+    "NOISE",
+    "ROUNDED",
+    "STEADY",
+    "Progress",
+    "correct",
+    "large",
+    "push",
+    "stiffness",
+]
 
 BALANCED = 1e-8
 """Residual relative to the loads that counts as equilibrium; iterations go on below it while they help."""
@@ -41,6 +52,9 @@ ROUNDED = 1e-5
 
 NOISE = 1e-2
 """The same where it is within the rounding of the forces: small loads on what is thin and stiff in its plane."""
+
+STEADY = 1e-6
+"""Displacement relative to that under the loads which tells, too, that a residual is rounding, however large."""
 
 PATIENCE = 16
 GROWTHS = 4
@@ -65,6 +79,8 @@ class Progress:
         Of the last iteration.
     promised
         Displacement that the first iteration of the last search asked for, in units of a large one.
+    rounded
+        Whether the residual of the last search is rounding of forces far larger than the loads.
     """
 
     multipliers: NDArray[np.float64]
@@ -73,6 +89,7 @@ class Progress:
     iterations: int = 0
     residual: float = np.inf
     promised: float = np.inf
+    rounded: bool = False
 
 
 def large(problem: StaticProblem, increment: NDArray[np.float64]) -> float:
@@ -128,8 +145,10 @@ def correct(
         still = size <= STILL and residual <= ROUNDED
         enough = max(tolerance, min(floor, NOISE))
         balanced = residual <= POLISHED or (residual <= enough and residual > 0.3 * last)
+        still = still or (residual <= floor and size <= STEADY * progress.promised)
         if now.gap_size <= CLOSED and (balanced or still or (tolerance > BALANCED and residual <= tolerance)):
             progress.multipliers, progress.factor = multipliers, factor
+            progress.rounded = ROUNDED < residual <= floor
             return True
         grown = grown + 1 if residual > last else 0
         if iteration == patience or grown > GROWTHS or (iteration > 4 and residual > 1e6 * best):
