@@ -51,6 +51,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 
 __all__ = [
+    "axial_momentum_at_middle",
     "gather_marker_forces",
     "mean_velocity",
     "move_driven",
@@ -263,13 +264,13 @@ def predict_rigid_bodies(kind: RigidFrames, time: float, step: float) -> None:
 
 
 @kernel(inline=True, internal=True)
-def _axial_momentum_at_middle(frame: RigidFrame, step: float) -> float:
-    """Momentum of a slender body about its axis, in the middle of a step without moments.
+def axial_momentum_at_middle(frame: RigidFrame, w: Three, step: float) -> float:
+    """Momentum of a slender body about its axis, in the middle of a step without moments, by a spin of the middle.
 
     The part of the spatial momentum along the axis is not it: where the predicted axis is off by an angle, the momentum
     across it has a part along it that is that angle times the ratio of the moments of inertia too large for the spin.
     """
-    I, w = frame.principal_inertia, frame.mid_spin
+    I = frame.principal_inertia
     return I[0] * frame.spin[0] + 0.5 * step * (I[1] - I[2]) * w[1] * w[2]
 
 
@@ -285,7 +286,7 @@ def factor_rigid_bodies(kind: RigidBodies, step: float, work: Workspace) -> None
         if kind.table[body].motion == FREE:
             L = rotate_back(frame.mid_rotation, frame.angular_momentum)
             if frame.slender:
-                L = _axial_momentum_at_middle(frame, h), L[1], L[2]
+                L = axial_momentum_at_middle(frame, vector(frame.mid_spin), h), L[1], L[2]
             for k in range(3):
                 work.velocity[dof + k] = frame.velocity[k] + 0.5 * h * (
                     frame.force[k] * frame.inverse_mass + work.sums.gravity[k]

@@ -9,7 +9,17 @@ from the stiffness of tilt as a negative float plane does.
 from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, add_scaled, cross, rotate, rotate_back, scaled, vector
+from heavylift.numerics.vectors import (
+    Vector,
+    add_scaled,
+    cross,
+    rotate,
+    rotate_back,
+    scaled,
+    vector,
+    vector_at,
+)
+from heavylift.solver.bodies.rigid.step import axial_momentum_at_middle
 from heavylift.solver.interface import Workspace
 from heavylift.solver.water.hulls.clipping import clip_surface
 from heavylift.solver.water.hulls.kind import CLIPPED, LINEAR, Hulls
@@ -311,11 +321,14 @@ def moved_on(kind: Hulls, work: Workspace, end: int, step: float) -> Vector:
 
 
 @kernel(internal=True)
-def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace) -> None:
+def _load_hull(kind: Hulls, hull: int, step: float, work: Workspace, again: bool) -> None:
     """Momentum of body, ballast and water at the start, half impulses of forces of markers, waves and weight."""
     frame, vectors = kind.frame[hull], kind.vectors
     h, R, out = step, kind.frame[hull].mid_rotation, 6 * hull
     L = rotate_back(R, frame.angular_momentum)
+    if frame.slender:
+        spin = vector_at(work.velocity, kind.table[hull].dof + 3) if again else vector(frame.mid_spin)
+        L = axial_momentum_at_middle(frame, spin, h), L[1], L[2]
     for k in range(3):
         vectors.load[out + k] = frame.mass * (frame.velocity[k] + 0.5 * h * work.sums.gravity[k])
         vectors.load[out + 3 + k] = L[k]
@@ -342,7 +355,7 @@ def assemble(kind: Hulls, group: int, base: int, step: float, work: Workspace, a
     first, count = kind.groups[group].first, kind.groups[group].count
     n = 6 * count
     for p in range(count):
-        _load_hull(kind, first + p, step, work)
+        _load_hull(kind, first + p, step, work, again)
     assemble_mass(kind, group, base, False, step)
     for p in range(count):
         restore(kind, first + p)

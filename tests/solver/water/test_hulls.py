@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hull_shapes import outward_hull
 from scipy.optimize import brentq, fsolve
 from scipy.spatial.transform import Rotation
 
@@ -142,6 +143,57 @@ def constant(ratios: tuple[float, ...], bodies=("barge",)) -> HydrodynamicDataba
     )
 
 
+def rocking_spar(ratio: float, share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Spin in axes of the body, its axis and the energy balance over 100 s, at 10 steps a second.
+
+    Parameters
+    ----------
+    ratio
+        Moment of inertia about the axis over that across it.
+    share
+        Of the displaced mass that moves with it, across the axis.
+    """
+    radius, length, draft, sides = 2.5, 100.0, 80.0, 32
+    turn = 2.0 * np.pi * np.arange(sides) / sides
+    rings = [
+        np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(sides, z)])
+        for z in (-draft, length - draft)
+    ]
+    points = np.vstack(rings)
+    buoy = replace(surface(), points=points, triangles=outward_hull(points))
+    mass = RHO * draft * 0.5 * sides * radius**2 * np.sin(2.0 * np.pi / sides)
+    across = mass * length**2 / 12.0
+    spar = barge(
+        "spar",
+        (0.0, 0.0, 0.0),
+        (0.3, 0.0, 0.0),
+        mass=mass,
+        inertia=np.diag([across, across, ratio * across]),
+        centre_of_mass=np.array([0.0, 0.0, -50.0]),
+        angular_velocity=np.array([0.0, 0.03, 0.0]),
+    )
+    m, z = share * mass, -0.5 * draft
+    A = np.zeros((6, 6))
+    A[0, 0] = A[1, 1] = m
+    A[0, 4] = A[4, 0] = m * z
+    A[1, 3] = A[3, 1] = -m * z
+    A[3, 3] = A[4, 4] = m * (z * z + draft**2 / 12.0)
+    water = replace(constant((0.0,) * 6, ("spar",)), added_mass=np.tile(A, (20, 1, 1)), added_mass_infinite=A)
+    made = scene(
+        spar,
+        hulls=(hull("spar", restoring=buoy),),
+        radiation=(Radiation(bodies=("spar",), database=water, memory="none"),) if share else (),
+    )
+    _, history, _ = run(made, 0.1, 100.0, 1.0)
+    q = history("spar.orientation")
+    axis = Rotation.from_quat(q[:, [1, 2, 3, 0]]).as_matrix()[:, :, 2]
+    return (
+        history("spar.angular_velocity"),
+        axis,
+        history("energy.balance")[:, 0] / history("energy.kinetic").max(),
+    )
+
+
 class TestHullsAlone:
     """Hulls without waves and memory: one kind, whatever their restoring, tanks and added mass."""
 
@@ -196,6 +248,18 @@ class TestHullsAlone:
         found = [motion(run(made, h, 40.0, 0.4)[1]) for h in (0.1, 0.05, 0.025)]
         change = [np.abs(b - a).max(axis=0) for a, b in pairwise(found)]
         np.testing.assert_allclose(np.log2(change[0] / change[1]), 2.0, atol=0.3)
+
+    @pytest.mark.parametrize("share", [0.0, 0.9])
+    def test_a_spar_that_rocks_does_not_turn_about_its_axis(self, share: float) -> None:
+        """An axisymmetric buoy of 100 m that goes round in a cone: slender as real ones, with added mass across it.
+
+        Its spin about the axis stays zero, and its path is that of a thick one with the same moments across.
+        """
+        ends = {ratio: rocking_spar(ratio, share) for ratio in (0.2, 3e-3)}
+        for spin, _, energy in ends.values():
+            assert np.abs(spin[:, 2]).max() < 2e-4 * np.abs(spin[:, :2]).max()
+            assert np.abs(energy - energy[0]).max() < 1e-4
+        np.testing.assert_allclose(ends[3e-3][1], ends[0.2][1], atol=1e-4)
 
     def test_hull_under_water_and_in_air(self) -> None:
         """A constant force: parabolas, which the step follows to rounding."""
