@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.assemble.described import said_of
+from heavylift.pipeline.assemble.described import assemble, said_of
 from heavylift.pipeline.assemble.meshes import read_points
 from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourSection
 from heavylift.pipeline.case.places import located
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from heavylift.contours.splines.neutral import NeutralContour
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.contacts import Shape, TurnSection
     from heavylift.pipeline.case.contours import (
         CircleSection,
         Contour,
@@ -346,43 +344,12 @@ def assemble_contacts(case: Case, sides: Mapping[str, Side]) -> tuple[c.Contact,
                     contour=contact.between[1],
                     body=contact.between[0],
                     point=local if contact.at is None else side.from_world(contact.at),
-                    shape=_shape(contact.shape),
+                    shape=assemble(contact.shape, sides, case.folder),
                     law=_law(contact),
                     **said_of(contact, c.Contact),
                 )
             )
     return tuple(found)
-
-
-def _shape(shape: Shape) -> c.ContactShape:
-    """What touches; sizes of rounded shapes are told to the solver as those of the core."""
-    if shape.type == "sphere":
-        return c.SphereShape(shape.radius)
-    if shape.type == "circle":
-        return c.CircleShape(shape.radius, _unit(shape.axis))
-    if shape.type == "ellipsoid":
-        return c.EllipsoidShape(np.array(shape.half_axes), _turned(shape.turned))
-    if shape.type == "box":
-        core = 0.5 * np.array(shape.size) - shape.rounding
-        return c.BoxShape(core, shape.rounding, _turned(shape.turned))
-    if shape.type == "capsule":
-        return c.CapsuleShape(shape.radius, 0.5 * shape.length, _unit(shape.axis))
-    if shape.type == "cylinder":
-        core_radius, core_half = shape.radius - shape.rounding, 0.5 * shape.length - shape.rounding
-        return c.CylinderShape(core_radius, core_half, shape.rounding, _unit(shape.axis))
-    return c.PointShape()
-
-
-def _unit(axis: Sequence[float]) -> NDArray[np.float64]:
-    direction: NDArray[np.float64] = np.array(axis) / np.linalg.norm(axis)
-    return direction
-
-
-def _turned(turn: TurnSection | None) -> NDArray[np.float64]:
-    """Axes of a shape as columns in those of its body."""
-    if turn is None:
-        return np.eye(3)
-    return rotation_matrix(quaternion_from_rotation_vector(turn.angle * _unit(turn.axis)))
 
 
 def _law(contact: Any) -> c.ContactLaw:

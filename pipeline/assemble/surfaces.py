@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.contacts import TurnSection
     from heavylift.pipeline.case.surfaces import SurfaceSection, SurfaceShape
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
@@ -169,14 +168,9 @@ def stored_surface(case: Case, index: int, folder: OutputFolder) -> StoredSurfac
     return stored if stored.digest == surface_digest(case, section) else make_surface(case, index)
 
 
-def turned(turn: TurnSection | None) -> NDArray[np.float64]:
+def turned(turn: Any) -> NDArray[np.float64]:
     """Rotation, shape (3, 3), of what is turned from the axes of its body."""
-    if turn is None:
-        return np.eye(3)
-    from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-
-    axis = np.array(turn.axis) / np.linalg.norm(turn.axis)
-    return rotation_matrix(quaternion_from_rotation_vector(turn.angle * axis))
+    return np.eye(3) if turn is None else turn.DESCRIBED(turn.axis, turn.angle).matrix
 
 
 def _shaped(section: SurfaceSection, shape: SurfaceShape) -> TriangleSurface:

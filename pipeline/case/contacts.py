@@ -4,155 +4,31 @@
 
 from collections.abc import Callable
 from functools import cache
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from heavylift.numerics.quantity import ByExponent
 from heavylift.pipeline.case.channel_kinds import CONTOUR_TYPES
-from heavylift.pipeline.case.described import make_section
+from heavylift.pipeline.case.described import Chosen, make_section, section_of
 from heavylift.pipeline.case.fields import (
     GROUND,
     CaseContext,
-    Direction,
     LengthVector,
     Positive,
-    Quantity,
     Section,
     UniqueName,
     refuse_unknown,
     reject,
 )
-from heavylift.solver.scene.contacts import CONTACT_LAWS, Contact
+from heavylift.solver.scene.contacts import CONTACT_LAWS, CONTACT_SHAPES, Contact, PointShape, Turn
 from heavylift.solver.scene.descriptions import Family, described_fields
 
-__all__ = [
-    "BoxShapeSection",
-    "CapsuleShapeSection",
-    "CircleShapeSection",
-    "CylinderShapeSection",
-    "EllipsoidShapeSection",
-    "PointShapeSection",
-    "Shape",
-    "SphereShapeSection",
-    "TurnSection",
-    "contact_section",
-    "refuse_keys_of_others",
-]
+__all__ = ["Shape", "TurnSection", "contact_section", "refuse_keys_of_others"]
 
-Length = Annotated[float, Positive("length")]
-
-
-class TurnSection(Section):
-    """A rotation from the axes of the body to those of a shape."""
-
-    axis: Direction
-    """Direction in the coordinates of the body, any length."""
-    angle: Annotated[float, Quantity("angle")]
-    """Angle of rotation [rad]."""
-
-
-class PointShapeSection(Section):
-    """The point itself."""
-
-    type: Literal["point"]
-
-
-class SphereShapeSection(Section):
-    """A ball about the point."""
-
-    type: Literal["sphere"]
-    radius: Length
-    """[m]."""
-
-
-class CircleShapeSection(Section):
-    """A thin ring, the rim of a disc or wheel, about the point."""
-
-    type: Literal["circle"]
-    radius: Length
-    """[m]."""
-    axis: Direction
-    """Normal of its plane, in the coordinates of the body."""
-
-
-class EllipsoidShapeSection(Section):
-    """An ellipsoid about the point."""
-
-    type: Literal["ellipsoid"]
-    half_axes: tuple[Length, Length, Length]
-    """[m]."""
-    turned: TurnSection | None = None
-    """How its axes are turned from those of the body; not at all if absent."""
-
-
-class BoxShapeSection(Section):
-    """A box about the point, with rounded edges."""
-
-    type: Literal["box"]
-    size: tuple[Length, Length, Length]
-    """From face to face [m]."""
-    rounding: Length
-    """Radius of its edges and corners [m], below half of its smallest size."""
-    turned: TurnSection | None = None
-    """How its axes are turned from those of the body; not at all if absent."""
-
-    @model_validator(mode="after")
-    def _has_a_core(self) -> Self:
-        _check_rounding(self.rounding, min(self.size), "smallest size")
-        return self
-
-
-class CapsuleShapeSection(Section):
-    """A round bar with half balls as ends, about the point."""
-
-    type: Literal["capsule"]
-    radius: Length
-    """[m]."""
-    length: Length
-    """Of its straight part: from centre to centre of its ends [m]."""
-    axis: Direction
-    """In the coordinates of the body."""
-
-
-class CylinderShapeSection(Section):
-    """A round bar with rounded rims, about the point."""
-
-    type: Literal["cylinder"]
-    radius: Length
-    """[m]."""
-    length: Length
-    """From face to face [m]."""
-    rounding: Length
-    """Radius of its rims [m], below its radius and half of its length."""
-    axis: Direction
-    """In the coordinates of the body."""
-
-    @model_validator(mode="after")
-    def _has_a_core(self) -> Self:
-        _check_rounding(self.rounding, min(2.0 * self.radius, self.length), "diameter or length")
-        return self
-
-
-def _check_rounding(rounding: float, size: float, what: str) -> None:
-    if rounding >= 0.5 * size:
-        reject(
-            f"{rounding:g} m rounds all of the shape off",
-            f"less than {0.5 * size:g} m, half of its {what}",
-            key="rounding",
-        )
-
-
-Shape = Annotated[
-    PointShapeSection
-    | SphereShapeSection
-    | CircleShapeSection
-    | EllipsoidShapeSection
-    | BoxShapeSection
-    | CapsuleShapeSection
-    | CylinderShapeSection,
-    Field(discriminator="type"),
-]
+Shape = Annotated[Any, Chosen(CONTACT_SHAPES)]
+"""What touches."""
+TurnSection: Any = section_of(Turn)
 
 _ON_SURFACES = frozenset({"circle", "ellipsoid", "box", "capsule", "cylinder"})
 """Shapes that touch surfaces only."""
@@ -182,7 +58,7 @@ class _ContactPlace(Section):
     if absent."""
     at: LengthVector | None = None
     """In place of `point`: where it is at the start [m], in the world."""
-    shape: Shape = Field(default_factory=lambda: PointShapeSection(type="point"))
+    shape: Shape = Field(default_factory=lambda: section_of(PointShape).model_validate({"type": "point"}))
     """What touches; the point itself if absent."""
 
     @model_validator(mode="before")

@@ -254,7 +254,7 @@ def shape_parts(shape: c.ContactShape) -> Parts:
         ring = _turned(_circle(shape.radius), shape.axis)
         return Parts((Lines(ring, _chain(_ROUND, closed=True), _TOUCH, 3.0),))
     if isinstance(shape, c.BoxShape):
-        sizes = shape.half_lengths + shape.radius
+        sizes = 0.5 * np.asarray(shape.size)
         corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
         sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
         triangles = np.array([t for a, b, d, e in sides for t in ((a, b, d), (a, d, e))])
@@ -266,10 +266,10 @@ def shape_parts(shape: c.ContactShape) -> Parts:
         return Parts(patches=(Patch((ball * sizes) @ axes.T, triangles, _TOUCH),))
     if isinstance(shape, c.CapsuleShape):
         turns = np.linspace(0.0, np.pi, 2 + _ROUND // 2)
-        heights = shape.half_length * np.sign(np.cos(turns))
+        heights = 0.5 * shape.length * np.sign(np.cos(turns))
         bar, triangles = _revolved(turns, heights, shape.radius)
     else:
-        radius, half = shape.radius + shape.rounding, shape.half_length + shape.rounding
+        radius, half = shape.radius, 0.5 * shape.length
         rim = np.array([[0.0, half], [radius, half], [radius, -half], [0.0, -half]])
         bar, triangles = _about_axis(rim)
     return Parts(patches=(Patch(_turned(bar, shape.axis), triangles, _TOUCH),))

@@ -13,12 +13,8 @@ from heavylift.solver.contact.kind import LARGEST_CONTROLS
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import (
     BilateralLaw,
-    BoxShape,
-    CapsuleShape,
     CircleShape,
     Contact,
-    CylinderShape,
-    EllipsoidShape,
     HertzLaw,
     HuntCrossleyLaw,
     LinearLaw,
@@ -26,6 +22,7 @@ from heavylift.solver.scene.contacts import (
     RigidLaw,
     SphereShape,
 )
+from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.meshes import FrameBody
 from heavylift.solver.scene.scene import FlexibleBody, Scene
 
@@ -144,7 +141,7 @@ def _check_shape(contact: Contact, contour: Contour, body: Any) -> None:
     curve = isinstance(body, FrameBody) or (contour.neutral is not None and len(contour.neutral.spaces) == 1)
     if isinstance(contact.law, BilateralLaw) and not isinstance(shape, PointShape):
         _refuse(contact, "shape", "a bilateral contact of more than a point", "a point")
-    _check_sizes(contact, shape)
+    _check_numbers(contact)
     if isinstance(shape, CircleShape) and contour.flip:
         _refuse(
             contact,
@@ -164,42 +161,12 @@ def _check_shape(contact: Contact, contour: Contour, body: Any) -> None:
         )
 
 
-def _check_sizes(contact: Contact, shape: Any) -> None:
-    """Lengths of shapes above 0; edges with a radius: on a sharp one the direction of a contact would jump."""
-    lengths: dict[str, Any] = {}
-    if isinstance(shape, SphereShape | CircleShape):
-        lengths = {"radius": shape.radius}
-    elif isinstance(shape, EllipsoidShape):
-        lengths = {"half_axes": shape.half_axes}
-    elif isinstance(shape, BoxShape):
-        lengths = {"half_lengths": shape.half_lengths}
-        _check_rounding(contact, "radius", shape.radius)
-    elif isinstance(shape, CapsuleShape):
-        lengths = {"radius": shape.radius, "half_length": shape.half_length}
-    elif isinstance(shape, CylinderShape):
-        lengths = {"radius": shape.radius, "half_length": shape.half_length}
-        _check_rounding(contact, "rounding", shape.rounding)
-    for key, value in lengths.items():
-        values = np.atleast_1d(np.asarray(value, dtype=np.float64))
-        wanted = (3,) if key in {"half_axes", "half_lengths"} else (1,)
-        if values.shape != wanted or not np.all((values > 0.0) & np.isfinite(values)):
-            several = "three positive lengths" if wanted == (3,) else "a positive length"
-            _refuse(contact, f"shape.{key}", f"{value} m", several)
-    if isinstance(shape, EllipsoidShape | BoxShape):
-        axes = np.asarray(shape.axes, dtype=np.float64)
-        square = axes.shape == (3, 3) and np.allclose(axes.T @ axes, np.eye(3), atol=1e-6)
-        if not (square and np.linalg.det(axes) > 0.0):
-            _refuse(contact, "shape.axes", f"{axes.tolist()}", "three orthogonal unit vectors, right-handed")
-
-
-def _check_rounding(contact: Contact, key: str, value: float) -> None:
-    if not 0.0 < value < math.inf:
-        _refuse(
-            contact,
-            f"shape.{key}",
-            f"{value} m: edges are sharp, and where one is touched there is no normal",
-            "a positive length; contacts stay defined until they are pressed in so deep",
-        )
+def _check_numbers(contact: Contact) -> None:
+    """Those of the shape, by its description."""
+    try:
+        check_object(contact.shape, source=contact.name)
+    except InputError as error:
+        _refuse(contact, f"shape.{error.key}", error.problem, error.expected)
 
 
 def check_about_curve(contour: Contour, is_curve: bool) -> None:

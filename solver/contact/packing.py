@@ -337,27 +337,16 @@ def _shape(contact: Contact) -> tuple[int, float, float, int, Primitive]:
         row = shape_row(ELLIPSOID, list(map(float, shape.half_axes)))
         return CONVEX, float(max(shape.half_axes)), 0.0, ELLIPSOID, _turned(row, shape.axes)
     if isinstance(shape, BoxShape):
-        row = shape_row(BOX, list(map(float, shape.half_lengths)), shape.radius)
-        return (
-            CONVEX,
-            float(np.linalg.norm(shape.half_lengths)) + shape.radius,
-            0.0,
-            BOX,
-            _turned(row, shape.axes),
-        )
+        row = shape_row(BOX, list(map(float, shape.core)), shape.rounding)
+        reach = float(np.linalg.norm(shape.core)) + shape.rounding
+        return CONVEX, reach, 0.0, BOX, _turned(row, shape.axes)
     axes = axes_about(shape.axis, source=contact.name)
     if isinstance(shape, CapsuleShape):
-        row = shape_row(CAPSULE, [shape.half_length], shape.radius)
-        return CONVEX, shape.half_length + shape.radius, 0.0, CAPSULE, _turned(row, axes)
+        row = shape_row(CAPSULE, [0.5 * shape.length], shape.radius)
+        return CONVEX, 0.5 * shape.length + shape.radius, 0.0, CAPSULE, _turned(row, axes)
     assert isinstance(shape, CylinderShape)
-    row = shape_row(CYLINDER, [shape.radius, shape.half_length], shape.rounding)
-    return (
-        CONVEX,
-        float(np.hypot(shape.radius, shape.half_length)) + shape.rounding,
-        0.0,
-        CYLINDER,
-        _turned(row, axes),
-    )
+    row = shape_row(CYLINDER, list(shape.core), shape.rounding)
+    return CONVEX, float(np.hypot(*shape.core)) + shape.rounding, 0.0, CYLINDER, _turned(row, axes)
 
 
 def _turned(primitive: Primitive, axes: NDArray[np.float64]) -> Primitive:

@@ -11,19 +11,19 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import Absent, ByExponent, Positive, Quantity
+from heavylift.numerics.quantity import Absent, BodyDirection, ByExponent, Positive, Quantity, Shape
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, interval_extremes
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from heavylift.contours.splines.neutral import NeutralContour
 
 __all__ = [
     "COLLISION_LAWS",
     "CONTACT_LAWS",
+    "CONTACT_SHAPES",
     "BilateralLaw",
     "BoxShape",
     "CapsuleShape",
@@ -42,6 +42,7 @@ __all__ = [
     "RigidLaw",
     "SphereShape",
     "ThesisLaw",
+    "Turn",
 ]
 
 
@@ -76,60 +77,152 @@ class Contour:
     director: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
 
+CONTACT_SHAPES: Family[Any] = Family("shape", "heavylift.solver.contact.search", alphabetical=False)
+"""What touches, about a point of its body."""
+
+
+@CONTACT_SHAPES.part
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """A rotation from the axes of the body to those of a shape."""
+
+    axis: Annotated[NDArray[np.float64], BodyDirection()]
+    """Direction in the coordinates of the body, any length."""
+    angle: Annotated[float, Quantity("angle")]
+    """Angle of rotation [rad]."""
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """Axes of the shape as columns in those of its body, shape (3, 3)."""
+        from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
+
+        axis = np.asarray(self.axis, dtype=np.float64)
+        return rotation_matrix(quaternion_from_rotation_vector(self.angle * axis / np.linalg.norm(axis)))
+
+
+def _axes(turned: Turn | None) -> NDArray[np.float64]:
+    return np.eye(3) if turned is None else turned.matrix
+
+
+def _check_rounding(rounding: float, size: float, what: str) -> None:
+    """A core is left."""
+    if rounding >= 0.5 * size:
+        raise InputError(
+            f"{rounding:g} m rounds all of the shape off",
+            key="rounding",
+            expected=f"less than {0.5 * size:g} m, half of its {what}",
+        )
+
+
+@CONTACT_SHAPES.describe("point")
 @dataclass(frozen=True)
 class PointShape:
-    """A material point."""
+    """The point itself."""
 
 
+@CONTACT_SHAPES.describe("sphere")
 @dataclass(frozen=True)
 class SphereShape:
-    """A ball about the point: radius [m]."""
+    """A ball about the point."""
 
-    radius: float
+    radius: Annotated[float, Positive("length")]
+    """[m]."""
 
 
+@CONTACT_SHAPES.describe("circle")
 @dataclass(frozen=True, eq=False)
 class CircleShape:
-    """A thin ring about the point: radius [m] and axis in the body frame, shape (3,)."""
+    """A thin ring, the rim of a disc or wheel, about the point."""
 
-    radius: float
-    axis: NDArray[np.float64]
+    radius: Annotated[float, Positive("length")]
+    """[m]."""
+    axis: Annotated[NDArray[np.float64], BodyDirection()]
+    """Normal of its plane, in the coordinates of the body."""
 
 
+@CONTACT_SHAPES.describe("ellipsoid")
 @dataclass(frozen=True, eq=False)
 class EllipsoidShape:
-    """An ellipsoid about the point: half axes [m], shape (3,), along columns of `axes` in the body frame."""
+    """An ellipsoid about the point."""
 
-    half_axes: NDArray[np.float64]
-    axes: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    half_axes: Annotated[NDArray[np.float64], Positive("length"), Shape((3,))]
+    """[m]."""
+    turned: Turn | None = None
+    """How its axes are turned from those of the body; not at all if absent."""
+
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """Columns in those of the body, shape (3, 3)."""
+        return _axes(self.turned)
 
 
+@CONTACT_SHAPES.describe("box")
 @dataclass(frozen=True, eq=False)
 class BoxShape:
-    """A box about the point with rounded edges: half lengths of its core [m], radius of the rounding [m], axes."""
+    """A box about the point, with rounded edges: on a sharp one the direction of a contact would jump."""
 
-    half_lengths: NDArray[np.float64]
-    radius: float
-    axes: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    size: Annotated[NDArray[np.float64], Positive("length"), Shape((3,))]
+    """From face to face [m]."""
+    rounding: Annotated[float, Positive("length")]
+    """Radius of its edges and corners [m], below half of its smallest size; a contact stays defined until it is pressed
+    in so deep."""
+    turned: Turn | None = None
+    """How its axes are turned from those of the body; not at all if absent."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A core is left."""
+        _check_rounding(said.rounding, min(said.size), "smallest size")
+
+    @property
+    def core(self) -> NDArray[np.float64]:
+        """Half lengths of what is rounded [m], shape (3,)."""
+        half: NDArray[np.float64] = 0.5 * np.asarray(self.size, dtype=np.float64) - self.rounding
+        return half
+
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """Columns in those of the body, shape (3, 3)."""
+        return _axes(self.turned)
 
 
+@CONTACT_SHAPES.describe("capsule")
 @dataclass(frozen=True, eq=False)
 class CapsuleShape:
-    """A segment about the point with a radius [m]: half length [m] and direction in the body frame, shape (3,)."""
+    """A round bar with half balls as ends, about the point."""
 
-    radius: float
-    half_length: float
-    axis: NDArray[np.float64]
+    radius: Annotated[float, Positive("length")]
+    """[m]."""
+    length: Annotated[float, Positive("length")]
+    """Of its straight part: from centre to centre of its ends [m]."""
+    axis: Annotated[NDArray[np.float64], BodyDirection()]
+    """In the coordinates of the body."""
 
 
+@CONTACT_SHAPES.describe("cylinder")
 @dataclass(frozen=True, eq=False)
 class CylinderShape:
-    """A cylinder about the point with rounded rims: radius and half length of its core, rounding [m], axis."""
+    """A round bar with rounded rims, about the point."""
 
-    radius: float
-    half_length: float
-    rounding: float
-    axis: NDArray[np.float64]
+    radius: Annotated[float, Positive("length")]
+    """[m]."""
+    length: Annotated[float, Positive("length")]
+    """From face to face [m]."""
+    rounding: Annotated[float, Positive("length")]
+    """Radius of its rims [m], below its radius and half of its length; a contact stays defined until it is pressed in
+    so deep."""
+    axis: Annotated[NDArray[np.float64], BodyDirection()]
+    """In the coordinates of the body."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A core is left."""
+        _check_rounding(said.rounding, min(2.0 * said.radius, said.length), "diameter or length")
+
+    @property
+    def core(self) -> tuple[float, float]:
+        """Radius and half length of what is rounded [m]."""
+        return self.radius - self.rounding, 0.5 * self.length - self.rounding
 
 
 ContactShape = (

@@ -148,11 +148,11 @@ def test_the_force_is_drawn_at_the_touched_point_and_only_while_it_acts(rigid, o
 def test_shapes_are_drawn_with_their_sizes():
     ball = shape_parts(c.SphereShape(2.0)).patches[0]
     np.testing.assert_allclose(np.linalg.norm(ball.points, axis=1), 2.0, rtol=1e-14)
-    box = shape_parts(c.BoxShape(np.array([1.0, 2.0, 3.0]), 0.5)).patches[0]
+    box = shape_parts(c.BoxShape(np.array([3.0, 5.0, 7.0]), 0.5)).patches[0]
     np.testing.assert_allclose(np.ptp(box.points, axis=0), [3.0, 5.0, 7.0])
-    capsule = shape_parts(c.CapsuleShape(0.5, 1.0, np.array([1.0, 0.0, 0.0]))).patches[0]
+    capsule = shape_parts(c.CapsuleShape(0.5, 2.0, np.array([1.0, 0.0, 0.0]))).patches[0]
     np.testing.assert_allclose(np.ptp(capsule.points, axis=0)[0], 3.0, rtol=1e-12)
-    drum = shape_parts(c.CylinderShape(0.9, 1.4, 0.1, np.array([0.0, 1.0, 0.0]))).patches[0]
+    drum = shape_parts(c.CylinderShape(1.0, 3.0, 0.1, np.array([0.0, 1.0, 0.0]))).patches[0]
     np.testing.assert_allclose(np.ptp(drum.points, axis=0), [2.0, 3.0, 2.0], rtol=1e-12)
     ring = shape_parts(c.CircleShape(0.5, np.array([0.0, 0.0, 3.0]))).lines[0]
     np.testing.assert_allclose(np.linalg.norm(ring.points, axis=1), 0.5, rtol=1e-14)

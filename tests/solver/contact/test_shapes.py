@@ -59,10 +59,10 @@ def simulate(contour: Contour, body: RigidBody, step: float, time: float, **cont
 
 
 SHAPES = {
-    "capsule": (CapsuleShape(radius=0.05, half_length=0.3, axis=np.eye(3)[0]), 0.05),
-    "box": (BoxShape(half_lengths=np.array([0.3, 0.2, 0.04]), radius=0.01), 0.05),
+    "capsule": (CapsuleShape(radius=0.05, length=0.6, axis=np.eye(3)[0]), 0.05),
+    "box": (BoxShape(size=np.array([0.62, 0.42, 0.1]), rounding=0.01), 0.05),
     "cylinder": (
-        CylinderShape(radius=0.3, half_length=0.04, rounding=0.01, axis=np.eye(3)[2]),
+        CylinderShape(radius=0.31, length=0.1, rounding=0.01, axis=np.eye(3)[2]),
         0.05,
     ),
 }
