@@ -153,16 +153,16 @@ def contact_warning(layout: Layout) -> str:
     """
     parts = []
     for system in _contacts(layout):
-        control = system.control
-        if control.exhausted_steps:
+        tally = system.tally[0]
+        if tally.exhausted_steps:
             parts.append(
-                f"in {control.exhausted_steps} steps impacts of contacts followed each other without end: the rest of"
+                f"in {tally.exhausted_steps} steps impacts of contacts followed each other without end: the rest of"
                 " these steps was taken without restitution"
             )
-        if control.rough:
+        if tally.rough:
             parts.append(
-                f"{control.rough} times the impulses of contacts were found with a residual of up to"
-                f" {control.roughest:.1g} of the largest rate only: take a smaller step, or less friction where"
+                f"{tally.rough} times the impulses of contacts were found with a residual of up to"
+                f" {tally.roughest:.1g} of the largest rate only: take a smaller step, or less friction where"
                 " surfaces wedge"
             )
     return "; ".join(parts)

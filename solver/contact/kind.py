@@ -43,6 +43,7 @@ __all__ = [
     "Features",
     "Reduced",
     "Scratch",
+    "Tally",
 ]
 
 POINT, CIRCLE, CONVEX, TRIANGLES = range(4)
@@ -390,10 +391,11 @@ class Events(Record):
         Length of whole steps, and of the step that an impact was first seen in [s].
     splits
         Trials since the last whole step.
-    exhausted, exhausted_steps
-        Whether the rest of the whole step goes on without impacts of its own, and how many steps did.
+    exhausted
+        Whether the rest of the whole step goes on without impacts of its own.
     rough, roughest
-        Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
+        Solutions of this step that were accepted although the solver found none of its accuracy, and their largest
+        residual: counted when the step stands.
     known
         Contacts before the search of the step.
     uncut
@@ -416,12 +418,27 @@ class Events(Record):
     longest_step: float
     splits: int
     exhausted: bool
-    exhausted_steps: int
     rough: int
     roughest: float
     known: int
     uncut: bool
     stopping_work: float
+
+
+class Tally(Record):
+    """What steps that stand have counted since the start; carried, so that a run that goes on tells what all of it did.
+
+    Attributes
+    ----------
+    exhausted_steps
+        Whole steps whose rest was taken without impacts of its own.
+    rough, roughest
+        Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
+    """
+
+    exhausted_steps: int
+    rough: int
+    roughest: float
 
 
 class Features(Table):
@@ -497,6 +514,12 @@ class ContactRows(RowArrays):
         How many there are; numbers of those that take part; 1 for each that joins those that are closed.
     control
         Of events.
+    tally
+        What is told at the end of a run, one row.
+    islands, island_loss
+        Number of the island of each contact with a contour, then of each pair of surfaces: bodies that contacts, joints
+        and ropes of the scene can connect; of each island the energy that its contacts without compliance have lost in
+        the step [J].
     solvers, dense, solution
         What solves them, the problem on the matrix of the rows, and how that ended.
     reduced
@@ -522,6 +545,7 @@ class ContactRows(RowArrays):
     )
 
     carried_fields: ClassVar[tuple[str, ...]] = (
+        "tally",
         "rows",
         "state",
         "placed",
@@ -548,6 +572,9 @@ class ContactRows(RowArrays):
     present: Ints1
     joining: Ints1
     control: Events
+    tally: Records[Tally]
+    islands: Ints1
+    island_loss: Floats1
     solvers: ContactSolvers
     dense: Problem
     solution: Solution

@@ -118,6 +118,7 @@ def solve_contact_midpoint(
     """Rows at the predicted midpoint, then half impulses."""
     contacts.control.nominal_step = nominal
     contacts.control.residual, contacts.control.rounds = 0.0, 0
+    contacts.control.rough, contacts.control.roughest = 0, 0.0
     count = 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
