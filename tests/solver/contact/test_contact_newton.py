@@ -302,6 +302,18 @@ def test_a_wall_bears_more_often_than_needed(noise):
     assert p[lowest, 0].sum() == pytest.approx(courses * weight, rel=1e-6 + 100.0 * noise)
 
 
+@pytest.mark.slow
+def test_a_wall_that_fits_no_motion_is_given_up_soon():
+    """480 velocities, targets 1e5 times what a solution allows: impulses push and stay in their cones all the same."""
+    problem = problems.wall(10, 8, np.random.default_rng(1), 1e-5)
+    status, iterations, residual, p, _ = problem.solve()
+    assert status == FAILED
+    assert 1e-7 < residual < 1e-3
+    assert iterations < 2000  # systems and sweeps: a second, where 4 s went by
+    assert p[:, 0].min() >= 0.0
+    assert np.all(np.hypot(p[:, 1], p[:, 2]) <= 0.5 * p[:, 0] * (1.0 + 1e-9))
+
+
 def test_rates_of_rounding_ask_for_no_impulses_of_a_size():
     """Three contacts too many under rates of 1e-14 m/s, as at the end of a step at rest: found at once."""
     for seed in range(100):
