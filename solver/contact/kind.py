@@ -387,8 +387,11 @@ class Events(Record):
         Whether there was an impact in the step.
     residual, rounds
         Largest residual and number of iterations of the solver in the last step.
-    nominal_step, longest_step
-        Length of whole steps, and of the step that an impact was first seen in [s].
+    nominal_step, longest_step, part
+        Length of whole steps, and of the step that an impact was first seen in [s]; length of this step over that of a
+        whole one.
+    free_rate
+        Largest rate of a contact without impulses in this step, as it would be after a whole one [m/s].
     splits
         Trials since the last whole step.
     exhausted
@@ -416,6 +419,8 @@ class Events(Record):
     rounds: int
     nominal_step: float
     longest_step: float
+    part: float
+    free_rate: float
     splits: int
     exhausted: bool
     rough: int

@@ -54,7 +54,7 @@ def run_start(
 @kernel(internal=True)
 def _locate_all(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Search from everywhere; sliders and beads are closed from the start."""
-    contacts.control.nominal_step = step
+    contacts.control.nominal_step, contacts.control.part = step, 1.0
     pose_contours(bodies, False, contacts)
     for c in range(contact_count(contacts)):
         state = contacts.state[c]

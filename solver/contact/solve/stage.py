@@ -116,7 +116,8 @@ def solve_contact_midpoint(
     nominal: float,
 ) -> None:
     """Rows at the predicted midpoint, then half impulses."""
-    contacts.control.nominal_step = nominal
+    contacts.control.nominal_step, contacts.control.part = nominal, step / nominal
+    contacts.control.free_rate = 0.0
     contacts.control.residual, contacts.control.rounds = 0.0, 0
     contacts.control.rough, contacts.control.roughest = 0, 0.0
     count = 0
@@ -210,18 +211,22 @@ def assemble_response(contacts: ContactRows, systems: Systems, count: int) -> No
 def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     """Impulses of the contacts that take part, and what they do to the velocities of bodies; false if not found."""
     free, p, w = contacts.rates[0], contacts.rates[1], contacts.rates[2]
-    size = math.inf
+    size, largest = math.inf, 0.0
     for j in range(count):
         c = present_at(contacts, j)
         size = min(size, contacts.values[c].length_scale)
         a, b, d = contact_rates(contacts, c, work.velocity)
         free[3 * j], free[3 * j + 1], free[3 * j + 2] = a, b, d
+        largest = max(largest, abs(a), abs(b), abs(d))
         impulse = contacts.rows[c].impulse
         for r in range(3):
             p[3 * j + r] = impulse[r]
     contacts.dense.counts.least_rate = contacts.reduced.problem.counts.least_rate = (
         SLOW * size / contacts.control.nominal_step
     )
+    # at the end of the step what the middle has seen counts on: blows may be nothing beside it
+    contacts.control.free_rate = max(contacts.control.free_rate, largest / contacts.control.part)
+    contacts.dense.counts.free_rate = contacts.reduced.problem.counts.free_rate = contacts.control.free_rate
     reduced = _on_velocities(contacts, count)
     if reduced:
         for i in range(3 * count):
