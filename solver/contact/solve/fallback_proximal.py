@@ -44,9 +44,9 @@ SHARED = 1e-7
 impulses without such stress fulfil. A gap moves by no more than what gaps are found to."""
 
 SHARED_OF_FREE, STALLED_OF_FREE = 2e-5, 1e-2
-"""The same over the largest rate of a step without impulses (`ProblemSize.free_rate`), whichever is less: in short steps
-weights make no rates that matter, and are to be borne all the same. The second one after `STALLS` steps in a row have
-gained nothing."""
+"""The same over the largest rate of a step without impulses (`ProblemSize.free_rate`), whichever is less: in short
+steps weights make no rates that matter, and are to be borne all the same. The second one after `STALLS` steps in a row
+have gained nothing."""
 
 STALLS = 6
 
