@@ -626,6 +626,14 @@ def test_a_gain_is_not_hidden_by_what_rubs_elsewhere() -> None:
     assert both["other.dissipated"][-1] == pytest.approx(0.3 * 1.0 * G * travel, rel=1e-3)
 
 
+@pytest.mark.parametrize(("step", "gap"), [(2e-6, 0.0), (1e-4, 1e-9), (1e-3, 0.0)])
+def test_a_box_at_rest_makes_no_energy_worth_a_word(step: float, gap: float) -> None:
+    """It settles by a part of what gaps are found to, 1e-10 of its size; its kinetic energy is nothing beside that."""
+    found = run(scene(standing(gap), FLOOR), step, 200 * step)
+    assert np.ptp(found["box.position"][:, 2]) <= gap + 1e-10
+    assert not found.simulation.warning
+
+
 def told(simulation: Simulation) -> str:
     """What is told of the steps that contacts have taken without impacts of their own."""
     return next(part for part in simulation.warning.split("; ") if "without end" in part)
