@@ -23,7 +23,13 @@ from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.scene import Gravity, Scene
-from heavylift.solver.stop_message import contact_warning, force_warning, mesh_warning, stop_message
+from heavylift.solver.stop_message import (
+    contact_warning,
+    energy_remedy,
+    force_warning,
+    mesh_warning,
+    stop_message,
+)
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
@@ -178,7 +184,7 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._watch = RunWatch(self.channels, self._size(), self._weight(scene))
+        self._watch = RunWatch(self.channels, self._size(), self._weight(scene), energy_remedy(self._layout))
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()

@@ -57,6 +57,11 @@ FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 searches; the contour has reached the core of a primitive."""
 
 
+NO_PLACE, PRESSED_IN, NO_IMPULSES, NO_END = range(4)
+"""Why contacts end a run: a closed one was not found on its contour; it is deeper inside than its rounding; impulses
+that obey all laws were not found; contacts and laws of ropes and stops moved each other without end."""
+
+
 class ContactContour(PackedContour):
     """A contour on a body.
 
@@ -405,6 +410,8 @@ class Events(Record):
         Whether the step is a whole one, without an impact within.
     stopping_work
         Work of rows that look ahead in the middle of the step [J].
+    failure
+        Why the last step that failed did: `NO_PLACE`, `PRESSED_IN`, `NO_IMPULSES` or `NO_END`.
     """
 
     low: float
@@ -428,6 +435,7 @@ class Events(Record):
     known: int
     uncut: bool
     stopping_work: float
+    failure: int
 
 
 class Tally(Record):

@@ -41,6 +41,8 @@ class RunWatch:
         Length of the largest body [m].
     weight
         Of all bodies, each times its size [J].
+    remedy
+        What may help beside a smaller step or tolerance, as words that go on a sentence.
 
     Attributes
     ----------
@@ -51,10 +53,13 @@ class RunWatch:
         [m or rad].
     """
 
-    def __init__(self, channels: Sequence[Channel], size: float = 0.0, weight: float = 0.0) -> None:
+    def __init__(
+        self, channels: Sequence[Channel], size: float = 0.0, weight: float = 0.0, remedy: str = ""
+    ) -> None:
         self._column = {channel.name: channel.column for channel in channels}
         self._first: float | None = None
         self.gain = self.loss = self.scale = self.opening = 0.0
+        self._remedy = remedy
         self._floor = SMALLEST_ENERGY + GAPS * weight
         self._allowed = max(LARGEST_OPENING, LARGEST_SHARE * size)
 
@@ -114,7 +119,7 @@ class RunWatch:
             parts.append(
                 f"{self.loss:.3g} J of energy ({self.loss / self.scale:.1%}) were lost that nothing dissipates"
             )
-        cure = "a smaller step or tolerance" + (", or damping in stops and ropes" if grown else "")
+        cure = f"a smaller step or tolerance{self._remedy}"
         return f"{' and '.join(parts)}, of the largest kinetic and elastic energy: take {cure}" + (
             f"; {opened}" if opened else ""
         )

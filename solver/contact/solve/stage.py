@@ -12,7 +12,17 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import pose_contours, settle_points
-from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, DENSE, RIGID, TRIANGLES, ContactRows
+from heavylift.solver.contact.kind import (
+    BILATERAL,
+    COMPLIANT,
+    CURVE,
+    DENSE,
+    NO_END,
+    NO_IMPULSES,
+    RIGID,
+    TRIANGLES,
+    ContactRows,
+)
 from heavylift.solver.contact.laws.normal_force import hunt_crossley_damping
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.search.search_end import judge_searches, mark_failure
@@ -189,7 +199,7 @@ def _settle(
         follow(rows, joints, True, work, time, step)
         if work.control.changed == 0:
             return
-    mark_failure(contacts, present_at(contacts, 0), work)
+    mark_failure(contacts, present_at(contacts, 0), NO_END, work)
 
 
 @kernel(inline=True, internal=True)
@@ -255,7 +265,7 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     contacts.control.rounds += solution.iterations
     if solution.status < 0:
         if not solution.residual < ENOUGH:
-            mark_failure(contacts, present_at(contacts, 0), work)
+            mark_failure(contacts, present_at(contacts, 0), NO_IMPULSES, work)
             return False
         contacts.control.rough += 1
         contacts.control.roughest = max(contacts.control.roughest, solution.residual)

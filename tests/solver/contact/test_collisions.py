@@ -35,6 +35,7 @@ from heavylift.preprocess.surfaces.primitives import (
     sphere_surface,
 )
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+from heavylift.solver.scene.bodies import Driven, Profile
 from heavylift.solver.scene.contacts import HuntCrossleyLaw, LinearLaw, RigidLaw
 from heavylift.solver.simulation import Simulation
 
@@ -538,6 +539,24 @@ def test_a_saved_run_goes_on_bit_for_bit(options: dict[str, Any], tmp_path: Any)
             simulation.restore(state)
             _, tail = simulation.advance(120 - cut)
             np.testing.assert_array_equal(tail, expected[cut:])
+
+
+@pytest.mark.parametrize("friction", [0.5, 0.0])
+@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
+def test_what_is_crushed_is_told_to_give_way(friction: float, step: float) -> None:
+    """A plate that is driven into boxes on the floor: no step and no friction help, a compliant law does."""
+    down = Driven(z=Profile(times=np.array([0.0, 1.0]), values=np.array([0.0, -0.1])))
+    boxes = [(body(f"box {i}", (1.3 * i, 0.0, 0.5)), CUBE) for i in range(3)]
+    plate = (replace(body("plate", (1.3, 0.0, 1.26)), motion=down), box_surface((6.0, 2.0, 0.5)))
+    pairs = [(other, one.name) for one, _ in boxes for other in ("floor", "plate")]
+    options: dict[str, Any] = {"friction": friction, "pairs": pairs}
+    crushed = Simulation(scene([*boxes, plate], FLOOR, law=RigidLaw(), **options), step)
+    crushed.advance(round(0.5 / step))
+    assert "a compliant law ('linear')" in crushed.message + crushed.warning
+    assert "stops and ropes" not in crushed.message + crushed.warning
+    gives = Simulation(scene([*boxes, plate], FLOOR, law=LinearLaw(1e8, 1e5), **options), step)
+    gives.advance(round(0.5 / step))
+    assert not gives.message + gives.warning
 
 
 def test_a_stop_names_the_collision() -> None:
