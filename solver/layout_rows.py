@@ -228,6 +228,7 @@ def _add_contacts(
         inverse_mass,
         inverse_scales(ordered),
         len(packed.block_names),
+        packed.systems[0].attachments,
     )
     packed.systems += (contacts,)
     packed.block_names += tuple(contact.name for contact in scene.contacts)

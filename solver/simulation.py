@@ -22,8 +22,14 @@ from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
-from heavylift.solver.scene.scene import Scene
-from heavylift.solver.stop_message import contact_warning, force_warning, mesh_warning, stop_message
+from heavylift.solver.scene.scene import Gravity, Scene
+from heavylift.solver.stop_message import (
+    contact_warning,
+    energy_remedy,
+    force_warning,
+    mesh_warning,
+    stop_message,
+)
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
@@ -178,7 +184,7 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._watch = RunWatch(self.channels, self._size())
+        self._watch = RunWatch(self.channels, self._size(), self._weight(scene), energy_remedy(self._layout))
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -445,15 +451,24 @@ class Simulation:
 
             forget_trials(self._layout)
 
-    def _size(self) -> float:
-        """Length of the largest body [m]: reach of a frame, extension of a mesh."""
-        sizes = [0.0]
+    def _bodies(self) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Masses [kg] and lengths [m] of the bodies of each kind: reach of a frame, extension of a mesh."""
         for kind in self._layout.bodies:
             if "frame" in kind._fields:
-                sizes.append(float(kind.frame["reach"].max(initial=0.0)))
+                yield kind.frame["mass"], kind.frame["reach"]
             elif "strain" in kind._fields:
-                sizes.append(float(kind.body["size"].max(initial=0.0)))
-        return max(sizes)
+                yield kind.body["mass"], kind.body["size"]
+
+    def _size(self) -> float:
+        """Length of the largest body [m]."""
+        return max((float(length.max(initial=0.0)) for _, length in self._bodies()), default=0.0)
+
+    def _weight(self, scene: Scene) -> float:
+        """Weights of all bodies, each times its length [J]."""
+        gravity = sum(
+            (force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3)
+        )
+        return float(np.linalg.norm(gravity)) * sum(float(mass @ length) for mass, length in self._bodies())
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.layout import Layout
 
-__all__ = ["contact_warning", "force_warning", "mesh_warning", "stop_message"]
+__all__ = ["contact_warning", "energy_remedy", "force_warning", "mesh_warning", "stop_message"]
+
+COMPLIANT_LAW = "a compliant law ('linear') where bodies wedge or are pressed together"
+"""Helps where a smaller step and less friction do not: what has no compliance bears any load without giving way."""
 
 
 def stop_message(layout: Layout, when: str) -> str:
@@ -25,7 +30,7 @@ def stop_message(layout: Layout, when: str) -> str:
     remedy, part = {
         Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
         Outcome.STEP_TOO_LARGE: (
-            _explicit_limit(layout) or "a smaller step: the body turns too far in one step",
+            _explicit_limit(layout) or f"a smaller step{_softer(layout)}: the body turns too far in one step",
             "body",
         ),
         Outcome.STEP_TOO_SMALL: ("a larger tolerance, or 'dele2' for a stiff scene", "body"),
@@ -51,7 +56,8 @@ def stop_message(layout: Layout, when: str) -> str:
     if outcome is Outcome.NOT_CONVERGED and part == "joint":
         contact = int(status.block) - _first_contact(layout)
         if contact >= 0:
-            part, remedy = "contact", _contact_remedy(layout, contact)
+            part = "contact"
+            reason, remedy = _contact_remedy(layout, contact)
     names = {"body": layout.body_names, "line": layout.line_names}.get(part, layout.block_names)
     number = int(status.body if part in {"body", "line"} else status.block)
     element = f", element {-1 - int(status.block)}" if of_mesh else ""
@@ -70,16 +76,51 @@ def _contacts(layout: Layout) -> list[Any]:
     return [system for system in layout.systems if "contours" in system._fields]
 
 
-def _contact_remedy(layout: Layout, contact: int) -> str:
-    """What may help a contact, from how its last search ended."""
-    from heavylift.solver.contact.kind import TOO_DEEP
+def energy_remedy(layout: Layout) -> str:
+    """What may help where steps make or lose energy, beside a smaller step or tolerance; empty if nothing.
+
+    Parameters
+    ----------
+    layout
+        Packed scene.
+    """
+    laws = any("monitor" in system._fields and system.laws for system in layout.systems)
+    return (", or damping in stops and ropes" if laws else "") + _softer(layout)
+
+
+def _has_rigid(layout: Layout) -> bool:
+    """Whether contacts push that have no compliance."""
+    systems = _contacts(layout)
+    if not systems:
+        return False
+    from heavylift.solver.contact.kind import RIGID
+
+    (contacts,) = systems
+    laws = [contacts.table["law"][: contacts.counts.of_contours], *(m.pairs["law"] for m in contacts.meshes)]
+    return any(bool(np.any(law == RIGID)) for law in laws)
+
+
+def _softer(layout: Layout) -> str:
+    """A compliant law, as one more remedy where contacts have none."""
+    return f", or {COMPLIANT_LAW}" if _has_rigid(layout) else ""
+
+
+def _contact_remedy(layout: Layout, contact: int) -> tuple[str, str]:
+    """Why a contact ended the run, if that is not said elsewhere, and what may help."""
+    from heavylift.solver.contact.kind import NO_END, NO_IMPULSES, PRESSED_IN, RIGID
 
     (contacts,) = _contacts(layout)
-    if contact >= contacts.counts.of_contours:
-        return "a smaller step, or less friction where surfaces wedge"
-    if contacts.state[contact].search == TOO_DEEP:
-        return "a smaller step, a stiffer law or a larger radius: it is deeper inside its contour than its rounding"
-    return "a smaller step, or a contour whose control points are not crowded"
+    why = int(contacts.control.failure)
+    if why == NO_END:
+        return ": it and laws of ropes and stops move each other without end", "softer stops and ropes"
+    if why == NO_IMPULSES:
+        reason = ": no impulses obey the laws of this and all others that touch, in shorter steps neither"
+        return reason, COMPLIANT_LAW if _has_rigid(layout) else "a smaller step, or less friction"
+    if why == PRESSED_IN:
+        stiffer = "" if contacts.table[contact].law == RIGID else " a stiffer law"
+        deeper = "it is deeper inside its contour than its rounding"
+        return "", f"a smaller step,{stiffer} or a larger radius: {deeper}"
+    return "", "a smaller step, or a contour whose control points are not crowded"
 
 
 LARGEST_MISS = 0.01
@@ -159,17 +200,17 @@ def contact_warning(layout: Layout) -> str:
     """
     parts = []
     for system in _contacts(layout):
-        control = system.control
-        if control.exhausted_steps:
+        tally = system.tally[0]
+        if tally.exhausted_steps:
             parts.append(
-                f"in {control.exhausted_steps} steps impacts of contacts followed each other without end: the rest of"
+                f"in {tally.exhausted_steps} steps impacts of contacts followed each other without end: the rest of"
                 " these steps was taken without restitution"
             )
-        if control.rough:
+        if tally.rough:
             parts.append(
-                f"{control.rough} times the impulses of contacts were found with a residual of up to"
-                f" {control.roughest:.1g} of the largest rate only: take a smaller step, or less friction where"
-                " surfaces wedge"
+                f"{tally.rough} times the impulses of contacts were found with a residual of up to"
+                f" {tally.roughest:.1g} of the largest rate only: try"
+                f" {COMPLIANT_LAW if _has_rigid(layout) else 'a smaller step, or less friction'}"
             )
     return "; ".join(parts)
 

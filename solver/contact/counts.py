@@ -8,7 +8,7 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.kind import ContactRows
 
-__all__ = ["block_of", "contact_count"]
+__all__ = ["block_of", "contact_count", "owner_of"]
 
 
 @kernel(inline=True, internal=True)
@@ -18,9 +18,15 @@ def contact_count(contacts: ContactRows) -> int:
 
 
 @kernel(inline=True, internal=True)
-def block_of(contacts: ContactRows, contact: int) -> int:
-    """Number of the name of a contact: those of joints come first, then of contacts, then of pairs of surfaces."""
+def owner_of(contacts: ContactRows, contact: int) -> int:
+    """Number of what a contact belongs to: itself on a contour; pairs of surfaces come behind those."""
     of_contours = contacts.counts.of_contours
     if contact >= of_contours:
         contact = of_contours + contacts.state[contact].pair
-    return contacts.counts.first_block + contact
+    return contact
+
+
+@kernel(inline=True, internal=True)
+def block_of(contacts: ContactRows, contact: int) -> int:
+    """Number of the name of a contact: those of joints come first, then of contacts, then of pairs of surfaces."""
+    return contacts.counts.first_block + owner_of(contacts, contact)

@@ -43,6 +43,7 @@ __all__ = [
     "Features",
     "Reduced",
     "Scratch",
+    "Tally",
 ]
 
 POINT, CIRCLE, CONVEX, TRIANGLES = range(4)
@@ -54,6 +55,11 @@ RIGID, BILATERAL, CURVE, COMPLIANT = range(4)
 FOUND, LOST, NOT_A_NUMBER, TOO_DEEP = 0, 2, 3, 4
 """How a search ended: well; without converging or at something that is not finite, which are statuses of the
 searches; the contour has reached the core of a primitive."""
+
+
+NO_PLACE, PRESSED_IN, NO_IMPULSES, NO_END = range(4)
+"""Why contacts end a run: a closed one was not found on its contour; it is deeper inside than its rounding; impulses
+that obey all laws were not found; contacts and laws of ropes and stops moved each other without end."""
 
 
 class ContactContour(PackedContour):
@@ -386,20 +392,26 @@ class Events(Record):
         Whether there was an impact in the step.
     residual, rounds
         Largest residual and number of iterations of the solver in the last step.
-    nominal_step, longest_step
-        Length of whole steps, and of the step that an impact was first seen in [s].
+    nominal_step, longest_step, part
+        Length of whole steps, and of the step that an impact was first seen in [s]; length of this step over that of a
+        whole one.
+    free_rate
+        Largest rate of a contact without impulses in this step, as it would be after a whole one [m/s].
     splits
         Trials since the last whole step.
-    exhausted, exhausted_steps
-        Whether the rest of the whole step goes on without impacts of its own, and how many steps did.
+    exhausted
+        Whether the rest of the whole step goes on without impacts of its own.
     rough, roughest
-        Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
+        Solutions of this step that were accepted although the solver found none of its accuracy, and their largest
+        residual: counted when the step stands.
     known
         Contacts before the search of the step.
     uncut
         Whether the step is a whole one, without an impact within.
     stopping_work
         Work of rows that look ahead in the middle of the step [J].
+    failure
+        Why the last step that failed did: `NO_PLACE`, `PRESSED_IN`, `NO_IMPULSES` or `NO_END`.
     """
 
     low: float
@@ -414,14 +426,32 @@ class Events(Record):
     rounds: int
     nominal_step: float
     longest_step: float
+    part: float
+    free_rate: float
     splits: int
     exhausted: bool
-    exhausted_steps: int
     rough: int
     roughest: float
     known: int
     uncut: bool
     stopping_work: float
+    failure: int
+
+
+class Tally(Record):
+    """What steps that stand have counted since the start; carried, so that a run that goes on tells what all of it did.
+
+    Attributes
+    ----------
+    exhausted_steps
+        Whole steps whose rest was taken without impacts of its own.
+    rough, roughest
+        Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
+    """
+
+    exhausted_steps: int
+    rough: int
+    roughest: float
 
 
 class Features(Table):
@@ -497,6 +527,12 @@ class ContactRows(RowArrays):
         How many there are; numbers of those that take part; 1 for each that joins those that are closed.
     control
         Of events.
+    tally
+        What is told at the end of a run, one row.
+    islands, island_loss
+        Number of the island of each contact with a contour, then of each pair of surfaces: bodies that contacts, joints
+        and ropes of the scene can connect; of each island the energy that its contacts without compliance have lost in
+        the step [J].
     solvers, dense, solution
         What solves them, the problem on the matrix of the rows, and how that ended.
     reduced
@@ -522,6 +558,7 @@ class ContactRows(RowArrays):
     )
 
     carried_fields: ClassVar[tuple[str, ...]] = (
+        "tally",
         "rows",
         "state",
         "placed",
@@ -548,6 +585,9 @@ class ContactRows(RowArrays):
     present: Ints1
     joining: Ints1
     control: Events
+    tally: Records[Tally]
+    islands: Ints1
+    island_loss: Floats1
     solvers: ContactSolvers
     dense: Problem
     solution: Solution

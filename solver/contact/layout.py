@@ -100,11 +100,22 @@ class Solution(Record):
 
 
 class ProblemSize(Record):
-    """Contacts, and touched velocities or rows; the rate [m/s] by which residuals are measured at least."""
+    """Contacts, and touched velocities or rows.
+
+    Attributes
+    ----------
+    number, size
+        How many there are.
+    least_rate
+        The rate by which residuals are measured at least [m/s].
+    free_rate
+        Largest rate that a whole step without impulses gives to what touches [m/s].
+    """
 
     number: int
     size: int
     least_rate: float
+    free_rate: float
 
 
 class Marks(Record):

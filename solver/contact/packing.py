@@ -37,6 +37,7 @@ from heavylift.solver.contact.kind import (
     Features,
     Reduced,
     Scratch,
+    Tally,
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
 from heavylift.solver.contact.moving_points import moving_points
@@ -72,6 +73,7 @@ from heavylift.solver.scene.scene import Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.contact.packed_collisions import PackedCollisions
+    from heavylift.solver.contact.triangles.kind import PairSide
     from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["contact_markers", "pack_contacts"]
@@ -116,6 +118,7 @@ def pack_contacts(
     inverse_mass: NDArray[np.float64],
     scales: Callable[[str], tuple[float, float]],
     block_count: int,
+    linked: Records[Side],
 ) -> ContactRows:
     """Make the kind.
 
@@ -131,6 +134,8 @@ def pack_contacts(
         Where the rows of a body go, its first velocity, inverse masses by velocity, inverse mass and inertia by name.
     block_count
         Blocks of the rows of the joints, which come first in messages.
+    linked
+        Sides of the rows of joints and ropes, which connect bodies too.
 
     Raises
     ------
@@ -175,7 +180,30 @@ def pack_contacts(
         put_law(contact.law, values[i])
         state[i].normal[:], state[i].tangent[:] = packed.start_normals[numbers[contact.contour]]
         state[i].touch_damping = -1.0
-    return _kind(packed, collided, sides, table, values, state, inverse_mass, block_count)
+    pairs = [side for meshes in collided.meshes for side in meshes.sides]
+    islands = _islands([*sides, *pairs], linked, len(inverse_mass))
+    return _kind(packed, collided, sides, table, values, state, inverse_mass, block_count, islands)
+
+
+def _islands(
+    sides: Sequence[Attachment | PairSide], linked: Records[Side], velocity_count: int
+) -> NDArray[np.int64]:
+    """Number of the island of each contact and pair of surfaces, two sides each; what cannot move connects nothing.
+
+    Bodies, known by their first velocities, blocks of rows and contacts are the nodes of a graph.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    first = velocity_count + 1 + int(linked["owner"].max(initial=-1))
+    dof = np.append(linked["dof"], [side.dof for side in sides]).astype(np.int64)
+    holder = np.append(linked["holder"], [side.holder for side in sides])
+    by = np.append(velocity_count + linked["owner"], first + np.arange(len(sides)) // 2).astype(np.int64)
+    moves = holder != PRESCRIBED
+    size = first + len(sides) // 2
+    graph = coo_array((np.ones(moves.sum()), (dof[moves], by[moves])), shape=(size, size))
+    label = connected_components(graph, directed=False)[1]
+    return np.unique(label[first:], return_inverse=True)[1].astype(np.int64)
 
 
 def _kind(
@@ -187,6 +215,7 @@ def _kind(
     state: Records[ContactState],
     inverse_mass: NDArray[np.float64],
     block_count: int,
+    islands: NDArray[np.int64],
 ) -> ContactRows:
     """Allocate everything that a step needs."""
     count, of_contours = len(table), len(table) - collided.most
@@ -253,6 +282,9 @@ def _kind(
         present=np.zeros(count, dtype=np.int64),
         joining=np.zeros(count, dtype=np.int64),
         control=control,
+        tally=records(Tally, 1),
+        islands=islands,
+        island_loss=np.zeros(1 + int(islands.max(initial=-1))),
         solvers=ContactSolvers((NonsmoothNewton(),)),
         dense=dense,
         solution=dense.solution,

@@ -9,7 +9,7 @@ from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.solve.delassus import contact_rates
-from heavylift.solver.contact.solve.ends import REST, pressed_force
+from heavylift.solver.contact.solve.ends import REST, count_rough, pressed_force
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.interface import (
     FORCES,
@@ -54,7 +54,7 @@ def run_start(
 @kernel(internal=True)
 def _locate_all(contacts: ContactRows, bodies: Bodies, work: Workspace, step: float) -> None:
     """Search from everywhere; sliders and beads are closed from the start."""
-    contacts.control.nominal_step = step
+    contacts.control.nominal_step, contacts.control.part = step, 1.0
     pose_contours(bodies, False, contacts)
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
@@ -82,3 +82,4 @@ def _close(contacts: ContactRows, work: Workspace) -> None:
             for k in range(3):
                 state.force[k] = force * state.normal[k]
     contacts.control.impact = False
+    count_rough(contacts)

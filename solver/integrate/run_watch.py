@@ -25,6 +25,10 @@ LARGEST_SHARE = 1e-6
 SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
 """Least scale of the energy [J], and relative to the largest potential energy."""
 
+GAPS = 2e-8
+"""Least scale of the energy relative to weights times sizes of all bodies: gaps are found to 1e-10 of the size, so what
+is at rest may rise or sink by that in the first step."""
+
 
 class RunWatch:
     """Largest gain and loss of the energy balance since the first record, and largest opening of a joint.
@@ -35,6 +39,10 @@ class RunWatch:
         Of the records.
     size
         Length of the largest body [m].
+    weight
+        Of all bodies, each times its size [J].
+    remedy
+        What may help beside a smaller step or tolerance, as words that go on a sentence.
 
     Attributes
     ----------
@@ -45,10 +53,14 @@ class RunWatch:
         [m or rad].
     """
 
-    def __init__(self, channels: Sequence[Channel], size: float = 0.0) -> None:
+    def __init__(
+        self, channels: Sequence[Channel], size: float = 0.0, weight: float = 0.0, remedy: str = ""
+    ) -> None:
         self._column = {channel.name: channel.column for channel in channels}
         self._first: float | None = None
         self.gain = self.loss = self.scale = self.opening = 0.0
+        self._remedy = remedy
+        self._floor = SMALLEST_ENERGY + GAPS * weight
         self._allowed = max(LARGEST_OPENING, LARGEST_SHARE * size)
 
     @property
@@ -82,7 +94,7 @@ class RunWatch:
         self._first = float(balance[0]) if self._first is None else self._first
         self.gain = max(self.gain, float(balance.max()) - self._first)
         self.loss = max(self.loss, self._first - float(balance.min()))
-        floor = SMALLEST_ENERGY + ROUNDING * float(np.abs(energy("potential")).max())
+        floor = self._floor + ROUNDING * float(np.abs(energy("potential")).max())
         self.scale = max(self.scale, float((energy("kinetic") + energy("elastic")).max()), floor)
 
     @property
@@ -107,7 +119,7 @@ class RunWatch:
             parts.append(
                 f"{self.loss:.3g} J of energy ({self.loss / self.scale:.1%}) were lost that nothing dissipates"
             )
-        cure = "a smaller step or tolerance" + (", or damping in stops and ropes" if grown else "")
+        cure = f"a smaller step or tolerance{self._remedy}"
         return f"{' and '.join(parts)}, of the largest kinetic and elastic energy: take {cure}" + (
             f"; {opened}" if opened else ""
         )

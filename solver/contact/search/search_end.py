@@ -10,7 +10,15 @@ from heavylift.contours.splines.search_step import CONVERGED
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.counts import block_of, contact_count
-from heavylift.solver.contact.kind import FOUND, LOST, NOT_A_NUMBER, TOO_DEEP, ContactRows
+from heavylift.solver.contact.kind import (
+    FOUND,
+    LOST,
+    NO_PLACE,
+    NOT_A_NUMBER,
+    PRESSED_IN,
+    TOO_DEEP,
+    ContactRows,
+)
 from heavylift.solver.interface import Workspace
 
 __all__ = ["judge_searches", "mark_failure", "note_search"]
@@ -19,8 +27,9 @@ NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 
 
 @kernel(internal=True)
-def mark_failure(contacts: ContactRows, contact: int, work: Workspace) -> None:
-    """Say that place or impulses of a contact were not found; its block comes after those of the joints."""
+def mark_failure(contacts: ContactRows, contact: int, reason: int, work: Workspace) -> None:
+    """Say that place or impulses of a contact were not found, and why; its block comes after those of the joints."""
+    contacts.control.failure = reason
     work.status.outcome = NOT_CONVERGED
     work.status.block = block_of(contacts, contact)
 
@@ -53,6 +62,6 @@ def judge_searches(contacts: ContactRows, at_end: bool, work: Workspace) -> None
             state.search = FOUND
             state.failures += 1
             if state.closed:
-                mark_failure(contacts, c, work)
+                mark_failure(contacts, c, NO_PLACE, work)
         elif at_end and state.search == TOO_DEEP:
-            mark_failure(contacts, c, work)
+            mark_failure(contacts, c, PRESSED_IN, work)

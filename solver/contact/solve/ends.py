@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
-from heavylift.solver.contact.counts import contact_count
+from heavylift.solver.contact.counts import contact_count, owner_of
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import normal_force
 from heavylift.solver.contact.laws.restitution import bound_restitution
@@ -46,7 +46,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.ringing import steady_rate
 
-__all__ = ["REST", "pressed_force"]
+__all__ = ["REST", "count_rough", "pressed_force"]
 
 REST = 1e-6
 """Rate after an impact relative to that before it, below which the contact is closed."""
@@ -250,25 +250,37 @@ def close_contact_step(
             note_value(state.gaps, interval, state.gap)
     watch_pairs(contacts.meshes, contacts, interval)
     _book_losses(contacts)
+    count_rough(contacts)
     place_surfaces(contacts.meshes, contacts)
 
 
 @kernel(internal=True)
 def _book_losses(contacts: ContactRows) -> None:
-    """Energies that contacts have lost in the step: those without compliance all together, or none of them.
+    """Energies that contacts have lost in the step: those of an island without compliance all together, or none.
 
     What they gain, as by pushing a penetration out, is no dissipation with another sign: it stays in the balance. One
-    contact may gain what another loses, as where a body hits with several points at once.
+    contact may gain what another loses, as where a body hits with several points at once, but not one that has nothing
+    to do with it.
     """
-    total = 0.0
+    lost = contacts.island_loss
+    for island in range(lost.shape[0]):
+        lost[island] = 0.0
     for c in range(contact_count(contacts)):
         if contacts.table[c].law != COMPLIANT:
-            total += contacts.state[c].step_loss
+            lost[contacts.islands[owner_of(contacts, c)]] += contacts.state[c].step_loss
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
-        if total >= 0.0 or contacts.table[c].law == COMPLIANT:
+        if contacts.table[c].law == COMPLIANT or lost[contacts.islands[owner_of(contacts, c)]] >= 0.0:
             state.loss += state.step_loss
         state.step_loss = 0.0
+
+
+@kernel(internal=True)
+def count_rough(contacts: ContactRows) -> None:
+    """Solutions of a step that is taken back count for nothing, so they are counted when it stands."""
+    control, tally = contacts.control, contacts.tally[0]
+    tally.rough += control.rough
+    tally.roughest = max(tally.roughest, control.roughest)
 
 
 @kernel(internal=True)

@@ -204,7 +204,6 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         return
     if control.splits >= TRIALS + TRIALS_OF_EACH * contact_count(contacts):
         control.exhausted = True
-        control.exhausted_steps += 1
         control.watched = -1
         work.control.split = step  # again, with what looks ahead
         return
@@ -331,6 +330,8 @@ def after_contact_step(
     control.low = control.high = 0.0
     if whole:
         control.splits = 0
+        if control.exhausted:
+            contacts.tally[0].exhausted_steps += 1
         control.exhausted = False
         for c in range(contact_count(contacts)):
             contacts.state[c].recent_impacts = 0

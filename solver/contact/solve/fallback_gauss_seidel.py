@@ -29,6 +29,9 @@ SWEEPS = 3000
 CHECK = 50
 """Sweeps between measurements of the residual; a part of all of them."""
 
+PUSHES, COLUMNS = 5, 12
+"""Impulses on a contact in a sweep, and columns of B that each of them adds, on blocks."""
+
 
 @kernel(internal=True)
 def _rate(problem: Problem, row: int, y: NDArray[np.float64]) -> float:
@@ -110,7 +113,9 @@ def _solve_contact(
 
 
 @kernel(internal=True)
-def sweep_contacts(problem: Problem, work: Work, p: NDArray[np.float64]) -> tuple[bool, int, float]:
+def sweep_contacts(
+    problem: Problem, work: Work, p: NDArray[np.float64], most: float
+) -> tuple[bool, int, float]:
     """Sweep over the contacts until the laws hold.
 
     Parameters
@@ -119,6 +124,8 @@ def sweep_contacts(problem: Problem, work: Work, p: NDArray[np.float64]) -> tupl
         With the diagonal and the rows filled in.
     p
         Impulses to begin with, replaced.
+    most
+        Products after which no more sweeps are made, about; they are measured once at least.
 
     Returns
     -------
@@ -132,10 +139,13 @@ def sweep_contacts(problem: Problem, work: Work, p: NDArray[np.float64]) -> tupl
             p[row] = 0.0
         work.kept[row] = _response(problem, row, y)
     residual = np.inf
-    for sweep in range(SWEEPS + 1):
+    columns = 1 if problem.ends.shape[0] == 0 else COLUMNS
+    checks = int(most / float(PUSHES * columns * count * size)) // CHECK
+    last = CHECK * min(max(checks, 1), SWEEPS // CHECK)
+    for sweep in range(last + 1):
         if sweep % CHECK == 0:  # afresh, without the rounding of many pushes
             residual = measure(problem, work, p)
-            if residual <= ACCEPTED or sweep == SWEEPS:
+            if residual <= ACCEPTED or sweep == last:
                 return residual <= ACCEPTED, sweep, residual
             for i in range(size):
                 y[i] = problem.start[i]
@@ -144,4 +154,4 @@ def sweep_contacts(problem: Problem, work: Work, p: NDArray[np.float64]) -> tupl
                     _push(problem, row, p[row], y)
         for c in range(count):
             _solve_contact(problem, work, c, p, y)
-    return False, SWEEPS, residual
+    return False, last, residual

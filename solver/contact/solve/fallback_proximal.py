@@ -43,6 +43,13 @@ SHARED = 1e-7
 """Residual over the rate that matters (`ProblemSize.least_rate`) where steps gain nothing more: targets that no
 impulses without such stress fulfil. A gap moves by no more than what gaps are found to."""
 
+SHARED_OF_FREE, STALLED_OF_FREE = 2e-5, 1e-2
+"""The same over the largest rate of a step without impulses (`ProblemSize.free_rate`), whichever is less: in short
+steps weights make no rates that matter, and are to be borne all the same. The second one after `STALLS` steps in a row
+have gained nothing."""
+
+STALLS = 6
+
 ALONE = 10.0
 """tau over W up to which a step is tried: there each contact stands almost for itself."""
 
@@ -72,9 +79,11 @@ def share_redundant(
     found, iterations, residual
         As of `iterate`; found also if steps gain nothing more at a residual that `SHARED` allows.
     """
-    n, shared = 3 * problem.counts.number, 0.0
+    n, shared, stalled, stalls = 3 * problem.counts.number, 0.0, 0.0, 0
     if work.marks.scale > 0.0:
-        shared = SHARED * problem.counts.least_rate / work.marks.scale
+        matters, free = SHARED * problem.counts.least_rate, problem.counts.free_rate
+        shared = min(matters, SHARED_OF_FREE * free) / work.marks.scale
+        stalled = min(matters, STALLED_OF_FREE * free) / work.marks.scale
     total, before, residual, tau = 0, np.inf, np.inf, SHARING
     kept = work.kept
     for i in range(n):
@@ -97,7 +106,9 @@ def share_redundant(
         for i in range(n):
             kept[i] = p[i]
         gains = residual < 0.5 * before
-        if residual <= ACCEPTED or (residual <= shared and not gains):
+        stalls = 0 if gains else stalls + 1
+        allowed = 0.0 if gains else (shared if stalls < STALLS else stalled)
+        if residual <= max(ACCEPTED, allowed):
             found, iterations, after = iterate(problem, work, p, OF_A_SHARING, ACCEPTED)
             total += iterations
             if found:
@@ -106,7 +117,7 @@ def share_redundant(
                 p[i] = kept[i]
             return True, total, residual
         tau *= 0.2 if gains else 0.5
-    return residual <= shared, total, residual
+    return residual <= stalled, total, residual
 
 
 @kernel(internal=True)

@@ -54,8 +54,12 @@ Each of them misses a few of 1000 problems with wedged contacts, but not the sam
 FROM_SWEEPS = 5
 """Attempt that is made of sweeps over the contacts, and after which attempts begin with what those have left."""
 
-MOST_WORK, LEAST_ITERATIONS = 2e10, 2000
-"""Iterations times the cube of the velocities after which no more attempts are made: seconds; iterations at least."""
+MOST_WORK, LEAST_ITERATIONS = 2e10, 300
+"""Iterations times the cube of the velocities after which no more attempts are made: seconds; iterations at least.
+
+What has a solution is found in some hundred iterations; what has none, as a wall with targets that fit no motion, is
+given up after them, and the step is halved.
+"""
 
 
 @kernel(internal=True)
@@ -90,7 +94,7 @@ def _solve(problem: Problem) -> tuple[int, int, float]:
         if attempt == FROM_SWEEPS or total >= most:
             swept = True
             fill_rows(problem, work, 0.0, work.begin)
-            found, iterations, residual = sweep_contacts(problem, work, p)
+            found, iterations, residual = sweep_contacts(problem, work, p, MOST_WORK)
             total += iterations
             for i in range(n):
                 work.begin[i] = p[i]

@@ -12,7 +12,17 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import pose_contours, settle_points
-from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, DENSE, RIGID, TRIANGLES, ContactRows
+from heavylift.solver.contact.kind import (
+    BILATERAL,
+    COMPLIANT,
+    CURVE,
+    DENSE,
+    NO_END,
+    NO_IMPULSES,
+    RIGID,
+    TRIANGLES,
+    ContactRows,
+)
 from heavylift.solver.contact.laws.normal_force import hunt_crossley_damping
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.search.search_end import judge_searches, mark_failure
@@ -116,8 +126,10 @@ def solve_contact_midpoint(
     nominal: float,
 ) -> None:
     """Rows at the predicted midpoint, then half impulses."""
-    contacts.control.nominal_step = nominal
+    contacts.control.nominal_step, contacts.control.part = nominal, step / nominal
+    contacts.control.free_rate = 0.0
     contacts.control.residual, contacts.control.rounds = 0.0, 0
+    contacts.control.rough, contacts.control.roughest = 0, 0.0
     count = 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
@@ -187,7 +199,7 @@ def _settle(
         follow(rows, joints, True, work, time, step)
         if work.control.changed == 0:
             return
-    mark_failure(contacts, present_at(contacts, 0), work)
+    mark_failure(contacts, present_at(contacts, 0), NO_END, work)
 
 
 @kernel(inline=True, internal=True)
@@ -209,18 +221,22 @@ def assemble_response(contacts: ContactRows, systems: Systems, count: int) -> No
 def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     """Impulses of the contacts that take part, and what they do to the velocities of bodies; false if not found."""
     free, p, w = contacts.rates[0], contacts.rates[1], contacts.rates[2]
-    size = math.inf
+    size, largest = math.inf, 0.0
     for j in range(count):
         c = present_at(contacts, j)
         size = min(size, contacts.values[c].length_scale)
         a, b, d = contact_rates(contacts, c, work.velocity)
         free[3 * j], free[3 * j + 1], free[3 * j + 2] = a, b, d
+        largest = max(largest, abs(a), abs(b), abs(d))
         impulse = contacts.rows[c].impulse
         for r in range(3):
             p[3 * j + r] = impulse[r]
     contacts.dense.counts.least_rate = contacts.reduced.problem.counts.least_rate = (
         SLOW * size / contacts.control.nominal_step
     )
+    # at the end of the step what the middle has seen counts on: blows may be nothing beside it
+    contacts.control.free_rate = max(contacts.control.free_rate, largest / contacts.control.part)
+    contacts.dense.counts.free_rate = contacts.reduced.problem.counts.free_rate = contacts.control.free_rate
     reduced = _on_velocities(contacts, count)
     if reduced:
         for i in range(3 * count):
@@ -249,7 +265,7 @@ def solve_present(contacts: ContactRows, count: int, work: Workspace) -> bool:
     contacts.control.rounds += solution.iterations
     if solution.status < 0:
         if not solution.residual < ENOUGH:
-            mark_failure(contacts, present_at(contacts, 0), work)
+            mark_failure(contacts, present_at(contacts, 0), NO_IMPULSES, work)
             return False
         contacts.control.rough += 1
         contacts.control.roughest = max(contacts.control.roughest, solution.residual)

@@ -60,6 +60,10 @@ class SurfacePair(Record):
         Sum of both roundings [m].
     reach, patches
         Reach of the search in the last step [m], and how many patches it made.
+    members
+        How many contacts it has, in a search or record.
+    force, gap
+        Sum of the normal forces [N] and smallest gap [m] of its contacts, while those of a step are noted.
     """
 
     surfaces: BothInts
@@ -77,6 +81,9 @@ class SurfacePair(Record):
     radii: float
     reach: float
     patches: int
+    members: int
+    force: float
+    gap: float
 
 
 class PairSide(Record):

@@ -109,7 +109,8 @@ def choose_contacts(meshes: SurfacePairs, contacts: ContactRows, pair: int, coun
     nearer than `ahead` [m] that are nearer than all that span it: steps that are not split stop them too.
     """
     n, size = 0, meshes.pair_values[pair].length_scale
-    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+    first, last = contacts.counts.of_contours, contact_count(contacts)
+    for c in range(first, last if meshes.pairs[pair].members > 0 else first):
         state = contacts.state[c]
         if state.pair == pair and state.beside > BORDER * size:
             state.patch = -1  # at this place what was found beside it counts

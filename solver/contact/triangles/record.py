@@ -15,7 +15,7 @@ from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.solve.stage import slip_stiffness
 from heavylift.solver.contact.triangles.interface import record_clearance, record_pairs, watch_pairs
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts
-from heavylift.solver.contact.triangles.slots import surface_count
+from heavylift.solver.contact.triangles.slots import count_members, surface_count
 from heavylift.solver.extremes import largest_of, note_value, smallest_of
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -63,21 +63,22 @@ collision_columns, contact_columns = record_at(CollisionColumns), record_at(Cont
 @kernel(internal=True)
 def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int) -> None:
     """Sums as in a record; a gap is known where there are contacts."""
-    first, last = contacts.counts.of_contours, contact_count(contacts)
     for pair in range(meshes.pairs.shape[0]):
+        one = meshes.pairs[pair]
+        one.force, one.gap = 0.0, one.reach
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        state = contacts.state[c]
+        one = meshes.pairs[state.pair]
+        one.gap = min(one.gap, state.gap)
+        if state.normal_force > 0.0 or state.closed:
+            one.force += state.normal_force
+    for pair in range(meshes.pairs.shape[0]):
+        one = meshes.pairs[pair]
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
-        force, gap = 0.0, meshes.pairs[pair].reach
-        for c in range(first, last):
-            state = contacts.state[c]
-            if state.pair != pair:
-                continue
-            gap = min(gap, state.gap)
-            if state.normal_force > 0.0 or state.closed:
-                force += state.normal_force
-        if contacts.control.uncut or meshes.pairs[pair].law == COMPLIANT:
-            note_value(gone.forces, interval, force)
-        if gap < meshes.pairs[pair].reach:
-            note_value(gone.gaps, interval, gap)
+        if contacts.control.uncut or one.law == COMPLIANT:
+            note_value(gone.forces, interval, one.force)
+        if one.gap < one.reach:
+            note_value(gone.gaps, interval, one.gap)
 
 
 @implement(record_pairs, SurfacePairs)
@@ -86,6 +87,7 @@ def record_mesh_pairs(
     meshes: SurfacePairs, contacts: ContactRows, work: Workspace, row: NDArray[np.float64]
 ) -> None:
     """Pair by pair."""
+    count_members(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         at = meshes.pairs[pair].column
         _record_sums(meshes, contacts, pair, work, row, at)
@@ -105,7 +107,8 @@ def _record_sums(
     sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss, gone.impacts
     sums.impact_impulse = gone.impact_impulse
     highest = -1.0
-    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+    first, last = contacts.counts.of_contours, contact_count(contacts)
+    for c in range(first, last if meshes.pairs[pair].members > 0 else first):
         state = contacts.state[c]
         if state.pair != pair:
             continue
@@ -161,7 +164,8 @@ def _record_largest(
     before, last = math.inf, -1
     for i in range(meshes.pairs[pair].recorded):
         best, largest = -1, -1.0
-        for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        first, end = contacts.counts.of_contours, contact_count(contacts)
+        for c in range(first, end if meshes.pairs[pair].members > 0 else first):
             state = contacts.state[c]
             force = state.normal_force
             touches = force > 0.0 or state.closed

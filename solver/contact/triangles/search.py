@@ -30,6 +30,7 @@ from heavylift.solver.contact.triangles.sides import (
 )
 from heavylift.solver.contact.triangles.slots import (
     add_contact,
+    count_members,
     enter,
     fill_table,
     look_up,
@@ -73,6 +74,7 @@ def search_mesh_surfaces(
             contacts.poses[first_row + i].step_shift = 0.0
     refit_facets(contacts, meshes.surfaces)
     fill_table(meshes, contacts)
+    count_members(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         a, b = meshes.pairs[pair].poses[0], meshes.pairs[pair].poses[1]
         motion = meshes.motions[pair]
@@ -86,7 +88,7 @@ def search_mesh_surfaces(
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
     _finish_contacts(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        if meshes.pairs[pair].law == COMPLIANT:
+        if meshes.pairs[pair].law == COMPLIANT and meshes.pairs[pair].members > 0:
             share_stiffness(meshes, contacts, pair, meshes.pairs[pair].patches, meshes.pairs[pair].reach)
     if first:
         _begin_contacts(meshes, contacts, work, step)
@@ -170,6 +172,8 @@ def _follow_contacts(
 ) -> int:
     """Gaps and rows of the contacts of a pair; how many of the closed ones have left their face or edges."""
     lost = 0
+    if meshes.pairs[pair].members == 0:
+        return lost
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         if state.pair == pair:
@@ -205,16 +209,6 @@ def _hand_over(
 
 
 @kernel(internal=True)
-def _has_room(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> bool:
-    """Whether a pair may have one contact more."""
-    count = 0
-    for c in range(contacts.counts.of_contours, contact_count(contacts)):
-        if contacts.state[c].pair == pair:
-            count += 1
-    return bool(count < meshes.pairs[pair].most)
-
-
-@kernel(internal=True)
 def _add(
     meshes: SurfacePairs,
     contacts: ContactRows,
@@ -229,7 +223,7 @@ def _add(
     found, side = meshes.found.contacts[i], meshes.found.contacts[i].side
     start = gap_at_start(meshes, pair, i)
     beside = meshes.touch.beyond
-    if not _has_room(meshes, contacts, pair):
+    if meshes.pairs[pair].members >= meshes.pairs[pair].most:
         return False
     c = add_contact(meshes, contacts, pair)
     if c < 0:

@@ -80,6 +80,8 @@ def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> f
 def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
     """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
     deepest = 0.0
+    if meshes.pairs[pair].members == 0:
+        return deepest
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         if contacts.state[c].pair == pair and holds(contacts, c):
             deepest = max(deepest, -contacts.state[c].gap)

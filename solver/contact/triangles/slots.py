@@ -21,6 +21,7 @@ from heavylift.solver.rows.structure import PRESCRIBED
 
 __all__ = [
     "add_contact",
+    "count_members",
     "enter",
     "fill_table",
     "header_row",
@@ -100,6 +101,15 @@ def restore_contacts(meshes: SurfacePairs, contacts: ContactRows) -> None:
 
 
 @kernel(internal=True)
+def count_members(meshes: SurfacePairs, contacts: ContactRows) -> None:
+    """How many contacts each pair has: of many pairs most have none, which no loop over all contacts need find out."""
+    for pair in range(meshes.pairs.shape[0]):
+        meshes.pairs[pair].members = 0
+    for c in range(contacts.counts.of_contours, contact_count(contacts)):
+        meshes.pairs[contacts.state[c].pair].members += 1
+
+
+@kernel(internal=True)
 def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     """A new contact of a pair, all zero; -1 if there is no place."""
     c = contact_count(contacts)
@@ -110,6 +120,7 @@ def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     contacts.state[c].touch_damping = -1.0
     _assign(meshes, contacts, c)
     _set_count(contacts, c + 1)
+    meshes.pairs[pair].members += 1
     take_slots(meshes, contacts, c)
     return c if contacts.state[c].slots[0] >= 0 else -1
 

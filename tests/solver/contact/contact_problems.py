@@ -52,6 +52,7 @@ class ContactProblem:
                 array[:] = np.nan
         counts = ProblemSize.one()
         counts.number, counts.size, counts.least_rate = self.count, size, self.least_rate
+        counts.free_rate = np.abs(self.N @ self.y0).max()
         return Problem(
             counts=counts,
             kinds=self.kinds,
@@ -198,10 +199,17 @@ def chain(count: int, rng: np.random.Generator, push: float, mu: float = 0.3) ->
     return build(contacts, y0, 0.5 * (B + B.T), mu)
 
 
-def wall(courses: int, width: int, rng: np.random.Generator, noise: float, mu: float = 0.5) -> ContactProblem:
-    """Bricks of 2 x 1 x 1 m and 100 kg in half bond, four points where two meet, gravity of half a step of 1 ms.
+def wall(
+    courses: int,
+    width: int,
+    rng: np.random.Generator,
+    noise: float,
+    mu: float = 0.5,
+    step: float = 1e-3,
+) -> ContactProblem:
+    """Bricks of 2 x 1 x 1 m and 100 kg in half bond, four points where two meet, gravity of half a step.
 
-    Targets are noise [m/s], which no rigid motion fits; residuals are measured by 1 m/s at least.
+    Targets are noise [m/s], which no rigid motion fits; residuals are measured by 1 mm a step at least.
     """
     half, contacts = np.array([1.0, 0.5, 0.5]), []
     places = [(2.0 * i + course % 2, course) for course in range(courses) for i in range(width)]
@@ -215,10 +223,10 @@ def wall(courses: int, width: int, rng: np.random.Generator, noise: float, mu: f
                         parts.append((6 * i, -rows_at(UP, np.array([point - y, depth, 0.5]))))
                     contacts.append(parts)
     y0 = np.zeros(6 * len(places))
-    y0[2::6] = -0.5e-3 * 9.81
+    y0[2::6] = -0.5 * step * 9.81
     found = build(contacts, y0, inverse_masses(np.full(len(places), 100.0), half), mu, 1e-9)
     found.parameters["target"][:] = noise * rng.normal(size=found.parameters["target"].shape)
-    found.least_rate = 1.0
+    found.least_rate = 1e-3 / step
     return found
 
 

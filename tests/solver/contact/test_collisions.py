@@ -35,6 +35,7 @@ from heavylift.preprocess.surfaces.primitives import (
     sphere_surface,
 )
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+from heavylift.solver.scene.bodies import Driven, Profile
 from heavylift.solver.scene.contacts import HuntCrossleyLaw, LinearLaw, RigidLaw
 from heavylift.solver.simulation import Simulation
 
@@ -540,6 +541,24 @@ def test_a_saved_run_goes_on_bit_for_bit(options: dict[str, Any], tmp_path: Any)
             np.testing.assert_array_equal(tail, expected[cut:])
 
 
+@pytest.mark.parametrize("friction", [0.5, 0.0])
+@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
+def test_what_is_crushed_is_told_to_give_way(friction: float, step: float) -> None:
+    """A plate that is driven into boxes on the floor: no step and no friction help, a compliant law does."""
+    down = Driven(z=Profile(times=np.array([0.0, 1.0]), values=np.array([0.0, -0.1])))
+    boxes = [(body(f"box {i}", (1.3 * i, 0.0, 0.5)), CUBE) for i in range(3)]
+    plate = (replace(body("plate", (1.3, 0.0, 1.26)), motion=down), box_surface((6.0, 2.0, 0.5)))
+    pairs = [(other, one.name) for one, _ in boxes for other in ("floor", "plate")]
+    options: dict[str, Any] = {"friction": friction, "pairs": pairs}
+    crushed = Simulation(scene([*boxes, plate], FLOOR, law=RigidLaw(), **options), step)
+    crushed.advance(round(0.5 / step))
+    assert "a compliant law ('linear')" in crushed.message + crushed.warning
+    assert "stops and ropes" not in crushed.message + crushed.warning
+    gives = Simulation(scene([*boxes, plate], FLOOR, law=LinearLaw(1e8, 1e5), **options), step)
+    gives.advance(round(0.5 / step))
+    assert not gives.message + gives.warning
+
+
 def test_a_stop_names_the_collision() -> None:
     full = Simulation(scene(standing(0.1), FLOOR, most_contacts=2, recorded=0), STEP)
     full.advance(100)
@@ -564,10 +583,8 @@ def test_a_start_a_little_inside_is_pushed_out(events: bool) -> None:
     assert found["floor-box.normal_force"][-1] == pytest.approx(WEIGHT, rel=1e-6)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("step", [0.01, 0.002])
-def test_what_contacts_gain_is_no_negative_dissipation(step: float) -> None:
-    """A ball rolls to and fro in a trough of flat strips: what has been lost never falls, and what is won is told.
+def rolling_ball() -> Any:
+    """A ball in a trough of flat strips, the collision "floor-ball".
 
     A ball that comes onto the next strip is inside it by its way in a step, and is pushed out: more energy than the
     blow at the ridge takes at 10 ms, in the balance as a gain. It falls with the square of the step at least.
@@ -581,8 +598,27 @@ def test_what_contacts_gain_is_no_negative_dissipation(step: float) -> None:
     triangles += [[i, strips + 2 + i, strips + 1 + i] for i in range(strips)]
     trough = TriangleSurface(points, np.array(triangles))
     start = (radius - inner) * np.array([np.sin(0.8), 0.0, -np.cos(0.8)]) + [0.0, 0.0, radius + 2e-3]
-    rolling = scene([(ball("ball", start, inner), sphere_surface(inner))], trough, friction=0.4)
-    found = run(rolling, step, 10.0)
+    return scene([(ball("ball", start, inner), sphere_surface(inner))], trough, friction=0.4)
+
+
+def beside(one: Any, other: Any) -> Any:
+    """A scene and one on a floor of its own, "plane", which have nothing to do with each other."""
+    return replace(
+        one,
+        bodies=(*one.bodies, *other.bodies),
+        surfaces=(*one.surfaces, replace(other.surfaces[0], name="plane"), *other.surfaces[1:]),
+        collisions=(
+            *one.collisions,
+            *(replace(hit, name="other", surfaces=("plane", hit.surfaces[1])) for hit in other.collisions),
+        ),
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.01, 0.002])
+def test_what_contacts_gain_is_no_negative_dissipation(step: float) -> None:
+    """A ball rolls to and fro in a trough of flat strips: what has been lost never falls, and what is won is told."""
+    found = run(rolling_ball(), step, 10.0)
     lost, balance = found["floor-ball.dissipated"], found["energy.balance"]
     assert np.diff(lost).min() >= -1e-12 * lost[-1]
     np.testing.assert_allclose(
@@ -594,6 +630,61 @@ def test_what_contacts_gain_is_no_negative_dissipation(step: float) -> None:
         assert "energy grew by" in found.simulation.warning
     else:
         assert abs(gained) < 1e-3 * found["energy.kinetic"].max()
+
+
+def test_a_gain_is_not_hidden_by_what_rubs_elsewhere() -> None:
+    """A box slides on a floor of its own and loses more in each step than the ball can gain."""
+    box = body("box", (0.0, 10.0, 0.5), mass=1.0, velocity=(22.0, 0.0, 0.0))
+    slides = scene([(box, box_surface(1.0))], plane_surface(400.0), friction=0.3)
+    alone, both = (run(one, 0.01, 7.0) for one in (rolling_ball(), beside(rolling_ball(), slides)))
+    gained = alone["energy.balance"][-1] - alone["energy.balance"][0]
+    assert gained > 0.02 * alone["energy.kinetic"].max()
+    assert both["energy.balance"][-1] - both["energy.balance"][0] == pytest.approx(gained, rel=1e-3)
+    assert "energy grew by" in both.simulation.warning
+    travel = both["box.position"][-1, 0]
+    assert both["other.dissipated"][-1] == pytest.approx(0.3 * 1.0 * G * travel, rel=1e-3)
+
+
+@pytest.mark.parametrize(("step", "gap"), [(2e-6, 0.0), (1e-4, 1e-9), (1e-3, 0.0)])
+def test_a_box_at_rest_makes_no_energy_worth_a_word(step: float, gap: float) -> None:
+    """It settles by a part of what gaps are found to, 1e-10 of its size; its kinetic energy is nothing beside that."""
+    found = run(scene(standing(gap), FLOOR), step, 200 * step)
+    assert np.ptp(found["box.position"][:, 2]) <= gap + 1e-10
+    assert not found.simulation.warning
+
+
+def told(simulation: Simulation) -> str:
+    """What is told of the steps that contacts have taken without impacts of their own."""
+    return next(part for part in simulation.warning.split("; ") if "without end" in part)
+
+
+def test_what_is_counted_goes_on_with_a_run() -> None:
+    """Steps whose impacts have no end: those before a checkpoint count, those after it count once."""
+    whole = Simulation(rolling_ball(), STEP)
+    whole.advance(400)
+    first = Simulation(rolling_ball(), STEP)
+    first.advance(200)
+    state, before = first.state(), told(first)
+    first.advance(100)
+    assert before != told(first) != told(whole)
+    for simulation in (first, Simulation(rolling_ball(), STEP)):
+        simulation.restore(state)
+        assert told(simulation) == before
+        simulation.advance(200)
+        assert told(simulation) == told(whole)
+
+
+def test_a_run_that_stops_counts_its_steps_once() -> None:
+    """The good steps before a stop are taken again."""
+    falls = (body("box", (0.13, 10.0, 40.0)), CUBE)
+    stopping = beside(rolling_ball(), scene([falls], FLOOR, most_contacts=2, recorded=0))
+    stopped = Simulation(stopping, STEP)
+    stopped.advance(400)
+    assert stopped.outcome is Outcome.TOO_MANY_CONTACTS
+    good = Simulation(stopping, STEP)
+    good.advance(stopped.step_index)
+    assert good.outcome is Outcome.COMPLETED
+    assert told(stopped) == told(good)
 
 
 @pytest.mark.parametrize("step", [1e-3, 2.5e-4])

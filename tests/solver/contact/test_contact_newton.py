@@ -302,6 +302,37 @@ def test_a_wall_bears_more_often_than_needed(noise):
     assert p[lowest, 0].sum() == pytest.approx(courses * weight, rel=1e-6 + 100.0 * noise)
 
 
+@pytest.mark.parametrize(("step", "error"), [(1e-3, 2e-3), (1e-4, 2e-3), (1e-5, 2e-3), (1e-6, 2e-2)])
+def test_a_wall_bears_its_load_whatever_the_step(step, error):
+    """Gaps differ by some 1 % of g h^2, as much in steps of any length; without friction a quadratic programme."""
+    courses, width = 8, 6
+    rng = np.random.default_rng(1)
+    problem = problems.wall(courses, width, rng, 0.01 * 9.81 * step, mu=0.0, step=step)
+    status, iterations, _, p, _ = problem.solve()
+    assert status != FAILED
+    assert iterations < (300 if step > 1e-6 else 2000)
+    softness, target = problem.parameters["softness"][:, 0], problem.parameters["target"][:, 0]
+    L = np.linalg.cholesky(problem.B)
+    A = np.vstack([L.T @ problem.N[0::3].T, np.diag(np.sqrt(softness))])
+    b = np.concatenate([-np.linalg.solve(L, problem.y0), target / np.sqrt(softness)])
+    expected, _ = nnls(A, b, maxiter=20_000)
+    lowest = problem.ends[:, 3] == 0
+    weight = courses * width * 100.0 * 9.81 * 0.5 * step
+    assert p[lowest, 0].sum() == pytest.approx(expected[lowest].sum(), abs=error * weight)
+
+
+@pytest.mark.slow
+def test_a_wall_that_fits_no_motion_is_given_up_soon():
+    """480 velocities, targets 1e5 times what a solution allows: impulses push and stay in their cones all the same."""
+    problem = problems.wall(10, 8, np.random.default_rng(1), 1e-5)
+    status, iterations, residual, p, _ = problem.solve()
+    assert status == FAILED
+    assert 1e-7 < residual < 1e-3
+    assert iterations < 2000  # systems and sweeps: a second, where 4 s went by
+    assert p[:, 0].min() >= 0.0
+    assert np.all(np.hypot(p[:, 1], p[:, 2]) <= 0.5 * p[:, 0] * (1.0 + 1e-9))
+
+
 def test_rates_of_rounding_ask_for_no_impulses_of_a_size():
     """Three contacts too many under rates of 1e-14 m/s, as at the end of a step at rest: found at once."""
     for seed in range(100):

@@ -15,6 +15,8 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.solver.contact.kind import (
     FOUND,
     LOST,
+    NO_END,
+    NO_IMPULSES,
     TOO_DEEP,
     ContactRows,
 )
@@ -22,7 +24,7 @@ from heavylift.solver.contact.search.search_end import judge_searches, note_sear
 from heavylift.solver.contact.search.search_start import start_at_point
 from heavylift.solver.interface import Workspace
 from heavylift.solver.layout import Layout, pack_scene
-from heavylift.solver.scene.contacts import BoxShape, Contact, Contour, LinearLaw, SphereShape
+from heavylift.solver.scene.contacts import BoxShape, Contact, Contour, LinearLaw, RigidLaw, SphereShape
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.stop_message import stop_message
 
@@ -64,7 +66,7 @@ def circle() -> Contour:
     return Contour(name="ring", body="ground", neutral=neutral_curve(points, closed=True), radius=0.02)
 
 
-def pack(*contours: Contour, shape: Any = None) -> Layout:
+def pack(*contours: Contour, shape: Any = None, law: Any = None) -> Layout:
     """A body with a contact on each contour."""
     body = RigidBody(name="body", mass=1.0, inertia=np.eye(3), position=np.array([0.0, 0.0, 3.0]))
     contacts = tuple(
@@ -73,7 +75,7 @@ def pack(*contours: Contour, shape: Any = None) -> Layout:
             contour=one.name,
             body="body",
             shape=shape or SphereShape(0.1),
-            law=LinearLaw(100.0),
+            law=law or LinearLaw(100.0),
         )
         for one in contours
     )
@@ -158,8 +160,9 @@ def test_search_that_finds_nothing_leaves_the_last_place(both: tuple[tuple[Conto
     work.status.words[:] = 0.0
 
 
-def test_stop_names_the_contact_and_what_is_wrong() -> None:
-    layout = pack(waves(), shape=BoxShape(np.array([0.1, 0.1, 0.1]), 0.01))
+@pytest.mark.parametrize("law", [LinearLaw(100.0), RigidLaw()])
+def test_stop_names_the_contact_and_what_is_wrong(law: Any) -> None:
+    layout = pack(waves(), shape=BoxShape(np.array([0.1, 0.1, 0.1]), 0.01), law=law)
     contacts, work = layout.systems[1], layout.work
     contacts.state[0].search = TOO_DEEP
     judge(contacts, False, work)
@@ -171,5 +174,26 @@ def test_stop_names_the_contact_and_what_is_wrong() -> None:
     assert "contact 'on waves'" in text
     assert "larger radius" in text
     assert "deeper inside its contour than its rounding" in text
-    contacts.state[0].search = FOUND
-    assert "smaller step" in stop_message(layout, "t = 1 s")
+    assert ("a stiffer law" in text) == isinstance(law, LinearLaw)
+    contacts.state[0].search, contacts.state[0].closed, contacts.state[0].present = LOST, True, True
+    judge(contacts, True, work)
+    assert "a contour whose control points are not crowded" in stop_message(layout, "t = 1 s")
+
+
+@pytest.mark.parametrize(
+    ("why", "law", "wanted", "unwanted"),
+    [
+        (NO_IMPULSES, RigidLaw(), "try a compliant law ('linear')", "friction"),
+        (NO_IMPULSES, LinearLaw(1e6), "try a smaller step, or less friction", "compliant"),
+        (NO_END, RigidLaw(), "try softer stops and ropes", "friction"),
+    ],
+)
+def test_stop_advises_what_can_help(why: int, law: Any, wanted: str, unwanted: str) -> None:
+    """Shorter steps have been tried when contacts stop a run, and what is wedged without friction is wedged."""
+    layout = pack(waves(), law=law)
+    layout.work.status.outcome = int(Outcome.NOT_CONVERGED)
+    layout.work.status.block = layout.systems[1].counts.first_block
+    layout.systems[1].control.failure = why
+    text = stop_message(layout, "t = 1 s")
+    assert wanted in text
+    assert unwanted not in text
