@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.pipeline.case.joined import joined_bodies, joined_to_hull
+from heavylift.pipeline.case.joined import (
+    joined_bodies,
+    joined_to_hull,
+    shared_bodies,
+    shared_with_hulls,
+)
 from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -59,14 +64,15 @@ def scene_loading(scene: Scene, hulls: Iterable[str], name: str) -> Loading:
     Notes
     -----
     Bodies hang together by joints of any kind; they are taken where they are at the start, as if rigidly fixed. Other
-    hulls are carried by their own water.
+    hulls are carried by their own water, and what they carry with this one is left out: shares are not known.
     """
     free = {body.name for body in scene.bodies if isinstance(getattr(body, "motion", Free()), Free)}
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints]
     group, beyond = joined_bodies(name, free, pairs, set(hulls))
+    shared = shared_bodies(name, free, pairs, list(hulls))
     hull = next(body for body in scene.bodies if body.name == name)
     assert isinstance(hull, RigidBody)
-    return _sum(hull, [_of_body(body) for body in scene.bodies if body.name in group], beyond)
+    return _sum(hull, [_of_body(body) for body in scene.bodies if body.name in group], beyond, shared)
 
 
 def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
@@ -78,14 +84,19 @@ def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
     assert section.type == "rigid"
     hull, _ = assemble_rigid(name, section)
     loads = [_of_section(case, other, folder) for other in case.bodies if other in group]
-    return _sum(hull, loads, beyond)
+    return _sum(hull, loads, beyond, shared_with_hulls(case, name))
 
 
-def _sum(hull: RigidBody, loads: Iterable[_Load], beyond: Iterable[str]) -> Loading:
+def _sum(
+    hull: RigidBody, loads: Iterable[_Load], beyond: Iterable[str], shared: Mapping[str, Sequence[str]]
+) -> Loading:
     """One mass in the frame of the hull."""
     axes = rotation_matrix(hull.orientation)
     total, moment, counted, left = 0.0, np.zeros(3), [], []
     for load in loads:
+        if load.name in shared:
+            left.append(f"{load.name} ({' and '.join(map(repr, shared[load.name]))} carries a part of it)")
+            continue
         if load.name != hull.name:
             counted.append(load.name)
         if load.mass is None:

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
 
-__all__ = ["joined_bodies", "joined_to_hull"]
+__all__ = ["joined_bodies", "joined_to_hull", "shared_bodies", "shared_with_hulls"]
 
 
 def joined_bodies(
@@ -48,11 +48,32 @@ def joined_bodies(
     return frozenset(group), frozenset(beyond)
 
 
+def shared_bodies(
+    name: str, free: Collection[str], pairs: Iterable[tuple[str, str]], hulls: Collection[str]
+) -> dict[str, tuple[str, ...]]:
+    """Bodies that hang together with a hull and with others too, which carry a part of them: names of the others."""
+    links = list(pairs)
+    groups = {hull: joined_bodies(hull, free, links, hulls)[0] for hull in hulls}
+    return {
+        body: others
+        for body in sorted(groups[name] - {name})
+        if (others := tuple(hull for hull in hulls if hull != name and body in groups[hull]))
+    }
+
+
 def joined_to_hull(case: Case, name: str) -> tuple[frozenset[str], frozenset[str]]:
-    """The same of a hull of a case, which other hulls do not belong to."""
-    free = {
+    """Those of `joined_bodies` of a hull of a case, which other hulls do not belong to."""
+    return joined_bodies(name, _free(case), [joint.between for joint in case.joints], case.hulls)
+
+
+def shared_with_hulls(case: Case, name: str) -> dict[str, tuple[str, ...]]:
+    """Those of `shared_bodies` of a hull of a case."""
+    return shared_bodies(name, _free(case), [joint.between for joint in case.joints], case.hulls)
+
+
+def _free(case: Case) -> set[str]:
+    return {
         body
         for body, section in case.bodies.items()
         if section.type == "frame" or section.type == "shell" or section.frame.motion == "free"  # noqa: PLR1714
     }
-    return joined_bodies(name, free, [joint.between for joint in case.joints], case.hulls)

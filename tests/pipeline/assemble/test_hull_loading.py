@@ -17,6 +17,8 @@ from heavylift.pipeline.commands.cli import app
 from heavylift.pipeline.results.provenance import database_digest
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.preprocess.hydrodynamics.hull_panels import hydrostatics
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.scene.scene import RigidBody, Scene
 
 L, B, D, RHO = 40.0, 16.0, 5.0, 1025.0
 HULL, BOOM, MAST = 1.2e6, 4.0e4, 7800.0 * 4.0 * 1.0 * 1.0
@@ -158,3 +160,20 @@ def test_a_database_depends_on_what_the_hull_carries(folder: Path) -> None:
     assert digest() != digest("bodies.boom.mass=41000")
     assert digest() != digest("bodies.mast.material.density=7900")
     assert digest() != digest("joints.0.between=['ground', 'boom']")
+
+
+def test_what_two_hulls_carry_together_is_counted_on_neither() -> None:
+    """How they share it is not known before the equilibrium; a boom on one of them counts on that one."""
+    frame = np.eye(3)
+    bodies = tuple(
+        RigidBody(name, mass, frame, position=np.array([x, 0.0, 0.0]))
+        for name, mass, x in (("a", 1e6, 0.0), ("b", 2e6, 50.0), ("bridge", 3e5, 25.0), ("boom", 1e5, 0.0))
+    )
+    pairs = (("a", "bridge"), ("bridge", "b"), ("boom", "b"))
+    joints = tuple(Ball(name=f"{one}_{two}", body_a=one, body_b=two) for one, two in pairs)
+    scene = Scene(bodies=bodies, joints=joints)
+    a, b = (scene_loading(scene, ("a", "b"), name) for name in ("a", "b"))
+    assert (a.mass, a.bodies) == (1e6, ())
+    assert (b.mass, b.bodies) == (2.1e6, ("boom",))
+    assert a.left_out == ("bridge ('b' carries a part of it)", "joints to b")
+    assert b.left_out[0] == "bridge ('a' carries a part of it)"
