@@ -168,6 +168,7 @@ class Simulation:
                 expected="'check' or 'project': contacts come to rest by themselves in time",
             )
         self._start_mode = start
+        self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
         self.start_text = ""
         module = importlib.import_module(INTEGRATORS[integrator])
         self._run = module.run
@@ -255,6 +256,10 @@ class Simulation:
         begin = clock.thread_time()
         with compile_clock() as compiling:
             self.start_text = ways[self._start_mode](rows).text
+            if self._fits_tensions:
+                from heavylift.solver.statics.start_tensions import fit_start_tensions
+
+                self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
         if any("excitation" in kind._fields for kind in self._layout.bodies):
             from heavylift.solver.water.hulls.packing import check_series
 

@@ -14,7 +14,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
+from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.laws.wire_rope import (
     LARGEST_STRAIN,
@@ -23,13 +23,14 @@ from heavylift.solver.laws.wire_rope import (
     Ropes,
     RopeState,
     WinchRow,
+    start_length,
 )
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint, axes_about
 from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["pack_ropes", "start_length"]
+__all__ = ["pack_ropes"]
 
 
 def pack_ropes(
@@ -61,7 +62,8 @@ def pack_ropes(
     for rope, column in zip(ropes, columns, strict=True):
         points = rope.path
         path = start_path(rope, bodies)
-        length = _unstretched(rope, path)
+        rows = _winch_rows(rope)
+        length = _unstretched(rope, path, rows)
         held = list(dict.fromkeys(point.body for point in points if point.body != GROUND))
         level = FORCES if rope.damping > 0.0 or as_forces else ROWS
         first = len(places)
@@ -71,10 +73,9 @@ def pack_ropes(
             if point.radius > 0.0:
                 axis = book.direction(point.body, _axes(rope, point)[:, 2], level, at=point.point)
             places.append((book.point(point.body, point.point, level), axis, side))
-        rows = _winch_rows(rope)
         stiffness = getattr(rope, "axial_stiffness", 0.0), getattr(rope, "stiffness", 0.0)
         numbers = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
-        table.append((*numbers, *stiffness, rope.damping, length))
+        table.append((*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0))
         winches += rows
         paths += [(place.centre, place.axis, place.radius) for place in path]
         state.append((start_length(path), length))
@@ -101,11 +102,6 @@ def pack_ropes(
         np.full(len(places), START_WRAP),
     )
     return kind, blocks
-
-
-def start_length(path: Records[RopePlace]) -> float:
-    """Length of a path in the world [m]."""
-    return float(path_length(path, records(PlaceGradient, len(path)), np.full(len(path), START_WRAP)))
 
 
 def _axes(rope: Any, point: RopePoint) -> NDArray[np.float64]:
@@ -149,10 +145,23 @@ def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
     return path
 
 
-def _unstretched(rope: Any, path: Records[RopePlace]) -> float:
+def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, float, float]]) -> float:
     """Length at the start [m]; that of a wire rope is checked."""
     drawn = start_length(path)
-    length = drawn if rope.length is None else float(rope.length)
+    tension, winch = getattr(rope, "tension", None), getattr(rope, "winch", None)
+    if tension is not None:
+        if tension > LARGEST_STRAIN * rope.axial_stiffness:
+            raise _error(
+                rope,
+                f"{tension:.6g} N is a strain of {100.0 * tension / rope.axial_stiffness:.3g} %",
+                "tension",
+                f"at most {LARGEST_STRAIN * rope.axial_stiffness:.6g} N, {100.0 * LARGEST_STRAIN:g} % of EA",
+            )
+        return drawn / (1.0 + tension / rope.axial_stiffness)
+    if winch is not None and len(winch.lengths):
+        length = float(winch.lengths[0]) + rows[0][2]
+    else:
+        length = drawn if rope.length is None else float(rope.length)
     if hasattr(rope, "axial_stiffness") and drawn > length * (1.0 + LARGEST_STRAIN):
         raise _error(
             rope,
@@ -169,7 +178,7 @@ def _winch_rows(rope: Any) -> list[tuple[float, float, float]]:
     winch = getattr(rope, "winch", None)
     if winch is None:
         return []
-    times, speeds = (np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in (winch.times, winch.speeds))
+    times, speeds = winch.profile
     hauled = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))])
     return [
         (float(t), float(v), float(x))

@@ -31,7 +31,7 @@ from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity
-from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
@@ -46,7 +46,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
-from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace, path_length
+from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
 from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
@@ -61,6 +61,7 @@ __all__ = [
     "Ropes",
     "SpringRope",
     "WinchRow",
+    "start_length",
 ]
 
 LARGEST_STRAIN = 0.02
@@ -82,6 +83,9 @@ class Rope:
     """EA [N]: modulus times area."""
     length: Annotated[float | None, Positive("length")] = None
     """Unstretched length at the start [m]; as drawn if absent."""
+    tension: Annotated[float | None, Positive("force")] = None
+    """In place of `length`: tension at the start [N], from which that follows; of a search for equilibrium that in
+    the place of rest."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Tension per rate of elongation [N s/m], while it is taut."""
     winch: Winch | None = None
@@ -89,7 +93,17 @@ class Rope:
 
     @staticmethod
     def check(said: Any) -> None:
-        """Its ends are no pulleys."""
+        """Its ends are no pulleys; one thing says how long it is."""
+        told = {
+            "length": said.length is not None,
+            "tension": said.tension is not None,
+            "winch.lengths": said.winch is not None and len(said.winch.lengths) > 0,
+        }
+        given = [key for key, is_told in told.items() if is_told]
+        if len(given) > 1:
+            raise InputError(
+                f"both {given[0]!r} and {given[1]!r}", key=given[1], expected="one of them says its length"
+            )
         for place in (0, len(said.path) - 1):
             if said.path[place].radius > 0.0:
                 raise InputError(
@@ -174,6 +188,8 @@ class RopeEntry(Record):
         [N s/m].
     start_length
         Unstretched length at the start [m].
+    wanted
+        Tension at the start [N]; 0 if none is given.
     """
 
     block: int
@@ -187,6 +203,7 @@ class RopeEntry(Record):
     stiffness: float
     damping: float
     start_length: float
+    wanted: float
 
 
 class PlaceMarkers(Record):
@@ -283,6 +300,27 @@ class Ropes(Arrays):
     gradient: Records[PlaceGradient]
     state: Records[RopeState]
     wraps: Floats1
+
+    @property
+    def given(self) -> NDArray[np.int64]:
+        """Numbers of the ropes whose tension at the start is given."""
+        return np.flatnonzero(self.table["wanted"] > 0.0)
+
+    def tension_at_rest(self, rope: int) -> tuple[float, float]:
+        """Of the path of the last evaluation [N], and minus its derivative by the unstretched length [N/m]."""
+        entry = self.table[rope]
+        path = start_length(self.path[entry.first : entry.first + entry.places])
+        length, stiffness = entry.start_length, entry.axial_stiffness
+        return max(0.0, stiffness * (path / length - 1.0)), stiffness * path / length**2
+
+    def put_length(self, rope: int, length: float) -> None:
+        """Give a rope another unstretched length [m] before time starts."""
+        self.table[rope].start_length = self.state[rope].rest = length
+
+
+def start_length(path: Records[RopePlace]) -> float:
+    """Length of a path in the world [m]."""
+    return float(path_length(path, records(PlaceGradient, len(path)), np.full(len(path), START_WRAP)))
 
 
 @kernel(internal=True)
@@ -392,6 +430,8 @@ def set_rope_targets(
     if not at_midpoint:
         return
     for i in range(kind.table.shape[0]):
+        if kind.table[i].block < 0:
+            continue
         state = kind.state[i]
         u = state.rate
         hauled, state.hauling = winch_state(kind, i, time + step)
@@ -412,6 +452,8 @@ def _rate(kind: Ropes, i: int, work: Workspace, system: RowArrays) -> float:
 def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, system: RowArrays) -> None:
     """Fit the tensions to the rates found."""
     for i in range(kind.table.shape[0]):
+        if kind.table[i].block < 0:
+            continue
         u = _rate(kind, i, work, system)
         _, tension, slope, _, _ = _tension(kind, i, u, step)
         fit_law(system, kind.table[i].block, step, u, tension, slope, work)

@@ -14,9 +14,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import Absent, BodyDirection, BodyPoint, Least, NameOf, Quantity, Shape
+from heavylift.numerics.quantity import (
+    Absent,
+    BodyDirection,
+    BodyPoint,
+    Least,
+    NameOf,
+    Positive,
+    Quantity,
+    Shape,
+)
 from heavylift.solver.scene.bodies import GROUND
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, interval_extremes
+from heavylift.solver.scene.descriptions import (
+    XYZ,
+    ChannelKind,
+    Family,
+    check_table,
+    interval_extremes,
+    no_rows,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -381,17 +397,53 @@ class RopePoint:
 @ROPES.part
 @dataclass(frozen=True, eq=False)
 class Winch:
-    """Speed of a winch, linear between the times, held before the first and after the last."""
+    """How a winch hauls in: its speed, or the length of the rope, at some times."""
 
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,)), Least(1)]
     """[s], increasing."""
-    speeds: Annotated[NDArray[np.float64], Quantity("velocity"), Shape((None,)), Least(1)]
-    """[m/s]; hauls in if positive."""
+    speeds: Annotated[NDArray[np.float64], Quantity("velocity"), Shape((None,))] = field(
+        default_factory=no_rows
+    )
+    """[m/s], linear between the times, held before the first and after the last; hauls in if positive."""
+    lengths: Annotated[NDArray[np.float64], Positive("length"), Shape((None,))] = field(
+        default_factory=no_rows
+    )
+    """In place of `speeds`, unstretched lengths of the rope [m]: it begins and ends at rest, its speed has no jumps,
+    and its length between two times is between those at them."""
 
     @staticmethod
     def check(said: Any) -> None:
-        """A speed a time."""
-        check_table("times", said.times, "speeds", said.speeds)
+        """A speed or a length a time."""
+        if (len(said.speeds) == 0) == (len(said.lengths) == 0):
+            problem = "both 'speeds' and 'lengths'" if len(said.speeds) else "neither 'speeds' nor 'lengths'"
+            raise InputError(problem, expected="one of them")
+        values_key = "speeds" if len(said.speeds) else "lengths"
+        check_table("times", said.times, values_key, getattr(said, values_key))
+
+    @property
+    def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times [s] and speeds [m/s], between which the speed is linear.
+
+        Notes
+        -----
+        Of lengths: a quadratic spline with a knot in the middle of each interval (L. L. Schumaker, SIAM J. Numer. Anal.
+        20, 1983). Speeds at the times are harmonic means of those of the intervals beside them, none where these have
+        opposite signs, so none is more than twice one beside it, and that in the middle never turns back.
+        """
+        times, speeds = (np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in (self.times, self.speeds))
+        if len(speeds):
+            return times, speeds
+        steps = np.diff(times)
+        means = -np.diff(np.asarray(self.lengths, dtype=np.float64)) / steps
+        at = np.zeros(len(times))
+        before, after = means[:-1], means[1:]
+        same = before * after > 0.0
+        at[1:-1][same] = 2.0 * before[same] * after[same] / (before[same] + after[same])
+        middle = 2.0 * means - 0.5 * (at[:-1] + at[1:])
+        all_times, all_speeds = np.empty(2 * len(times) - 1), np.empty(2 * len(times) - 1)
+        all_times[::2], all_times[1::2] = times, times[:-1] + 0.5 * steps
+        all_speeds[::2], all_speeds[1::2] = at, middle
+        return all_times, all_speeds
 
 
 def check_path(path: Sequence[Any]) -> None:

@@ -1,0 +1,94 @@
+"""Unstretched lengths of ropes from tensions that are given for the place of rest.
+
+The lengths l are found by Broyden's method ("good" update, Math. Comp. 19, 1965) on the tensions T(l) of the
+equilibrium, each search for which begins where the last one ended. The first guess of the derivatives is that of ropes
+whose ends stand still, ``dT/dl = -EA s / l^2``: it is too steep where the ends give way, so first steps are too short
+rather than too long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.start.rows import StartRows
+from heavylift.solver.statics.forces import STEP
+from heavylift.solver.statics.rows_at_rest import fill_at_rest
+
+__all__ = ["fit_start_tensions"]
+
+FITTED = 1e-8
+"""Miss of a tension relative to the largest that counts as fitted."""
+
+SEARCHES = 60
+
+LONGEST_CHANGE = 0.1
+"""Of a length in one round, relative to it."""
+
+
+def fit_start_tensions(rows: StartRows, search: Callable[[StartRows], Any], text: str) -> str:
+    """Change the lengths of ropes until the equilibrium has the tensions that are given.
+
+    Parameters
+    ----------
+    rows
+        The scene, in an equilibrium.
+    search
+        Finds the equilibrium from where the scene is.
+    text
+        What the first search said.
+
+    Returns
+    -------
+    str
+        What the last search said, and the lengths.
+
+    Raises
+    ------
+    InputError
+        If no lengths give the tensions: together they do not carry the loads.
+    """
+    layout = rows.layout
+    kinds = [kind for kind in (*layout.joints, *layout.forces) if hasattr(kind, "tension_at_rest")]
+    ropes = [(kind, int(number)) for kind in kinds for number in kind.given]
+    wanted = np.array([kind.table[number].wanted for kind, number in ropes])
+    lengths = np.array([kind.table[number].start_length for kind, number in ropes])
+
+    def tensions() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        fill_at_rest(
+            layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, rows.time, STEP
+        )
+        found = [kind.tension_at_rest(number) for kind, number in ropes]
+        return np.array([t for t, _ in found]), np.array([slope for _, slope in found])
+
+    found, slopes = tensions()
+    inverse = np.diag(-1.0 / slopes)
+    for _ in range(SEARCHES):
+        miss = wanted - found
+        if np.abs(miss).max() <= FITTED * wanted.max():
+            words = ", ".join(f"{length:.6g} m" for length in lengths)
+            return f"{text}; unstretched lengths of ropes with a given tension: {words}"
+        change = inverse @ miss
+        change *= min(1.0, LONGEST_CHANGE / float(np.abs(change / lengths).max()))
+        lengths = lengths + change
+        for (kind, number), length in zip(ropes, lengths, strict=True):
+            kind.put_length(number, float(length))
+        text = search(rows).text
+        before, (found, _) = found, tensions()
+        response = inverse @ (found - before)
+        along = float(change @ response)
+        if along != 0.0:
+            inverse += np.outer(change - response, change @ inverse) / along
+    worst = int(np.argmax(np.abs(wanted - found)))
+    kind, number = ropes[worst]
+    block = kind.table[number].block
+    raise InputError(
+        f"{wanted[worst]:.6g} N is given, and {found[worst]:.6g} N is left at rest after {SEARCHES} searches",
+        source=layout.block_names[block] if block >= 0 else "simulation",
+        key="tension",
+        expected="tensions of ropes that together carry the loads at rest; give one of them a 'length'",
+    )
