@@ -77,6 +77,7 @@ def forget_trials(layout: Any) -> None:
     control.low = control.low_gap = control.high = control.high_gap = control.high_rate = 0.0
     control.impact, control.exhausted, control.splits = False, False, 0
     control.watched = control.joins = -1
+    control.effort = 0.0
     layout.work.control.split = 0.0
 
 

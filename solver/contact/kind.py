@@ -399,6 +399,8 @@ class Events(Record):
         Largest rate of a contact without impulses in this step, as it would be after a whole one [m/s].
     splits
         Trials since the last whole step.
+    effort
+        Contacts times iterations of their solver since the last whole step.
     exhausted
         Whether the rest of the whole step goes on without impacts of its own.
     rough, roughest
@@ -429,6 +431,7 @@ class Events(Record):
     part: float
     free_rate: float
     splits: int
+    effort: float
     exhausted: bool
     rough: int
     roughest: float

@@ -34,6 +34,9 @@ MOST_EVENTS = 20
 TRIALS, TRIALS_OF_EACH = 400, 10
 """Of times of impacts within a whole step: of all, and more for each contact."""
 
+MOST_EFFORT = 2e6
+"""Contacts times iterations of their solver, after which a whole step has no more trials: seconds."""
+
 SHORTEST = 1e-6
 """Of a whole step: an impact nearer to its start happens there."""
 
@@ -202,7 +205,8 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
     control = contacts.control
     if control.exhausted:
         return
-    if control.splits >= TRIALS + TRIALS_OF_EACH * contact_count(contacts):
+    most = TRIALS + TRIALS_OF_EACH * contact_count(contacts)
+    if control.splits >= most or (control.splits > 0 and control.effort >= MOST_EFFORT):
         control.exhausted = True
         control.watched = -1
         work.control.split = step  # again, with what looks ahead
@@ -330,6 +334,7 @@ def after_contact_step(
     control.low = control.high = 0.0
     if whole:
         control.splits = 0
+        control.effort = 0.0
         if control.exhausted:
             contacts.tally[0].exhausted_steps += 1
         control.exhausted = False
