@@ -17,6 +17,7 @@ import numpy as np
 
 from heavylift.preprocess.hydrodynamics.database import length_scales, mass_scales
 from heavylift.preprocess.hydrodynamics.exponentials import ExponentialKernel, fit_exponentials
+from heavylift.preprocess.hydrodynamics.repairs import passive_damping
 from heavylift.preprocess.hydrodynamics.retardation import memory_length, retardation_kernel
 
 if TYPE_CHECKING:
@@ -50,8 +51,15 @@ def felt_scales(database: HydrodynamicDatabase) -> NDArray[np.float64]:
 def database_memory(
     database: HydrodynamicDatabase, length: float | None = None
 ) -> tuple[RetardationKernel, float]:
-    """Kernel of a database, and how far it goes back [s]: as it is asked for, or until it has decayed."""
-    kernel = retardation_kernel(database.omega, database.damping, source=database.source)
+    """Kernel of a database, and how far it goes back [s]: as it is asked for, or until it has decayed.
+
+    It is that of the nearest passive damping. Panels couple surge and pitch of a box, which are all but proportional, a
+    little more than their damping allows; residues of exponentials would be changed for that at all frequencies.
+    """
+    damping = 0.5 * (database.damping + np.swapaxes(database.damping, 1, 2))
+    at, damping_there = passive_damping(damping)
+    damping[at] = damping_there
+    kernel = retardation_kernel(database.omega, damping, source=database.source)
     return kernel, length or max(memory_length(kernel, least=felt_scales(database)), SHORTEST_MEMORY)
 
 

@@ -154,9 +154,9 @@ def remedies(
     good = np.setdiff1d(omega, bad)
     words = []
     if len(bad) and len(good) >= FEWEST:
-        if bad[0] > good[-1]:
+        if bad[0] > good[-1] and len(bad) <= len(omega) // 2:
             words.append(f"'frequency_range = [{_down(omega[0])}, {_down(good[-1], up=True)}]'")
-        elif bad[-1] < good[0]:
+        elif bad[-1] < good[0] and len(bad) <= len(omega) // FEW:
             words.append(f"'frequency_range = [{_down(good[0])}, {_down(omega[-1], up=True)}]'")
         elif len(bad) <= len(omega) // FEW:
             words.append(f"'leave_out = [{', '.join(f'{w:.4g}' for w in bad)}]'")
