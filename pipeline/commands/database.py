@@ -76,7 +76,7 @@ def database_entry(database: HydrodynamicDatabase) -> dict[str, Any]:
 def _words(entry: dict[str, Any]) -> list[str]:
     """For a person."""
     low, high, count = entry["omega"]
-    waves = "no exciting forces: for motions in still water"
+    waves = "no headings"
     if entry["headings"]:
         first, last, headings = entry["headings"]
         mirrored = ", mirrored about y = 0" if entry["symmetric"] else ""

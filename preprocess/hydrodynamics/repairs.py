@@ -202,9 +202,11 @@ def _asked(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicDataba
         return database
     if kept.sum() < FEWEST:
         raise _few(database, kept, "", "leave_out" if repair.leave_out else "frequency_range")
+    left = omega[kept]
     return _told(
         at_frequencies(database, kept),
-        f"{np.count_nonzero(~kept)} of {len(omega)} frequencies left out as asked ({_between(omega[~kept])})",
+        f"{np.count_nonzero(~kept)} of {len(omega)} frequencies left out as asked; "
+        f"{left[0]:.4g} to {left[-1]:.4g} rad/s are used",
     )
 
 

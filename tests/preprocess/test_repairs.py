@@ -232,6 +232,25 @@ def test_radiation_alone_in_any_order(tmp_path: Path, special: tuple[str, ...], 
     np.testing.assert_allclose(np.diag(database.added_mass_infinite), 4000.0, rtol=5e-3 if noise else 1e-3)
 
 
+def test_capytaine_over_periods(tmp_path: Path, barges: HydrodynamicDatabase) -> None:
+    """Asked for periods, it has them on the axis, and frequencies as a variable over it."""
+    path = tmp_path / "periods.nc"
+    write_netcdf(path, barges)
+    with h5py.File(path, "r+") as file:
+        file["period"] = 2.0 * np.pi / file["omega"][()]
+        file["period"].make_scale("period")
+        for name in ("added_mass", "radiation_damping", "excitation_force"):
+            place = [scales[0].name for scales in file[name].dims].index("/omega")
+            file[name].dims[place].detach_scale(file["omega"])
+            file[name].dims[place].attach_scale(file["period"])
+        del file["omega"]
+        file["omega"] = 2.0 * np.pi / file["period"][()]
+        file["omega"].dims[0].attach_scale(file["period"])
+    database = read_netcdf(path)
+    np.testing.assert_allclose(database.omega, barges.omega, rtol=1e-12)
+    np.testing.assert_array_equal(database.excitation, barges.excitation)
+
+
 @pytest.mark.parametrize("missing", ["diffraction", "all"])
 def test_capytaine_without_diffraction(tmp_path: Path, barges: HydrodynamicDatabase, missing: str) -> None:
     path = tmp_path / "radiation.nc"

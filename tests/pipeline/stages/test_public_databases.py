@@ -15,6 +15,8 @@ from scipy.io import netcdf_file
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.assemble.hulls import database_manifest
+from heavylift.pipeline.commands.database import database_command
+from heavylift.pipeline.commands.response_operators import rao_command
 from heavylift.pipeline.log import Log
 
 pytestmark = pytest.mark.slow
@@ -195,6 +197,17 @@ def test_heave_decay_is_that_of_the_frequency_domain(name: str, hydro_data: Path
     up = np.flatnonzero((height[:-1] < 0.0) & (height[1:] >= 0.0))[:2]
     crossings = [times[i] - height[i] * (times[i + 1] - times[i]) / (height[i + 1] - height[i]) for i in up]
     assert np.diff(crossings)[0] == pytest.approx(natural_period(heave, mass, stiffness), rel=0.02)
+
+
+def test_pictures_of_radiation_alone_and_no_operators(hydro_data: Path, tmp_path: Path) -> None:
+    write_case(tmp_path, hydro_data, "oswec")
+    document, lines = database_command(tmp_path, log=Log(quiet=True))
+    (entry,) = document["databases"]
+    assert entry["headings"] == []
+    assert not [file for file in entry["files"] if "excitation" in file]
+    assert [line for line in lines if "repaired: negative damping" in line]
+    with pytest.raises(InputError, match=r"oswec\.1: excitation: no exciting forces"):
+        rao_command(tmp_path, log=Log(quiet=True))
 
 
 def test_waves_need_exciting_forces(hydro_data: Path, tmp_path: Path) -> None:
