@@ -336,10 +336,11 @@ SAFETY = 0.9
 NEGLIGIBLE = 1e-3
 """Of the tolerance: parts of the series below it choose no poles."""
 
-MOST_COLUMNS = 600
-"""Of the Hankel matrices, and how many numbers of them are held at once."""
+MOST_SAMPLES, MOST_COLUMNS = 1200, 400
+"""From which poles are found, and columns of the Hankel matrices: longer memories take no longer."""
 
 HANKEL_NUMBERS = 4_000_000
+"""Of the Hankel matrices that are held at once."""
 
 EXTRA_POLES = 6
 """Added at most, after the unconstrained fit is good enough, when the passive one is not."""
@@ -529,6 +530,7 @@ def _right_vectors(series: NDArray[np.float64], count: int, negligible: float) -
     Series are mixed first so that as few as possible are left: an orthogonal mixture of the Hankel matrices has the
     same right vectors. Those that are negligible are dropped.
     """
+    series = series[:MOST_SAMPLES]
     left, sizes, _ = np.linalg.svd(series, full_matrices=False)
     mixed = left * sizes
     mixed = mixed[:, np.abs(mixed).max(axis=0) > negligible]
