@@ -8,13 +8,14 @@ import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import compile_clock
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.numerics.words import check_word
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
@@ -22,7 +23,7 @@ from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
-from heavylift.solver.scene.scene import Gravity, Scene
+from heavylift.solver.scene.scene import Gravity, Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
     energy_remedy,
@@ -111,7 +112,7 @@ class Simulation:
         *,
         record_every: int = 1,
         tolerance: float | None = None,
-        start: Literal["check", "project", "equilibrium", "relax"] = "check",
+        start: Start = "check",
     ) -> None:
         _check_positive("step", step, "a positive time [s]")
         if integrator not in {*INTEGRATORS, "auto"}:
@@ -152,13 +153,7 @@ class Simulation:
             scene = replace(scene, sea=replace(scene.sea, at_rest=True))
         self._layout = pack_scene(scene, integrator, 0.0 if self.tolerance else self.step)
         self._stiff = integrator == "dele2" and bool(stiff_part(scene, step * record_every))
-        if start not in {"check", "project", *AT_REST}:
-            raise InputError(
-                f"{start!r}",
-                source="simulation",
-                key="start",
-                expected="check, project, equilibrium or relax",
-            )
+        check_word(start, Start, source="simulation", key="start")
         self._touches = scene.touches
         if self._touches and start in AT_REST:
             raise InputError(

@@ -27,11 +27,22 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     gc.set_threshold(100_000, 10, 10)
 
 
+def _data_beside(folder: str, variable: str) -> Path:
+    """Public data of others, read where they lie; skips where they are missing."""
+    default = Path(__file__).resolve().parents[2] / "shared" / "data" / folder
+    path = Path(os.environ.get(variable, default))
+    if not path.is_dir():
+        pytest.skip(f"no data at {path}; set {variable}")
+    return path
+
+
 @pytest.fixture(scope="session")
 def mbsim_data() -> Path:
     """Folder with the public FE data of MBSim (`complex_beam`, `sliding_beam`); skips where it is missing."""
-    default = Path(__file__).resolve().parents[2] / "shared" / "data" / "mbsim"
-    folder = Path(os.environ.get("HEAVYLIFT_MBSIM_DATA", default))
-    if not folder.is_dir():
-        pytest.skip(f"no MBSim data at {folder}; set HEAVYLIFT_MBSIM_DATA")
-    return folder
+    return _data_beside("mbsim", "HEAVYLIFT_MBSIM_DATA")
+
+
+@pytest.fixture(scope="session")
+def hydro_data() -> Path:
+    """Folder with public output of WAMIT (`ellipsoid`, `oswec`) and of Capytaine; skips where it is missing."""
+    return _data_beside("hydro", "HEAVYLIFT_HYDRO_DATA")

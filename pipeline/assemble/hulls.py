@@ -15,7 +15,7 @@ from heavylift.pipeline.assemble.sides import Side
 from heavylift.pipeline.assemble.surfaces import stored_surface
 from heavylift.pipeline.assemble.water import water_of
 from heavylift.pipeline.case.places import located
-from heavylift.pipeline.results.provenance import database_digest
+from heavylift.pipeline.results.provenance import database_digest, memory_digest
 from heavylift.pipeline.results.storage import read_json
 from heavylift.preprocess.hydrodynamics.bem import BemInputs
 from heavylift.preprocess.hydrodynamics.hull_panels import (
@@ -24,6 +24,7 @@ from heavylift.preprocess.hydrodynamics.hull_panels import (
     hydrostatics,
     surface_panels,
 )
+from heavylift.preprocess.hydrodynamics.repairs import repaired
 from heavylift.preprocess.surfaces.refinement import refined_triangles
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.scene import sea as seas
@@ -262,7 +263,7 @@ def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> Be
     headings = compute.headings or _headings(compute)
     return BemInputs(
         hulls=tuple(hulls),
-        omega=np.array(compute.frequencies.values),
+        omega=np.array(section.frequencies),
         headings=np.array(headings),
         reference_points=np.array(references),
         density=water.density,
@@ -370,6 +371,7 @@ def _check_symmetry(hull: HullPanels) -> None:
 
 def assemble_radiation(case: Case, folder: OutputFolder) -> tuple[Radiation, ...]:
     """Databases of a case."""
+    from heavylift.preprocess.hydrodynamics.memory_fit import read_memory
     from heavylift.solver.scene.sea import Radiation
 
     found = []
@@ -390,6 +392,9 @@ def assemble_radiation(case: Case, folder: OutputFolder) -> tuple[Radiation, ...
                 memory_length=section.memory_length,
                 fit_error=section.fit_error,
                 drift=section.drift,
+                fit=read_memory(folder.memory(name), memory_digest(case, section))
+                if section.memory == "exponentials"
+                else None,
             )
         )
     return tuple(found)
@@ -413,7 +418,8 @@ def stored_database(case: Case, name: str, folder: OutputFolder) -> Hydrodynamic
     section, file = case.databases[name], folder.database(name)
     item = database_manifest(folder).get(name, {})
     if file.is_file() and item.get("digest") == database_digest(case, section):
-        return replace(read_netcdf(file), source=str(item["properties"]["source"]))
+        stored = replace(read_netcdf(file, checked=False), source=str(item["properties"]["source"]))
+        return repaired(stored, section.repair) if section.file is None else stored
     if section.file is not None:
         return read_database_source(case, section)
     raise InputError(
@@ -442,11 +448,18 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
     if section.file_format == "netcdf":
         from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 
-        return read_netcdf(path, time_convention=section.time_convention or "", reference_points=points)
+        return read_netcdf(
+            path,
+            time_convention=section.time_convention,
+            reference_points=points,
+            repair=section.repair,
+        )
     if section.file_format == "bemio":
         from heavylift.preprocess.hydrodynamics.bemio_files import read_bemio
 
-        return read_bemio(path, reference_points=points, symmetric=bool(section.symmetric))
+        return read_bemio(
+            path, reference_points=points, symmetric=bool(section.symmetric), repair=section.repair
+        )
     water = water_of(case)
     if section.file_format == "wamit-out":
         from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit_out
@@ -457,6 +470,7 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
             bodies=section.hulls,
             symmetric=bool(section.symmetric),
             forces=section.forces or "diffraction",
+            repair=section.repair,
         )
     from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit
 
@@ -470,4 +484,5 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
         bodies=section.hulls,
         first_column=section.first_column or "period",
         symmetric=bool(section.symmetric),
+        repair=section.repair,
     )

@@ -6,6 +6,7 @@ numbers of a hull and of its tanks are described where the solver takes them.
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import PurePath
@@ -28,7 +29,9 @@ from heavylift.pipeline.case.fields import (
     reject,
 )
 from heavylift.pipeline.case.waves import Heading
-from heavylift.solver.scene.sea import Hull, LinearRestoring
+from heavylift.preprocess.hydrodynamics.repairs import FEWEST, LARGEST_TOLERANCE, TOLERANCE, Repair
+from heavylift.preprocess.hydrodynamics.words import ExcitingForces, FileFormat, FirstColumn, TimeConvention
+from heavylift.solver.scene.sea import Hull, LinearRestoring, Memory
 
 __all__ = [
     "DATABASE_FORMATS",
@@ -128,29 +131,12 @@ class FrequenciesSection(Section):
     """[rad/s]."""
     count: Annotated[int, Field(ge=3, le=1000, strict=True)]
     """How many."""
-    leave_out: tuple[Annotated[float, Positive("angular velocity")], ...] = ()
-    """The nearest of these steps are left out [rad/s], in between is interpolated: where a gap between hulls resonates
-    and panels give no reciprocal matrix."""
 
     @model_validator(mode="after")
     def _increases(self) -> Self:
         if self.last <= self.first:
             reject(f"{self.first:g} to {self.last:g} rad/s", "the lower frequency first")
-        half = 0.5 * (self.last - self.first) / (self.count - 1)
-        for omega in self.leave_out:
-            if not self.first - half <= omega <= self.last + half:
-                reject(f"{omega:g} rad/s", f"{self.first:g} to {self.last:g} rad/s", key="leave_out")
-        if len(self.values) < 3:
-            reject(f"{len(self.values)} frequencies are left", "3 or more", key="leave_out")
         return self
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """Frequencies [rad/s], increasing."""
-        step = (self.last - self.first) / (self.count - 1)
-        out = {round((omega - self.first) / step) for omega in self.leave_out}
-        steps = linspace(self.first, self.last, self.count).tolist()
-        return tuple(omega for i, omega in enumerate(steps) if i not in out)
 
 
 class ComputeSection(Section):
@@ -191,23 +177,38 @@ class DatabaseSection(Section):
     """In place of `file`: computed in the mesh stage, which needs the extra ``heavylift[hydro]``."""
     hulls: Annotated[tuple[KnownHull, ...], Field(min_length=1)]
     """Names of hulls, in the order of the database."""
-    memory: Literal["exponentials", "direct", "none"] = "exponentials"
+    frequency_range: (
+        tuple[Annotated[float, Positive("angular velocity")], Annotated[float, Positive("angular velocity")]]
+        | None
+    ) = None
+    """Lowest and highest frequency that are used [rad/s]; all if absent."""
+    leave_out: tuple[Annotated[float, Positive("angular velocity")], ...] = ()
+    """The nearest frequencies are left out [rad/s], in between is interpolated: irregular ones, or where a gap between
+    hulls resonates and panels give no reciprocal matrix."""
+    symmetrise: Annotated[bool, Field(strict=True)] = True
+    """Take symmetric parts where added mass or damping are further from symmetric than 5 % of the largest, and the
+    nearest passive damping where it drives by more than 2 %; ``false``: refuse both."""
+    tolerance: Annotated[float, Quantity("number", minimum=0.0, maximum=LARGEST_TOLERANCE)] = TOLERANCE
+    """Of the largest: up to this matrices are repaired, and a limit of the added mass that is not that of the damping;
+    beyond it they are refused."""
+    memory: Memory = "exponentials"
     """Of radiated waves. ``exponentials``: recursive and fast; ``direct``: convolution, for fixed steps; ``none``."""
     memory_length: Annotated[float, Positive("time")] | None = None
     """How far it goes back [s]; until the kernel has decayed if absent."""
     fit_error: Annotated[float, Quantity("number", minimum=0.0, maximum=0.5)] = 1e-3
-    """Of the kernel relative to its largest value, that the exponentials may have."""
+    """Of the kernel relative to its largest value in each coordinate, that the exponentials may have; coordinates that
+    hardly radiate count as if they had a thousandth of the critical damping."""
     drift: Annotated[bool, Field(strict=True)] = False
     """Whether mean drift forces of the database act, slowly varying by Newman's approximation."""
-    format: Literal["netcdf", "bemio", "wamit", "wamit-out"] | None = None
+    format: FileFormat | None = None
     """Of the file; by its ending if absent."""
     length_scale: Annotated[float, Positive("length")] | None = None
     """ULEN of a WAMIT file [m]; 1 m if absent."""
-    first_column: Literal["period", "frequency"] | None = None
-    """Of a WAMIT file; periods if absent."""
-    forces: Literal["diffraction", "haskind"] | None = None
+    first_column: FirstColumn | None = None
+    """Of WAMIT's numeric files; periods if absent."""
+    forces: ExcitingForces | None = None
     """Which of the two sets of exciting forces of a WAMIT listing."""
-    time_convention: Literal["exp(-i omega t)", "exp(+i omega t)"] | None = None
+    time_convention: TimeConvention | None = None
     """Of a netCDF file that does not state it."""
     symmetric: Annotated[bool, Field(strict=True)] | None = None
     """Headings of half a turn stand for their mirror images too, in a file that does not state it."""
@@ -219,6 +220,25 @@ class DatabaseSection(Section):
         """Format of its file."""
         return self.format or DATABASE_FORMATS.get(PurePath(self.file or "").suffix.lower(), "")
 
+    @property
+    def frequencies(self) -> tuple[float, ...]:
+        """Frequencies that are computed [rad/s], increasing."""
+        assert self.compute is not None
+        steps = self.compute.frequencies
+        low, high = self.frequency_range or (steps.first, steps.last)
+        step = (steps.last - steps.first) / (steps.count - 1)
+        out = {round((omega - steps.first) / step) for omega in self.leave_out}
+        every = enumerate(linspace(steps.first, steps.last, steps.count).tolist())
+        return tuple(w for i, w in every if i not in out and low - 1e-9 * step <= w <= high + 1e-9 * step)
+
+    @property
+    def repair(self) -> Repair:
+        """What may be repaired; of a computed one no frequencies are left out, which are not computed."""
+        asked = Repair(symmetrise=self.symmetrise, tolerance=self.tolerance)
+        if self.compute is not None:
+            return asked
+        return replace(asked, frequency_range=self.frequency_range, leave_out=self.leave_out)
+
     @model_validator(mode="after")
     def _has_one_source(self) -> Self:
         if (self.file is None) == (self.compute is None):
@@ -229,6 +249,13 @@ class DatabaseSection(Section):
             reject(f"{self.file!r} has an unknown ending", f"one of {endings}; or 'format'", key="file")
         if self.format is not None and self.file is None:
             reject("'format' with 'compute'", "'file', or no 'format'", key="format")
+        if self.frequency_range is not None and self.frequency_range[1] <= self.frequency_range[0]:
+            low, high = self.frequency_range
+            reject(f"{low:g} to {high:g} rad/s", "the lower frequency first", key="frequency_range")
+        if "tolerance" in self.model_fields_set and not self.symmetrise:
+            reject("'tolerance' with symmetrise = false", "one of them: nothing is repaired", key="tolerance")
+        if self.compute is not None:
+            self._check_computed()
         for key, formats in _READER_KEYS.items():
             if getattr(self, key) is not None and self.file_format not in formats:
                 what = f"format {self.file_format!r}" if self.file is not None else "'compute'"
@@ -242,6 +269,18 @@ class DatabaseSection(Section):
                 key="reference_points",
             )
         return self
+
+    def _check_computed(self) -> None:
+        """Frequencies are left, and those that are left out are there."""
+        assert self.compute is not None
+        first, last = self.compute.frequencies.first, self.compute.frequencies.last
+        half = 0.5 * (last - first) / (self.compute.frequencies.count - 1)
+        for omega in self.leave_out:
+            if not first - half <= omega <= last + half:
+                reject(f"{omega:g} rad/s", f"{first:g} to {last:g} rad/s", key="leave_out")
+        if len(self.frequencies) < FEWEST:
+            key = "leave_out" if self.leave_out else "frequency_range"
+            reject(f"{len(self.frequencies)} frequencies are left", f"{FEWEST} or more", key=key)
 
 
 DatabaseName = Name

@@ -32,7 +32,7 @@ from heavylift.pipeline.case.fields import (
     type_tag,
 )
 from heavylift.pipeline.case.geometry import BoxGroup
-from heavylift.solver.scene.meshes import FrameBody, ShellBody
+from heavylift.solver.scene.meshes import Elasticity, FrameBody, FrameModel, ShellBody
 
 __all__ = [
     "CORNERS",
@@ -606,7 +606,7 @@ class MeshBodySection(Section):
 
     damping: MeshDampingSection = Field(default_factory=MeshDampingSection)
     """Damping; none if absent."""
-    elasticity: Literal["auto", "carried", "energy-momentum", "explicit"] = "auto"
+    elasticity: Elasticity = "auto"
     """How stress enters the step: ``carried`` carries strains, one linear solve a step; ``energy-momentum`` iterates;
     ``auto`` is the first until carried strains drift too far; ``explicit`` has a largest stable step."""
     drift_tolerance: Annotated[float, Positive("number")] = 1e-3
@@ -629,7 +629,7 @@ class FrameBodySection(MeshBodySection):
     """Further sections by name, for `regions`."""
     regions: tuple[FrameRegionSection, ...] = ()
     """Elements with other sections or pre-stress."""
-    model: Literal["green-lagrange", "exact"] = "green-lagrange"
+    model: FrameModel = "green-lagrange"
     """``green-lagrange``: axial strain of Green-Lagrange, for straight elements; ``exact``: stretch and material
     curvature, also for curved elements and large strains."""
     axial_force: Annotated[float, Quantity("force")] | None = None

@@ -11,6 +11,7 @@ from heavylift.pipeline.case.fields import (
     Quantity,
     Section,
 )
+from heavylift.solver.scene.meshes import ShellSide
 
 __all__ = ["AnimationSection", "ReportSection"]
 
@@ -41,7 +42,7 @@ class ReportSection(Section):
     stress_times: tuple[Time, ...] = ()
     """Times [s] whose stress is pictured; if empty that of largest elastic energy, of frames and shells the end of the
     run and the time of largest recorded stress."""
-    shell_side: Literal["largest", "top", "middle", "bottom"] = "largest"
+    shell_side: ShellSide = "largest"
     """Side of shells whose von Mises stress is pictured; the largest of the three by default."""
     animation: AnimationSection | None = None
     """Moving picture; none if absent."""

@@ -4,7 +4,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import field_validator, model_validator
 
@@ -14,6 +14,7 @@ from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.waves import Waves, check_wave, one_or_many
 from heavylift.pipeline.case.wind import Current, Wind
+from heavylift.solver.scene.sea import Excitation
 
 __all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea"]
 
@@ -39,7 +40,7 @@ class SeaSection(Section):
     """A train of waves, or several that go through each other."""
     ramp: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
     """Time in which waves, wind and current grow from nothing at the start [s]."""
-    excitation: Literal["summed", "series"] = "summed"
+    excitation: Excitation = "summed"
     """``summed``: every component of the waves at the low-passed place and heading of each hull; ``series``: at the
     place and heading of the start, tabulated once, which is faster."""
     wind: Annotated[tuple[Wind, ...], one_or_many()] = ()

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, ValidationInfo, field_validator, model_validator
 
 from heavylift.pipeline.case.fields import Positive, Quantity, Section, reject
+from heavylift.solver.scene.scene import Start
 
 __all__ = ["DEFAULT_TOLERANCES", "SimulateSection"]
 
@@ -45,7 +46,7 @@ class SimulateSection(Section):
     """Time between recorded states [s], a multiple of a fixed step; not needed without a duration."""
     duration: Annotated[float, Quantity("time", minimum=0.0, closed=True)]
     """Simulated time [s], a multiple of the output interval; with 0 only the start is computed and recorded."""
-    start: Literal["check", "project", "equilibrium", "relax"] = "check"
+    start: Start = "check"
     """``check``: a start that violates joints is refused; ``project``: bodies are moved to close the joints first;
     ``equilibrium``: and then to where they are in equilibrium, at rest; ``relax``: the same by damped motion, for
     scenes whose equilibrium is hard to find."""

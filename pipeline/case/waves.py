@@ -86,7 +86,8 @@ class RegularWaves(_WavesSection):
     period: _Time
     """[s]."""
     phase: Heading = 0.0
-    """[rad]; with 0 a crest is at the origin of the world at t = 0."""
+    """[rad] in `eta = height/2 cos(k (x cos(direction) + y sin(direction)) - omega t - phase)`: with 0 a crest is at
+    the origin of the world at t = 0, with a quarter of a turn it was there a quarter of a period before."""
 
 
 class IrregularWaves(_WavesSection):

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel
-    from heavylift.solver.bodies.ancf.stress import Side
+    from heavylift.solver.scene.meshes import ShellSide
 
 __all__ = ["SolidStresses", "frame_point_stress", "interpolated", "shell_point_stress"]
 
@@ -138,7 +138,7 @@ def shell_point_stress(
     found = shell_stresses(body, mesh_coordinates(shape, results, slice(None)), [x], [y])
     side, _, part = component.rpartition(".")
     if part == "von_mises":
-        mises: NDArray[np.float64] = found.von_mises(cast("Side", side or "largest"))[:, 0, 0, 0]
+        mises: NDArray[np.float64] = found.von_mises(cast("ShellSide", side or "largest"))[:, 0, 0, 0]
         return mises
     stress = found.membrane + {"top": 1.0, "middle": 0.0, "bottom": -1.0}[side] * found.bending
     values: NDArray[np.float64] = stress[:, 0, 0, 0, ("xx", "yy", "xy").index(part)]

@@ -59,7 +59,10 @@ def database_entry(database: HydrodynamicDatabase) -> dict[str, Any]:
         "source": database.source,
         "bodies": list(database.bodies),
         "omega": [float(database.omega[0]), float(database.omega[-1]), len(database.omega)],
-        "headings": [float(database.headings[0]), float(database.headings[-1]), len(database.headings)],
+        "headings": [*(float(angle) for angle in database.headings[[0, -1]]), len(database.headings)]
+        if database.has_excitation
+        else [],
+        "repairs": list(database.repairs),
         "symmetric": database.symmetric,
         "drift": database.drift is not None,
         "density": database.density,
@@ -73,14 +76,20 @@ def database_entry(database: HydrodynamicDatabase) -> dict[str, Any]:
 def _words(entry: dict[str, Any]) -> list[str]:
     """For a person."""
     low, high, count = entry["omega"]
-    first, last, headings = entry["headings"]
+    waves = "no headings"
+    if entry["headings"]:
+        first, last, headings = entry["headings"]
+        mirrored = ", mirrored about y = 0" if entry["symmetric"] else ""
+        waves = (
+            f"{headings} headings from {math.degrees(first):.4g} to {math.degrees(last):.4g} deg{mirrored}"
+        )
     depth = "deep water" if entry["depth"] is None else f"depth {entry['depth']:g} m"
-    mirrored = ", mirrored about y = 0" if entry["symmetric"] else ""
     drift = ", with mean drift" if entry["drift"] else ""
     lines = [
         f"  {entry['name']} of {', '.join(entry['hulls'])}: {entry['source']}",
         f"    {count} frequencies from {low:.4g} to {high:.4g} rad/s (periods down to {2 * math.pi / high:.3g} s)",
-        f"    {headings} headings from {math.degrees(first):.4g} to {math.degrees(last):.4g} deg{mirrored}",
+        f"    {waves}",
+        *(f"    repaired: {sentence}" for sentence in entry["repairs"]),
         f"    {entry['density']:g} kg/m3, {entry['gravity']:g} m/s2, {depth}{drift}",
         f"    {'added mass at infinite frequency':<32s}" + "".join(f"{name:>12s}" for name in COORDINATES),
     ]

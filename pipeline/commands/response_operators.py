@@ -84,6 +84,13 @@ def rao_command(
         linear = linearise(found.scene)
         hulls = linear_group(found.scene, linear)
     log.say(f"rao: {linear.text}")
+    if not hulls.database.has_excitation:
+        raise InputError(
+            "no exciting forces, radiation alone",
+            source=hulls.database.source,
+            key="excitation",
+            expected="a database with exciting forces",
+        )
     if found.scene.touches:
         log.say("rao: contacts and collisions are left out")
     low, high = float(hulls.database.omega[0]), float(hulls.database.omega[-1])

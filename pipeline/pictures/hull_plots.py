@@ -41,12 +41,13 @@ _FORCE_UNITS = ("N/m", "N")
 
 
 def database_plots(database: HydrodynamicDatabase) -> dict[str, bytes]:
-    """All plots by name: ``<hull>_added_mass``, ``<hull>_damping``, ``<hull>_excitation``."""
+    """All plots by name: ``<hull>_added_mass``, ``<hull>_damping``, and ``<hull>_excitation`` if there is one."""
     plots = {}
     for body in database.bodies:
         plots[f"{body}_added_mass"] = added_mass_plot(database, body)
         plots[f"{body}_damping"] = damping_plot(database, body)
-        plots[f"{body}_excitation"] = excitation_plot(database, body)
+        if database.has_excitation:
+            plots[f"{body}_excitation"] = excitation_plot(database, body)
     return plots
 
 

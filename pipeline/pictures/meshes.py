@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from heavylift.solver.bodies.ancf.stress import (
     shell_coordinates,
     shell_stresses,
 )
-from heavylift.solver.scene.meshes import FrameBody, ShellBody
+from heavylift.solver.scene.meshes import FrameBody, ShellBody, ShellSide
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,8 +50,6 @@ _POINTS = 120_000  # of one body at most, if its elements are many
 _AROUND = 16  # corners of the cross-section of a tube
 # parts of an element along a side: so that every place is one of those where the largest stress is looked for
 _PARTS = {"frame": (2, 3, 4, 6, 12), "shell": (2, 3, 6)}
-
-Side = Literal["largest", "top", "middle", "bottom"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +135,7 @@ class MeshSkin:
         body: FrameBody | ShellBody,
         *,
         lengths: NDArray[np.float64] | None = None,
-        side: Side = "largest",
+        side: ShellSide = "largest",
         widening: float = 1.0,
     ) -> None:
         self.body = body

@@ -174,6 +174,7 @@ def _databases(case: Case, stages: OutputFolder) -> list[Table | Text]:
 
     items, rows = database_manifest(stages), []
     refused: list[Text] = []
+    repaired: list[Text] = []
     for name, section in case.databases.items():
         about = items.get(name, {}).get("properties")
         told = read_json(stages.refused_database(name).with_suffix(".json")) or {}
@@ -185,25 +186,31 @@ def _databases(case: Case, stages: OutputFolder) -> list[Table | Text]:
         if not about:
             rows.append((name, ", ".join(section.hulls), section.file or "computed", *[_NONE] * 4))
             continue
+        repairs = about.get("repairs", [])
+        repaired += [Text(f"{name} was repaired: {sentence}.", warning=True) for sentence in repairs]
         low, high = about["frequency_range"]
-        first, last = (math.degrees(angle) for angle in about["heading_range"])
+        headings = "radiation alone"
+        if about["headings"]:
+            first, last = (math.degrees(angle) for angle in about["heading_range"])
+            headings = (
+                f"{about['headings']}: {first:.4g} to {last:.4g}{', mirrored' if about['symmetric'] else ''}"
+            )
         fit, memory = about.get("memory"), str(section.memory)
         if fit:
             memory = f"{fit['poles']} poles over {fit['length']:.3g} s, error {fit['error']:.1e}"
-        mirrored = ", mirrored" if about["symmetric"] else ""
         rows.append(
             (
                 name,
                 ", ".join(section.hulls),
                 about["source"],
                 f"{about['frequencies']}: {low:.4g} to {high:.4g}",
-                f"{about['headings']}: {first:.4g} to {last:.4g}{mirrored}",
+                headings,
                 "deep" if about["depth"] is None else f"{about['depth']:g}",
                 memory,
             )
         )
     header = ("database", "hulls", "source", "frequencies [rad/s]", "headings [deg]", "depth [m]", "memory")
-    return [short_table(header, rows), *refused] if rows else []
+    return [short_table(header, rows), *repaired, *refused] if rows else []
 
 
 def _tanks(case: Case) -> list[Table]:

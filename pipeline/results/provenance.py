@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "database_digest",
+    "memory_digest",
     "mesh_digest",
     "modes_digest",
     "report_digest",
@@ -86,6 +87,9 @@ of contours, if they depend on them."""
 
 OWN_DIGESTS = {"bodies", "surfaces", "databases"}
 """Tables of a scene with digests of their own."""
+
+MEMORY_KEYS = {"memory", "memory_length", "fit_error", "drift"}
+"""Keys of a database that say how the time domain takes it."""
 
 STAGE_PACKAGES = {
     "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
@@ -200,9 +204,8 @@ def simulate_digest(case: Case) -> str:
             for surface in case.surfaces
         }
     if case.databases:
-        memory = {"memory", "memory_length", "fit_error", "drift"}
         scene["databases"] = {
-            name: [section.model_dump(mode="json", include=memory), database_digest(case, section)]
+            name: [section.model_dump(mode="json", include=MEMORY_KEYS), database_digest(case, section)]
             for name, section in case.databases.items()
         }
     return _digest("simulate", {"bodies": bodies, **scene})
@@ -231,8 +234,7 @@ def _file_keys(section: type[Section]) -> frozenset[str]:
 
 def database_digest(case: Case, section: DatabaseSection) -> str:
     """Digest of all that a hydrodynamic database depends on."""
-    memory = {"memory", "memory_length", "fit_error", "drift"}
-    inputs: dict[str, Any] = section.model_dump(mode="json", exclude={*memory, "compute"})
+    inputs: dict[str, Any] = section.model_dump(mode="json", exclude={*MEMORY_KEYS, "compute"})
     sea = (
         case.sea.model_dump(mode="json", include={"density", "gravity", "level", "depth"}) if case.sea else {}
     )
@@ -256,6 +258,12 @@ def database_digest(case: Case, section: DatabaseSection) -> str:
         for name in section.hulls
     }
     return _digest("hydrodynamics", inputs)
+
+
+def memory_digest(case: Case, section: DatabaseSection) -> str:
+    """Digest of all that the exponentials of the memory of a database depend on."""
+    fit = section.model_dump(mode="json", include=MEMORY_KEYS - {"drift"})
+    return _digest("hydrodynamics", {"database": database_digest(case, section), "fit": fit})
 
 
 def _joined(case: Case, name: str) -> dict[str, Any]:

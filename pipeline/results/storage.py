@@ -75,6 +75,10 @@ class OutputFolder:
         """Hydrodynamic database."""
         return self.root / "mesh" / f"{name}.nc"
 
+    def memory(self, name: str) -> Path:
+        """Exponentials of the memory of a hydrodynamic database."""
+        return self.root / "mesh" / f"{name}.memory.npz"
+
     def refused_database(self, name: str) -> Path:
         """What was computed for a hydrodynamic database and cannot be one; beside it, as JSON, why."""
         return self.root / "mesh" / f"{name}.refused.nc"

@@ -11,15 +11,12 @@ import numpy as np
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.assemble.hulls import database_manifest, read_database_source, stored_database
 from heavylift.pipeline.case.places import located
-from heavylift.pipeline.results.provenance import database_digest, source_digest, versions
+from heavylift.pipeline.results.provenance import database_digest, memory_digest, source_digest, versions
 from heavylift.pipeline.results.storage import read_json, replacing, write_json
-from heavylift.preprocess.hydrodynamics.database import (
-    UNSYMMETRIC,
-    check_database,
-    check_phase,
-    database_faults,
-)
+from heavylift.preprocess.hydrodynamics.database import database_faults
+from heavylift.preprocess.hydrodynamics.memory_fit import fit_memory, write_memory
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest
+from heavylift.preprocess.hydrodynamics.repairs import remedies, repaired
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,11 +53,13 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
         item = items.get(name, {})
         if "mesh" not in work.force and item.get("digest") == digest:
             if file.is_file() and file.stat().st_size == item["size"]:
-                if item.get("memory_of") == _memory_of(section):
+                if item.get("memory_of") == memory_digest(case, section) and (
+                    section.memory != "exponentials" or folder.memory(name).is_file()
+                ):
                     log.say(f"mesh: {name}: unchanged, skipped")
                     continue
-                about = _properties(stored_database(case, name, folder), section)
-                items[name] = {**item, "memory_of": _memory_of(section), "properties": about}
+                about = _properties(work, name, stored_database(case, name, folder))
+                items[name] = {**item, "memory_of": memory_digest(case, section), "properties": about}
                 log.say(f"mesh: {name}: unchanged, with another memory: {_words(about)}")
                 _write_manifest(manifest_file, case, items)
                 continue
@@ -70,23 +69,20 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
         begin = time.process_time()
         with located(case, f"databases.{name}"):
             database = _made(work, name, section)
-            properties = _properties(database, section)
+            properties = _properties(work, name, database)
         items[name] = {
             "digest": digest,
             "file": file.name,
             "size": file.stat().st_size,
             "cpu_s": time.process_time() - begin,
-            "memory_of": _memory_of(section),
+            "memory_of": memory_digest(case, section),
             "properties": properties,
         }
         log.say(f"mesh: {name}: {_words(properties)}; {items[name]['cpu_s']:.2f} s CPU")
+        for sentence in database.repairs:
+            log.say(f"mesh: {name}: REPAIRED: {sentence}")
         _write_manifest(manifest_file, case, items)
     return skipped, sum(item["cpu_s"] for item in items.values()), items
-
-
-def _memory_of(section: DatabaseSection) -> list[Any]:
-    """What the fit of the memory depends on besides the database."""
-    return [section.memory, section.memory_length, section.fit_error]
 
 
 def _write_manifest(file: Path, case: Case, items: dict[str, Any]) -> None:
@@ -105,10 +101,13 @@ def _write_manifest(file: Path, case: Case, items: dict[str, Any]) -> None:
 
 
 def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDatabase:
-    """Database from its file, or computed; written to the output folder, also if it is refused."""
+    """Database from its file, or computed, after repairs.
+
+    One from a file is stored with its repairs; what was computed as it was computed, also if it is refused.
+    """
     if section.compute is None:
         read = read_database_source(work.case, section)
-        _write(work.folder.database(name), read, "")
+        _write(work.folder.database(name), read, "", checked=True)
         return read
     from heavylift.pipeline.assemble.hulls import bem_inputs
     from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database
@@ -133,23 +132,25 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
                     progress=progress,
                     warn=lambda text: work.log.say(f"mesh: {name}: WARNING: {text}"),
                     keep=found.append,
+                    repair=section.repair,
                 )
             except InputError as error:
                 if found:
-                    _write(refused, found[0], digest, checked=False)
+                    _write(refused, found[0], digest)
                     raise _told(work, name, section, found[0], error) from None
                 key = _KEYS.get(error.key)
                 if key is None:
                     raise
                 raise InputError(error.problem, key=f"compute.{key}", expected=error.expected) from None
+        raw = found[0] if found else database
     else:
         work.log.say(f"mesh: {name}: the same panels, frequencies and headings: not computed again")
+        raw = database
         try:
-            check_database(database)
-            check_phase(database)
+            database = repaired(database, section.repair)
         except InputError as error:
-            raise _told(work, name, section, database, error) from None
-    _write(work.folder.database(name), database, digest)
+            raise _told(work, name, section, raw, error) from None
+    _write(work.folder.database(name), raw, digest)
     if not refused.is_file() or read_digest(refused) == digest:
         for file in (refused, refused.with_suffix(".json")):
             file.unlink(missing_ok=True)
@@ -187,7 +188,7 @@ def _told(
     error: InputError,
 ) -> InputError:
     """What is wrong with what was computed, with every frequency, and what to set; as JSON beside it and in the log."""
-    faults = database_faults(database)
+    faults = database_faults(database, section.repair.limits)
     kept = work.folder.refused_database(name)
     sentences = [fault.words(database) for fault in faults] or [f"{error.key}: {error.problem}"]
     remedy = _remedy(section, database, faults)
@@ -231,36 +232,28 @@ def _remedy(section: DatabaseSection, database: HydrodynamicDatabase, faults: Se
     assert compute is not None
     if not faults:
         return ""
-    bad = sorted({fault.omega for fault in faults if np.isfinite(fault.omega)})
-    words = [] if compute.lid else ["'lid = true', which takes irregular frequencies away"]
-    words.append(f"a 'panel_size' below {compute.panel_size:g} m")
-    good = [omega for omega in database.omega.tolist() if not bad or omega < bad[0]]
-    if bad and bad == database.omega[-len(bad) :].tolist() and good:
-        words.append(f"'frequencies.last' up to {good[-1]:.4g} rad/s")
-    elif bad and len(bad) <= len(database.omega) // _FEW:
-        resonates = (
-            ", if it is the water between the hulls that resonates there" if len(section.hulls) > 1 else ""
-        )
-        rounded = ", ".join(f"{omega:.4g}" for omega in bad)
-        words.append(f"'frequencies.leave_out = [{rounded}]'{resonates}; nothing is computed again then")
-    return f"a symmetric matrix within {UNSYMMETRIC:.0%} and damping that takes energy away: " + "; or ".join(
-        words
+    words = [] if compute.lid else ["'compute.lid = true', which takes irregular frequencies away"]
+    words.append(f"a 'compute.panel_size' below {compute.panel_size:g} m")
+    words += [
+        f"{word}; nothing is computed again then" for word in remedies(database, faults, section.repair)
+    ]
+    limits = section.repair.limits
+    return (
+        f"a symmetric matrix within {limits.unsymmetric:.0%} and no damping below -{limits.negative:.0%} of the "
+        f"largest: {'; or '.join(words)}"
     )
 
 
-_FEW = 4
-"""At most one in so many frequencies is proposed to be left out."""
-
-
-def _write(file: Path, database: HydrodynamicDatabase, digest: str, *, checked: bool = True) -> None:
+def _write(file: Path, database: HydrodynamicDatabase, digest: str, *, checked: bool = False) -> None:
     from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
     with replacing(file) as temporary:
         write_netcdf(temporary, database, digest=digest, checked=checked)
 
 
-def _properties(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:
-    """What manifest and report say of a database, as plain values."""
+def _properties(work: Work, name: str, database: HydrodynamicDatabase) -> dict[str, Any]:
+    """What manifest and report say of a database, as plain values; its memory is fitted and stored."""
+    section = work.case.databases[name]
     found: dict[str, Any] = {
         "source": database.source,
         "bodies": list(database.bodies),
@@ -268,7 +261,9 @@ def _properties(database: HydrodynamicDatabase, section: DatabaseSection) -> dic
         "frequencies": len(database.omega),
         "frequency_range": [float(database.omega[0]), float(database.omega[-1])],
         "headings": len(database.headings),
-        "heading_range": [float(database.headings[0]), float(database.headings[-1])],
+        "heading_range": [float(angle) for angle in database.headings[[0, -1]]]
+        if len(database.headings)
+        else [],
         "symmetric": bool(database.symmetric),
         "density": database.density,
         "gravity": database.gravity,
@@ -276,23 +271,14 @@ def _properties(database: HydrodynamicDatabase, section: DatabaseSection) -> dic
         "reference_points": database.reference_points.tolist(),
         "volumes": None if database.volumes is None else [float(v) for v in database.volumes],
         "drift": database.drift is not None,
+        "repairs": list(database.repairs),
     }
     if section.memory == "exponentials":
-        found["memory"] = _fit(database, section)
+        fit = fit_memory(database, section.memory_length, tolerance=section.fit_error)
+        with replacing(work.folder.memory(name)) as temporary:
+            write_memory(temporary, fit, memory_digest(work.case, section))
+        found["memory"] = {"length": fit.length, "poles": fit.pole_count, "error": float(fit.error)}
     return found
-
-
-def _fit(database: HydrodynamicDatabase, section: DatabaseSection) -> dict[str, Any]:
-    """How well exponentials fit the memory, as the simulation will find it."""
-    from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
-    from heavylift.preprocess.hydrodynamics.retardation import memory_length, retardation_kernel
-    from heavylift.solver.water.hulls.packing import FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY
-
-    kernel = retardation_kernel(database.omega, database.damping, source=database.source)
-    length = section.memory_length or max(memory_length(kernel), SHORTEST_MEMORY)
-    times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)
-    fit = fit_exponentials(kernel(times), FIT_STEP, tolerance=section.fit_error, source=database.source)
-    return {"length": float(times[-1]), "poles": fit.pole_count, "error": float(fit.error)}
 
 
 def _words(properties: dict[str, Any]) -> str:
@@ -300,7 +286,7 @@ def _words(properties: dict[str, Any]) -> str:
     low, high = properties["frequency_range"]
     words = [
         f"{properties['frequencies']} frequencies from {low:.4g} to {high:.4g} rad/s",
-        f"{properties['headings']} headings",
+        f"{properties['headings']} headings" if properties["headings"] else "no exciting forces",
         properties["source"],
     ]
     memory = properties.get("memory")

@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import os
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -24,11 +24,11 @@ from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import (
     COORDINATES,
     HydrodynamicDatabase,
-    check_database,
-    check_phase,
+    at_frequencies,
     wave_numbers,
 )
 from heavylift.preprocess.hydrodynamics.hull_panels import hydrostatics
+from heavylift.preprocess.hydrodynamics.repairs import repaired
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels
+    from heavylift.preprocess.hydrodynamics.repairs import Repair
 
 __all__ = [
     "BemInputs",
@@ -274,6 +275,7 @@ def compute_database(
     progress: Callable[[float, str], None] = lambda _done, _note: None,
     warn: Callable[[str], None] = lambda _text: None,
     keep: Callable[[HydrodynamicDatabase], None] = lambda _database: None,
+    repair: Repair | None = None,
 ) -> HydrodynamicDatabase:
     """Coefficients of all frequencies, of infinite frequency, and of all headings.
 
@@ -289,11 +291,13 @@ def compute_database(
         Called with each sentence of `input_warnings`.
     keep
         Called with what was computed, before it is checked.
+    repair
+        What of it may be repaired.
 
     Raises
     ------
     InputError
-        Capytaine is missing, inputs that `input_warnings` refuses, or a result that `check_database` refuses.
+        Capytaine is missing, inputs that `input_warnings` refuses, or a result that `repaired` refuses.
     """
     for sentence in input_warnings(inputs):
         warn(sentence)
@@ -340,9 +344,7 @@ def compute_database(
         hydrostatic_stiffness=np.array([each.stiffness for each in still]),
     )
     keep(database)
-    check_database(database)
-    check_phase(database)
-    return database
+    return repaired(database, repair)
 
 
 def part_of(database: HydrodynamicDatabase, omega: NDArray[np.float64]) -> HydrodynamicDatabase | None:
@@ -350,13 +352,7 @@ def part_of(database: HydrodynamicDatabase, omega: NDArray[np.float64]) -> Hydro
     at = np.searchsorted(database.omega, omega)
     if at.max() >= len(database.omega) or np.any(database.omega[at] != omega):
         return None
-    return replace(
-        database,
-        omega=database.omega[at],
-        added_mass=database.added_mass[at],
-        damping=database.damping[at],
-        excitation=database.excitation[at],
-    )
+    return at_frequencies(database, at)
 
 
 def _capytaine() -> Any:

@@ -22,16 +22,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, check_database, check_phase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.repairs import repaired
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.preprocess.hydrodynamics.repairs import Repair
 
 __all__ = ["read_bemio"]
 
 
 def read_bemio(
-    path: Path | str, *, reference_points: ArrayLike | None = None, symmetric: bool = False
+    path: Path | str,
+    *,
+    reference_points: ArrayLike | None = None,
+    symmetric: bool = False,
+    repair: Repair | None = None,
 ) -> HydrodynamicDatabase:
     """Read a BEMIO file.
 
@@ -44,12 +51,14 @@ def read_bemio(
         left out: it is about another point).
     symmetric
         Hulls are symmetric about y = 0 and headings cover 0..180 deg only.
+    repair
+        What may be repaired.
 
     Raises
     ------
     InputError
         Not such a file, a data set is missing or of another shape, bodies with elastic modes, bodies computed
-        without each other where the file has several, or what `check_database` and `check_phase` refuse.
+        without each other where the file has several, or what `repaired` refuses.
     """
     import h5py
 
@@ -71,25 +80,29 @@ def read_bemio(
         )
         if not groups:
             raise InputError("no group 'body1'", source=path, expected="a .h5 file of BEMIO")
+        if not any(f"{group}/hydro_coeffs/excitation" in file for group in groups):
+            headings = headings[:0]  # radiation alone
         count, nw, nh = len(groups), len(omega), len(headings)
         n = 6 * count
         mass, damping = np.zeros((nw, n, n)), np.zeros((nw, n, n))
-        infinite = np.zeros((n, n))
+        infinite = np.full((n, n), np.nan)
         excitation = np.zeros((nw, nh, n), dtype=np.complex128)
         names, centres, buoyancy, volumes, stiffness, drifts = [], [], [], [], [], []
         for b, group in enumerate(groups):
             rows = slice(6 * b, 6 * b + 6)
             body, coefficients = file[group], f"{group}/hydro_coeffs"
             mass[:, rows] = np.moveaxis(_shaped(file, f"{coefficients}/added_mass/all", (6, n, nw)), 2, 0)
-            infinite[rows] = _shaped(file, f"{coefficients}/added_mass/inf_freq", (6, n))
+            if f"{coefficients}/added_mass/inf_freq" in file:
+                infinite[rows] = _shaped(file, f"{coefficients}/added_mass/inf_freq", (6, n))
             damping[:, rows] = np.moveaxis(
                 _shaped(file, f"{coefficients}/radiation_damping/all", (6, n, nw)), 2, 0
             )
-            real = _shaped(file, f"{coefficients}/excitation/re", (6, nh, nw))
-            imaginary = _shaped(file, f"{coefficients}/excitation/im", (6, nh, nw))
-            # conjugate: exp(+i omega t) to exp(-i omega t)
-            excitation[:, :, rows] = np.transpose(real - 1j * imaginary, (2, 1, 0))
-            drifts.append(_mean_drift(file, coefficients, (6, nh, nw)))
+            if nh:
+                real = _shaped(file, f"{coefficients}/excitation/re", (6, nh, nw))
+                imaginary = _shaped(file, f"{coefficients}/excitation/im", (6, nh, nw))
+                # conjugate: exp(+i omega t) to exp(-i omega t)
+                excitation[:, :, rows] = np.transpose(real - 1j * imaginary, (2, 1, 0))
+                drifts.append(_mean_drift(file, coefficients, (6, nh, nw)))
             stiffness.append(_shaped(file, f"{coefficients}/linear_restoring_stiffness", (6, 6)))
             centres.append(np.ravel(_array(file, f"{group}/properties/cg")))
             buoyancy.append(np.ravel(_array(file, f"{group}/properties/cb")))
@@ -127,9 +140,7 @@ def read_bemio(
         centres_of_buoyancy=np.array(buoyancy),
         hydrostatic_stiffness=np.array(stiffness) if same else None,
     )
-    check_database(database)
-    check_phase(database)
-    return database
+    return repaired(database, repair)
 
 
 def _array(file: Any, name: str) -> NDArray[np.float64]:

@@ -19,18 +19,27 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 __all__ = [
     "COORDINATES",
     "MIRROR_SIGNS",
-    "UNSYMMETRIC",
+    "PANEL_ACCURACY",
     "Fault",
     "HydrodynamicDatabase",
+    "Limits",
+    "at_frequencies",
+    "check_axes",
     "check_database",
     "check_phase",
+    "check_shapes",
+    "coordinate_name",
     "database_faults",
+    "fault_error",
     "length_scales",
+    "mass_scales",
     "over_full_circle",
     "wave_numbers",
 ]
@@ -40,8 +49,25 @@ COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 # what becomes of a force when the wave is mirrored about the plane y = 0 of a hull that has this symmetry
 MIRROR_SIGNS = (1.0, -1.0, 1.0, -1.0, 1.0, -1.0)
 
-UNSYMMETRIC = 0.05  # of the largest entry; panel codes are symmetric to about 1 %
-NEGATIVE_DAMPING = 0.02  # of the largest eigenvalue
+
+class Limits(NamedTuple):
+    """How far matrices may be from what they must be.
+
+    Attributes
+    ----------
+    unsymmetric
+        Difference of two entries that should be the same, as a share of the largest of all.
+    negative
+        Eigenvalue of damping below zero, as a share of the largest one.
+    """
+
+    unsymmetric: float
+    negative: float
+
+
+PANEL_ACCURACY = Limits(0.05, 0.02)
+"""What no panel code needs: they are symmetric to about 1 %."""
+
 DENSITIES = (100.0, 3000.0)
 GRAVITIES = (5.0, 20.0)
 ADDED_MASS_OF_DISPLACED = (0.01, 1000.0)
@@ -66,10 +92,11 @@ class HydrodynamicDatabase:
         (nw, 6N, 6N): row = coordinate of the force, column = coordinate of the motion
         [kg, kg m, kg m^2] and [kg/s, ...].
     added_mass_infinite
-        (6N, 6N) limit for infinite frequency.
+        (6N, 6N) limit for infinite frequency; NaN where a file has none, until `repairs.repaired` finds it.
     excitation
         (nw, nh, 6N) complex: force [N] or moment about the reference point [N m] per metre of wave
-        amplitude; the phase is relative to a wave with its crest at the origin of the database at t = 0.
+        amplitude; the phase is relative to a wave with its crest at the origin of the database at t = 0. A database
+        of radiation alone has no headings, nh = 0: it serves motions in still water.
     reference_points
         (N, 3) [m] in the axes of the database.
     density, gravity, depth
@@ -87,6 +114,8 @@ class HydrodynamicDatabase:
         (N, 6, 6) about the reference points WITHOUT the terms of weight, or None: rho g times the integrals
         of the water plane, and rho g V (z_B - z_ref) in roll and pitch (the terms of weight,
         - m g (z_G - z_ref), come from the body itself).
+    repairs
+        Sentences about what was missing or wrong and has been repaired, see `repairs.repaired`.
     """
 
     bodies: tuple[str, ...]
@@ -106,6 +135,12 @@ class HydrodynamicDatabase:
     volumes: NDArray[np.float64] | None = None
     centres_of_buoyancy: NDArray[np.float64] | None = None
     hydrostatic_stiffness: NDArray[np.float64] | None = None
+    repairs: tuple[str, ...] = ()
+
+    @property
+    def has_excitation(self) -> bool:
+        """Whether it has exciting forces of waves, not radiation alone."""
+        return len(self.headings) > 0
 
     @property
     def body_count(self) -> int:
@@ -180,14 +215,31 @@ def over_full_circle(database: HydrodynamicDatabase) -> HydrodynamicDatabase:
     return replace(database, headings=headings, excitation=excitation, drift=drift, symmetric=False)
 
 
+def at_frequencies(
+    database: HydrodynamicDatabase, at: NDArray[np.bool_] | NDArray[np.intp]
+) -> HydrodynamicDatabase:
+    """The same database at some of its frequencies: a mask, or their places."""
+    return replace(
+        database,
+        omega=database.omega[at],
+        added_mass=database.added_mass[at],
+        damping=database.damping[at],
+        excitation=database.excitation[at],
+        drift=None if database.drift is None else database.drift[at],
+    )
+
+
 def length_scales(database: HydrodynamicDatabase) -> NDArray[np.float64]:
     """(6N,) factors that make rotations comparable with translations: 1 and 1 / (gyradius of added mass).
 
     Tolerances need one scale for kg, kg m and kg m^2; a length of the hull itself is the natural choice.
     """
     scales = np.ones(6 * database.body_count)
+    infinite = np.diag(database.added_mass_infinite)
+    if not np.isfinite(infinite).all():
+        infinite = np.nanmean(np.diagonal(database.added_mass, axis1=1, axis2=2), axis=0)
     for body in range(database.body_count):
-        diagonal = np.abs(np.diag(database.added_mass_infinite)[6 * body : 6 * body + 6])
+        diagonal = np.abs(infinite[6 * body : 6 * body + 6])
         translations, rotations = diagonal[:3].sum(), diagonal[3:].sum()
         if translations > 0.0 and rotations > 0.0:
             scales[6 * body + 3 : 6 * body + 6] = np.sqrt(translations / rotations)
@@ -205,29 +257,39 @@ def check_database(database: HydrodynamicDatabase) -> None:
         symmetric (5 % of the largest), a symmetry of the hulls that the matrices have not, damping that
         drives (an eigenvalue below -2 % of the largest).
     """
-    _check_shapes(database)
+    check_shapes(database)
     _check_finite(database)
-    _check_axes(database)
+    check_axes(database)
     _check_units(database)
-    scales = length_scales(database)
-    scaling = np.outer(scales, scales)
-    added_mass = database.added_mass * scaling
+    faults = database_faults(database)
+    if faults:
+        raise fault_error(database, faults)
+    scaling = np.outer(*[length_scales(database)] * 2)
     infinite = database.added_mass_infinite * scaling
-    damping = database.damping * scaling
-    _check_symmetry(database, added_mass, "added_mass")
-    _check_symmetry(database, infinite[None], "added_mass_infinite")
-    _check_symmetry(database, damping, "damping")
     if database.symmetric:
-        _check_mirror(database, np.concatenate([added_mass, infinite[None]]))
+        _check_mirror(database, np.concatenate([database.added_mass * scaling, infinite[None]]))
     lowest = np.linalg.eigvalsh(0.5 * (infinite + infinite.T))
-    if lowest[0] < -NEGATIVE_DAMPING * lowest[-1]:
+    if lowest[0] < -PANEL_ACCURACY.negative * lowest[-1]:
         raise InputError(
             f"the smallest eigenvalue is {lowest[0] / lowest[-1]:.2%} of the largest",
             source=database.source,
             key="added_mass_infinite",
             expected="a positive definite matrix",
         )
-    _check_damping(database, damping)
+
+
+def mass_scales(database: HydrodynamicDatabase) -> NDArray[np.float64]:
+    """(6N,) masses and moments of inertia of the size of the hulls and the water with them [kg, kg m^2].
+
+    That of the displaced water, if the database states its volume, and the largest added mass of the translations;
+    rotations have it times the square of the gyradius of the added mass. An added mass of a coordinate, or what its
+    damping does, is small if it is small against this.
+    """
+    diagonal = np.abs(np.diagonal(database.added_mass, axis1=1, axis2=2)).max(axis=0)
+    mass = diagonal.reshape(-1, 6)[:, :3].max(axis=1)
+    if database.volumes is not None:
+        mass = mass + database.density * np.maximum(database.volumes, 0.0)
+    return np.asarray(np.repeat(mass, 6) / length_scales(database) ** 2)
 
 
 class Fault(NamedTuple):
@@ -253,27 +315,47 @@ class Fault(NamedTuple):
     def words(self, database: HydrodynamicDatabase) -> str:
         """For a person."""
         at = f"{self.omega:.4g} rad/s" if np.isfinite(self.omega) else "infinite frequency"
-        names = [_coordinate(database, i) for i in self.entries]
+        names = [coordinate_name(database, i) for i in self.entries]
         if self.size < 0.0:
             return f"{at}: damping drives {names[0]}, {self.size:.1%} of the largest"
         return f"{at}: {self.key} of {names[0]} and {names[1]} differs by {self.size:.1%} of the largest"
 
 
-def database_faults(database: HydrodynamicDatabase) -> tuple[Fault, ...]:
-    """Frequencies whose matrices `check_database` refuses: not symmetric, or with damping that drives; increasing."""
+def database_faults(database: HydrodynamicDatabase, limits: Limits = PANEL_ACCURACY) -> tuple[Fault, ...]:
+    """Frequencies whose matrices are not symmetric or have damping that drives, beyond the limits; increasing."""
     scaling = np.outer(*[length_scales(database)] * 2)
-    found = _unsymmetric(database, database.added_mass_infinite[None] * scaling, "added_mass_infinite")
-    for key in ("added_mass", "damping"):
-        found += _unsymmetric(database, getattr(database, key) * scaling, key)
+    found: list[Fault] = []
+    for key in ("added_mass_infinite", "added_mass", "damping"):
+        values = getattr(database, key).reshape(-1, *scaling.shape) * scaling
+        found += _unsymmetric(database, values, key, limits.unsymmetric)
     scaled = database.damping * scaling
     values, vectors = np.linalg.eigh(0.5 * (scaled + np.swapaxes(scaled, 1, 2)))
     largest = float(values.max())
     for w, lowest in enumerate(values[:, 0]):
-        if lowest < -NEGATIVE_DAMPING * largest:
+        if lowest < -limits.negative * largest:
             i = int(np.argmax(np.abs(vectors[w, :, 0])))
             share = float(lowest) / largest if largest > 0.0 else -1.0
             found.append(Fault("damping", float(database.omega[w]), (i, i), share))
     return tuple(sorted(found, key=lambda fault: fault.omega))
+
+
+def fault_error(
+    database: HydrodynamicDatabase,
+    faults: Sequence[Fault],
+    limits: Limits = PANEL_ACCURACY,
+    remedy: str = "finer panels, or a lid against irregular frequencies",
+) -> InputError:
+    """The worst of several faults as an error, with what may be done."""
+    worst = max(faults, key=lambda fault: abs(fault.size))
+    more = f" (the worst of {len(faults)} frequencies)" if len(faults) > 1 else ""
+    wanted = (
+        f"no damping below -{limits.negative:.0%}"
+        if worst.size < 0.0
+        else f"a symmetric matrix within {limits.unsymmetric:.0%}"
+    )
+    return InputError(
+        worst.words(database) + more, source=database.source, key=worst.key, expected=f"{wanted}: {remedy}"
+    )
 
 
 def check_phase(database: HydrodynamicDatabase) -> None:
@@ -288,6 +370,8 @@ def check_phase(database: HydrodynamicDatabase) -> None:
     InputError
         The imaginary part is clearly positive.
     """
+    if not database.has_excitation:
+        return
     longest = float(database.wave_numbers()[0])
     gyradius = 1.0 / float(length_scales(database).min())
     if longest * gyradius * np.sqrt(12.0) > LONG_WAVE:
@@ -309,7 +393,7 @@ def check_phase(database: HydrodynamicDatabase) -> None:
         )
 
 
-def _check_shapes(database: HydrodynamicDatabase) -> None:
+def check_shapes(database: HydrodynamicDatabase) -> None:
     """Arrays fit each other."""
     count, nw, nh = database.body_count, len(database.omega), len(database.headings)
     n = 6 * count
@@ -326,9 +410,9 @@ def _check_shapes(database: HydrodynamicDatabase) -> None:
         "centres_of_buoyancy": (count, 3),
         "hydrostatic_stiffness": (count, 6, 6),
     }
-    if count == 0 or nw == 0 or nh == 0:
+    if count == 0 or nw == 0:
         raise InputError(
-            f"{count} hulls, {nw} frequencies, {nh} headings",
+            f"{count} hulls, {nw} frequencies",
             source=database.source,
             expected="at least one of each",
         )
@@ -367,7 +451,7 @@ def _check_finite(database: HydrodynamicDatabase) -> None:
             )
 
 
-def _check_axes(database: HydrodynamicDatabase) -> None:
+def check_axes(database: HydrodynamicDatabase) -> None:
     """Frequencies and headings are in order, and headings are angles in radians."""
     omega, headings = database.omega, database.headings
     if omega[0] <= 0.0 or np.any(np.diff(omega) <= 0.0):
@@ -384,6 +468,8 @@ def _check_axes(database: HydrodynamicDatabase) -> None:
             key="headings",
             expected="directions [rad] in increasing order, none twice",
         )
+    if not database.has_excitation:
+        return
     if headings[-1] - headings[0] > 2.0 * np.pi + 1e-6 or np.max(np.abs(headings)) > 2.0 * np.pi + 1e-6:
         raise InputError(
             f"{headings[0]:g} .. {headings[-1]:g}",
@@ -442,36 +528,21 @@ def _check_units(database: HydrodynamicDatabase) -> None:
             )
 
 
-def _check_symmetry(database: HydrodynamicDatabase, scaled: NDArray[np.float64], key: str) -> None:
-    """Reciprocity: the matrix is its transpose, to what panel codes can do."""
-    faults = _unsymmetric(database, scaled, key)
-    if faults:
-        worst = max(faults, key=lambda fault: fault.size)
-        i, j = worst.entries
-        where = f" at {worst.omega:.3g} rad/s" if np.isfinite(worst.omega) else ""
-        more = f" (the worst of {len(faults)} frequencies)" if len(faults) > 1 else ""
-        raise InputError(
-            f"entries ({i}, {j}) and ({j}, {i}), {_coordinate(database, i)} and {_coordinate(database, j)}, differ by "
-            f"{worst.size:.1%} of the largest{where}{more}",
-            source=database.source,
-            key=key,
-            expected=f"a symmetric matrix within {UNSYMMETRIC:.0%} (finer panels, or a lid)",
-        )
-
-
-def _unsymmetric(database: HydrodynamicDatabase, scaled: NDArray[np.float64], key: str) -> list[Fault]:
-    """The worst pair of entries of each matrix that is not its transpose."""
+def _unsymmetric(
+    database: HydrodynamicDatabase, scaled: NDArray[np.float64], key: str, limit: float
+) -> list[Fault]:
+    """The worst pair of entries of each matrix that is not its transpose (reciprocity)."""
     largest, found = float(np.max(np.abs(scaled))), []
-    omega = database.omega if len(scaled) == len(database.omega) else [np.inf]
+    omega = [np.inf] if key == "added_mass_infinite" else database.omega
     for w, matrix in enumerate(scaled):
         difference = np.abs(matrix - matrix.T)
         i, j = (int(v) for v in np.unravel_index(int(np.argmax(difference)), difference.shape))
-        if difference[i, j] > UNSYMMETRIC * largest:
+        if difference[i, j] > limit * largest:
             found.append(Fault(key, float(omega[w]), (i, j), float(difference[i, j] / largest)))
     return found
 
 
-def _coordinate(database: HydrodynamicDatabase, i: int) -> str:
+def coordinate_name(database: HydrodynamicDatabase, i: int) -> str:
     """Name of a coordinate, with that of the hull if there are several."""
     body = f"{database.bodies[i // 6]} " if database.body_count > 1 else ""
     return body + COORDINATES[i % 6]
@@ -482,27 +553,11 @@ def _check_mirror(database: HydrodynamicDatabase, scaled: NDArray[np.float64]) -
     signs = np.tile(MIRROR_SIGNS, database.body_count)
     crossing = np.abs(scaled) * (signs[:, None] != signs[None, :])
     largest = float(np.max(np.abs(scaled)))
-    if crossing.max() > UNSYMMETRIC * largest:
+    if crossing.max() > PANEL_ACCURACY.unsymmetric * largest:
         _, i, j = (int(v) for v in np.unravel_index(int(np.argmax(crossing)), crossing.shape))
         raise InputError(
             f"{COORDINATES[i % 6]} and {COORDINATES[j % 6]} are coupled, {crossing.max() / largest:.1%} of the largest",
             source=database.source,
             key="symmetric",
             expected="hulls symmetric about y = 0, or headings of the whole circle and no declared symmetry",
-        )
-
-
-def _check_damping(database: HydrodynamicDatabase, scaled: NDArray[np.float64]) -> None:
-    """Waves only carry energy away."""
-    eigenvalues = np.linalg.eigvalsh(0.5 * (scaled + np.swapaxes(scaled, 1, 2)))
-    largest = float(eigenvalues.max())
-    lowest = eigenvalues[:, 0]
-    worst = int(np.argmin(lowest))
-    if lowest[worst] < -NEGATIVE_DAMPING * largest:
-        raise InputError(
-            f"negative damping at {database.omega[worst]:.3g} rad/s: an eigenvalue is "
-            f"{lowest[worst] / largest if largest > 0.0 else -1.0:.1%} of the largest",
-            source=database.source,
-            key="damping",
-            expected=f"none below -{NEGATIVE_DAMPING:.0%} (an irregular frequency: compute with a lid)",
         )

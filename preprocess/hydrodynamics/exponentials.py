@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics.retardation import channel_scales, significant_channels
+from heavylift.preprocess.hydrodynamics.retardation import channel_scales
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -141,8 +141,8 @@ def make_passive(
     R[np.diag_indices_from(R)] = np.where(diagonal < least, least, np.diag(R))
     twice = _twice(pairs)
     weights = np.sqrt(twice)  # of a channel that stands for two entries
-    rows: list[NDArray[np.float64]] = []
-    needs: list[float] = []
+    # a condition is the product of a vector over the coefficients, one over the channels, and a number
+    cuts = (np.zeros((0, R.shape[0])), np.zeros((0, len(pairs))), np.zeros(0))
     current = coefficients
     for done in range(ROUNDS + 1):
         for searched in (grid, finer):
@@ -159,18 +159,17 @@ def make_passive(
         reduced = solve_triangular(R, (dampings @ basis).T, trans="T", lower=False).T
         factors = twice * vectors[:, pairs[:, 0]] * vectors[:, pairs[:, 1]]
         now = np.einsum("kc,kp,pc->k", factors, dampings, coefficients)
-        for k in range(len(places)):
-            row = np.outer(reduced[k], factors[k] / weights).ravel()
-            norm = float(np.linalg.norm(row))
-            rows.append(row / norm)
-            needs.append((MARGIN * largest * float(_shape(places[k], peak)) - now[k]) / norm)
-        nearest = _least_distance(np.array(rows), np.array(needs))
-        if nearest is None:
+        sizes = np.linalg.norm(reduced, axis=1), np.linalg.norm(factors / weights, axis=1)
+        needs = (MARGIN * largest * _shape(places, peak) - now) / (sizes[0] * sizes[1])
+        new = (reduced / sizes[0][:, None], factors / weights / sizes[1][:, None], needs)
+        over, across, needed = (np.concatenate(parts) for parts in zip(cuts, new, strict=True))
+        held = _least_distance((over @ over.T) * (across @ across.T), needed)
+        if held is None:
             break
-        move, holding = nearest
-        rows = [row for row, kept in zip(rows, holding, strict=True) if kept]
-        needs = [need for need, kept in zip(needs, holding, strict=True) if kept]
-        change = solve_triangular(R, move.reshape(R.shape[0], len(pairs)), lower=False) / weights
+        kept = held > 0.0
+        move = (over[kept] * held[kept, None]).T @ across[kept]
+        cuts = (over[kept], across[kept], needed[kept])
+        change = solve_triangular(R, move, lower=False) / weights
         current = coefficients + basis @ change
     deficit = lowest_damping(poles, current, pairs, size)
     return PassiveFit(current, lowest, max(0.0, -deficit) * (1.0 + 1e-6) + 1e-12 * largest, ROUNDS)
@@ -298,25 +297,31 @@ def _twice(pairs: NDArray[np.int64]) -> NDArray[np.float64]:
     return np.where(pairs[:, 0] == pairs[:, 1], 1.0, 2.0)
 
 
-def _least_distance(
-    G: NDArray[np.float64], h: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None:
-    """The shortest x with G x >= h and which rows hold it, or None if there is none (Lawson and Hanson, 23.4)."""
+def _least_distance(gram: NDArray[np.float64], h: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Factors u >= 0 of the rows g_k in the shortest x = sum u_k g_k with g_k . x >= h_k, or None if there is none.
+
+    Lawson and Hanson, 23.4: with E = [G^T; h^T], x follows from the residual of E u = (0, .., 0, 1), u >= 0. Of the
+    rows only their products ``gram`` are needed: R'R = E'E takes the place of E, which is far longer than wide.
+    """
+    from scipy.linalg import solve_triangular
+    from scipy.linalg.lapack import dpstrf
     from scipy.optimize import nnls
 
     size = float(np.abs(h).max())
-    E = np.vstack([G.T, h[None] / size])
-    f = np.zeros(len(E))
-    f[-1] = 1.0
-    Q, R = np.linalg.qr(E)
+    needed = h / size
+    factor, pivots, rank, _ = dpstrf(gram + np.outer(needed, needed), lower=0)
+    order = pivots - 1
+    R = np.zeros((rank, len(h)))
+    R[:, order] = np.triu(factor)[:rank]
+    right = solve_triangular(R[:, order[:rank]], needed[order[:rank]], trans="T")
     try:
-        u, _ = nnls(R, Q.T @ f, maxiter=10 * E.shape[1] + 100)
+        u, _ = nnls(R, right, maxiter=10 * len(h) + 100)
     except RuntimeError:
         return None
-    residual = E @ u - f
-    if np.linalg.norm(residual) < 1e-10 or residual[-1] == 0.0:
+    last = float(needed @ u) - 1.0
+    if float(u @ gram @ u) + last * last < 1e-20 or last == 0.0:
         return None
-    return -residual[:-1] / residual[-1] * size, u > 0.0
+    return np.asarray(-u / last * size)
 
 
 # ---- the fit ----
@@ -327,6 +332,15 @@ SLOWEST = 0.5
 
 SAFETY = 0.9
 """Of the tolerance that a fit has to reach before it is made passive."""
+
+NEGLIGIBLE = 1e-3
+"""Of the tolerance: parts of the series below it choose no poles."""
+
+MOST_SAMPLES, MOST_COLUMNS = 1200, 400
+"""From which poles are found, and columns of the Hankel matrices: longer memories take no longer."""
+
+HANKEL_NUMBERS = 4_000_000
+"""Of the Hankel matrices that are held at once."""
 
 EXTRA_POLES = 6
 """Added at most, after the unconstrained fit is good enough, when the passive one is not."""
@@ -345,11 +359,13 @@ class ExponentialKernel:
     damping
         Constant damping that was added where residues alone could not be made passive, shape (n, n); usually zero.
     error
-        Largest |difference_ij| to the samples, relative to s_i s_j = sqrt(max|K_ii| max|K_jj|).
+        Largest |difference_ij| to the samples, relative to s_i s_j of `channel_scales`.
     lowest
         Smallest eigenvalue of Re K(i omega), relative to the largest, before the fit was made passive.
     change
         Largest change of the kernel by which it was made passive, relative as `error`.
+    length
+        How far the samples reach [s].
     warning
         A sentence if the error is larger than was asked for or damping was added; else empty.
     """
@@ -360,6 +376,7 @@ class ExponentialKernel:
     error: float
     lowest: float
     change: float
+    length: float = 0.0
     warning: str = ""
 
     @property
@@ -387,6 +404,7 @@ def fit_exponentials(
     most_poles: int = 30,
     floor: float = 1e-3,
     passive: bool = True,
+    least: ArrayLike | None = None,
     source: str = "",
 ) -> ExponentialKernel:
     """Fit a kernel with as few poles as a tolerance needs.
@@ -405,6 +423,8 @@ def fit_exponentials(
         Channels below it, relative to s_i s_j, are noise and become zero.
     passive
         Make the damping positive semidefinite at all frequencies.
+    least
+        Square roots of kernels so small that nothing feels them, shape (n,): s_i is not smaller.
     source
         Named in errors.
 
@@ -430,18 +450,20 @@ def fit_exponentials(
         )
     K = 0.5 * (K + K.transpose(0, 2, 1))
     n = K.shape[1]
-    scales = channel_scales(K)
-    active = np.flatnonzero(scales > 0.0)
+    scales = channel_scales(K, least)
+    significant = np.abs(K).max(axis=0) > floor * np.outer(scales, scales)
+    active = np.flatnonzero(significant.any(axis=0))
     if len(active) == 0:
         zero = np.zeros((1, n, n), dtype=np.complex128)
-        return ExponentialKernel(np.array([-1.0 + 0.0j]), zero, np.zeros((n, n)), 0.0, 0.0, 0.0)
+        length = step * (len(K) - 1)
+        return ExponentialKernel(np.array([-1.0 + 0.0j]), zero, np.zeros((n, n)), 0.0, 0.0, 0.0, length)
     unit = np.outer(scales[active], scales[active])
     inner = np.ix_(active, active)
     scaled = K[:, inner[0], inner[1]] / unit
-    pairs = np.argwhere(np.triu(significant_channels(scaled, floor)))
+    pairs = np.argwhere(np.triu(significant[inner]))
     series = np.ascontiguousarray(scaled[:, pairs[:, 0], pairs[:, 1]])
     times = step * np.arange(len(K), dtype=np.float64)
-    vectors = _right_vectors(series, most_poles + EXTRA_POLES)
+    vectors = _right_vectors(series, most_poles + EXTRA_POLES, NEGLIGIBLE * tolerance)
     best = _unfitted(vectors, series, times, tolerance, most_poles)
     lowest, change, extra = 0.0, 0.0, np.zeros(len(active))
     if passive:
@@ -481,7 +503,9 @@ def fit_exponentials(
         parts.append(
             f"damping of {extra[0]:.2g} of the kernel's start per second was added to keep the memory passive"
         )
-    return ExponentialKernel(poles, residues, damping, error, lowest, change, "; ".join(parts))
+    return ExponentialKernel(
+        poles, residues, damping, error, lowest, change, float(times[-1]), "; ".join(parts)
+    )
 
 
 def common_poles(series: ArrayLike, step: float, count: int) -> NDArray[np.complex128]:
@@ -497,17 +521,28 @@ def common_poles(series: ArrayLike, step: float, count: int) -> NDArray[np.compl
         Number of poles, both of each pair counted.
     """
     y = np.asarray(series, dtype=np.float64)
-    return _poles(_right_vectors(y, count), count, step, step * (len(y) - 1))
+    return _poles(_right_vectors(y, count, 0.0), count, step, step * (len(y) - 1))
 
 
-def _right_vectors(series: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Leading right singular vectors of the Hankel matrices of all series under each other, shape (columns, count)."""
+def _right_vectors(series: NDArray[np.float64], count: int, negligible: float) -> NDArray[np.float64]:
+    """Leading right singular vectors of the Hankel matrices of all series under each other, shape (columns, count).
+
+    Series are mixed first so that as few as possible are left: an orthogonal mixture of the Hankel matrices has the
+    same right vectors. Those that are negligible are dropped.
+    """
+    series = series[:MOST_SAMPLES]
+    left, sizes, _ = np.linalg.svd(series, full_matrices=False)
+    mixed = left * sizes
+    mixed = mixed[:, np.abs(mixed).max(axis=0) > negligible]
     m = len(series)
-    columns = m // 2
+    columns = min(m // 2, MOST_COLUMNS)
+    at_once = max(1, HANKEL_NUMBERS // ((m - columns + 1) * columns))
     triangle = np.zeros((0, columns))
-    for y in series.T:
-        hankel = np.lib.stride_tricks.sliding_window_view(y, columns)
-        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, hankel]), mode="r"))
+    for first in range(0, mixed.shape[1], at_once):
+        hankel = [
+            np.lib.stride_tricks.sliding_window_view(y, columns) for y in mixed[:, first : first + at_once].T
+        ]
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, *hankel]), mode="r"))
     return np.ascontiguousarray(np.linalg.svd(triangle)[2][:count].T)
 
 

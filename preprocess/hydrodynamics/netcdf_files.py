@@ -9,23 +9,26 @@ leaves to the reader: time convention, reference of the phase, units, the limit 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.words import check_word
 from heavylift.preprocess.hydrodynamics.database import (
     COORDINATES,
     HydrodynamicDatabase,
     check_database,
-    check_phase,
 )
+from heavylift.preprocess.hydrodynamics.repairs import repaired
+from heavylift.preprocess.hydrodynamics.words import TimeConvention
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from heavylift.preprocess.hydrodynamics.repairs import Repair
+
 __all__ = [
-    "TIME_CONVENTION",
     "Variable",
     "load_variables",
     "read_digest",
@@ -101,8 +104,7 @@ def _text(value: Any) -> Any:
     return value.decode() if isinstance(value, bytes) else value
 
 
-TIME_CONVENTION = "exp(-i omega t)"
-OPPOSITE_CONVENTION = "exp(+i omega t)"
+TIME_CONVENTION, OPPOSITE_CONVENTION = get_args(TimeConvention)
 HEADING_CONVENTION = "direction of propagation, anticlockwise from +x seen from above"
 PHASE_CONVENTION = "crest of the incident wave at the origin (0, 0) at t = 0"
 FORMAT = "heavylift hydrodynamic database 1"
@@ -169,7 +171,10 @@ def write_netcdf(
         "added_mass": (("omega", *square), database.added_mass),
         "radiation_damping": (("omega", *square), database.damping),
         "added_mass_infinite": (square, database.added_mass_infinite.reshape(n, n)),
-        "excitation_force": (("complex", "omega", "wave_direction", "influenced_dof"), excitation),
+        "excitation_force": (
+            ("complex", "omega", "wave_direction", "influenced_dof"),
+            excitation if database.has_excitation else None,
+        ),
         "rotation_center": (("body", "space_coordinate"), database.reference_points),
         "rho": ((), database.density),
         "g": ((), database.gravity),
@@ -194,6 +199,8 @@ def write_netcdf(
         ):
             file.attrs[key] = np.bytes_(text.encode())
         file.attrs["symmetric"] = np.int32(database.symmetric)
+        if database.repairs:
+            file.attrs["repairs"] = np.bytes_("\n".join(database.repairs).encode())
         for name, values in axes.items():
             is_text = isinstance(values, list)
             scale = file.create_dataset(
@@ -215,32 +222,38 @@ def write_netcdf(
 def read_netcdf(
     path: Path | str,
     *,
-    time_convention: str = "",
+    time_convention: TimeConvention | None = None,
     reference_points: NDArray[np.float64] | None = None,
     checked: bool = True,
+    repair: Repair | None = None,
 ) -> HydrodynamicDatabase:
     """Read a file of `write_netcdf` or of Capytaine (netCDF-4, or netCDF-3 as xarray writes without its library).
+
+    Without diffraction there are no exciting forces: such a database serves motions in still water.
 
     Parameters
     ----------
     path
         File.
     time_convention
-        ``"exp(-i omega t)"`` or ``"exp(+i omega t)"`` for a file of another program that does not state it.
+        Of a file of another program that does not state it, see `words.TimeConvention`.
     reference_points
         (N, 3) [m] for a file that does not state them (``rotation_center``).
     checked
-        False: a database that is refused is read too.
+        False: as it is in the file, also if it is to be refused.
+    repair
+        What may be repaired.
 
     Raises
     ------
     InputError
-        Not such a file, something is missing (a variable, one of six coordinates, infinite frequency, the time
-        convention, the reference points), units other than SI, a forward speed, or what `check_database` and
-        `check_phase` refuse.
+        Not such a file, something is missing (a variable, one of six coordinates, the time convention, the reference
+        points), units other than SI, a forward speed, or what `repaired` refuses.
     """
     variables, attributes = load_variables(Path(path))
     source = str(path)
+    if time_convention is not None:
+        check_word(time_convention, TimeConvention, source=source, key="time_convention")
     convention = time_convention or _convention(attributes, source)
     bodies, order = _coordinates(variables, source)
     n = len(order)
@@ -248,28 +261,36 @@ def read_netcdf(
     speed = variables.get("forward_speed")
     if speed is not None and np.any(np.asarray(speed.values, dtype=float) != 0.0):
         raise InputError("a forward speed", source=source, key="forward_speed", expected="0")
-    omega = np.atleast_1d(_named(variables, "omega", source).values).astype(np.float64)
-    headings = np.atleast_1d(_named(variables, "wave_direction", source).values).astype(np.float64)
+    steps = _named(variables, "omega", source)
+    omega = np.atleast_1d(steps.values).astype(np.float64)
+    along = (
+        steps.axes[0] if steps.axes else "omega"
+    )  # Capytaine has periods or wave numbers there if asked for them
     finite = np.flatnonzero(np.isfinite(omega) & (omega > 0.0))
     finite = finite[np.argsort(omega[finite])]
-    turned = np.argsort(headings)
-    square = ("omega", "influenced_dof", "radiating_dof")
+    square = (along, "influenced_dof", "radiating_dof")
     mass = _arranged(variables, "added_mass", square, source)[:, order][:, :, order]
     damping = _arranged(variables, "radiation_damping", square, source)[:, order][:, :, order]
     infinite = _infinite(variables, omega, mass, order, source)
-    waves = ("complex", "omega", "wave_direction", "influenced_dof")
-    parts = (
-        ("excitation_force",)
-        if "excitation_force" in variables
-        else ("Froude_Krylov_force", "diffraction_force")
-    )
-    real, imaginary = np.sum([_arranged(variables, part, waves, source) for part in parts], axis=0)
-    excitation = (real + 1j * imaginary)[finite][:, turned][:, :, order]
+    waves = ("complex", along, "wave_direction", "influenced_dof")
+    excitation, turned = np.zeros((len(finite), 0, n), dtype=np.complex128), np.zeros(0, dtype=np.int64)
+    headings = np.zeros(0)
+    repairs = tuple(str(attributes.get("repairs", "")).splitlines())
+    parts: tuple[str, ...] = ("Froude_Krylov_force", "diffraction_force")
+    if "excitation_force" in variables:
+        parts = ("excitation_force",)
+    elif len(set(parts) & variables.keys()) == 1:
+        repairs = (*repairs, "Froude-Krylov force or diffraction alone are no exciting forces: left out")
+    if all(part in variables for part in parts):
+        headings = np.atleast_1d(_named(variables, "wave_direction", source).values).astype(np.float64)
+        turned = np.argsort(headings)
+        real, imaginary = np.sum([_arranged(variables, part, waves, source) for part in parts], axis=0)
+        excitation = (real + 1j * imaginary)[finite][:, turned][:, :, order]
     if convention == OPPOSITE_CONVENTION:
         excitation = excitation.conj()
     references = _reference_points(variables, reference_points, len(bodies), source)
     drift = None
-    if "drift_force" in variables and attributes.get("title") == FORMAT:
+    if len(headings) and "drift_force" in variables and attributes.get("title") == FORMAT:
         drift = _arranged(variables, "drift_force", waves[1:], source)[finite][:, turned][:, :, order]
     constants = {key: _scalar(variables, key, source) for key in ("rho", "g", "water_depth")}
     volumes, centres = _displaced(variables, len(bodies), constants["rho"])
@@ -291,11 +312,9 @@ def read_netcdf(
         volumes=volumes,
         centres_of_buoyancy=centres,
         hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"]),
+        repairs=repairs,
     )
-    if checked:
-        check_database(database)
-        check_phase(database)
-    return database
+    return repaired(database, repair) if checked else database
 
 
 def read_digest(path: Path | str) -> str:
@@ -410,19 +429,12 @@ def _infinite(
     order: NDArray[np.int64],
     source: str,
 ) -> NDArray[np.float64]:
-    """Added mass of infinite frequency: its own variable, or one of the frequencies."""
+    """Added mass of infinite frequency: its own variable, or one of the frequencies, or NaN."""
     if "added_mass_infinite" in variables:
         values = _arranged(variables, "added_mass_infinite", ("influenced_dof", "radiating_dof"), source)
         return values[order][:, order]
     at = np.flatnonzero(np.isinf(omega))
-    if at.size == 0:
-        raise InputError(
-            "no added mass of infinite frequency",
-            source=source,
-            key="omega",
-            expected="one radiation problem with omega = inf",
-        )
-    return mass[at[0]]
+    return mass[at[0]] if at.size else np.full(mass.shape[1:], np.nan)
 
 
 def _reference_points(
@@ -435,7 +447,8 @@ def _reference_points(
             "the reference point of moments is not stated",
             source=source,
             key="rotation_center",
-            expected="a point [m] for each hull, in the file or given",
+            expected="'reference_points = [[x, y, z]]', the point of each hull about which its moments are (of "
+            "Capytaine's most often the centre of mass)",
         )
     points = np.asarray(given if stated is None else stated.values, dtype=np.float64).reshape(-1, 3)
     if points.shape != (count, 3):

@@ -29,7 +29,6 @@ __all__ = [
     "memory_length",
     "ogilvie_deviation",
     "retardation_kernel",
-    "significant_channels",
 ]
 
 TAIL_LEVEL = 0.01
@@ -49,6 +48,9 @@ TAIL_FROM = 0.75
 
 TIMES_AT_ONCE = 1000
 """Rows of the matrices over times and frequencies that are held at once."""
+
+TOLERABLE = 0.45
+"""Of the added mass: nobody can ask for more to be tolerated in its limit."""
 
 TRUSTED = 0.7
 """Of the highest frequency; added mass above it is not used for the limit at infinity."""
@@ -213,32 +215,33 @@ def exponential_integral(power: float, x: NDArray[np.float64]) -> NDArray[np.com
     return out
 
 
-def channel_scales(samples: ArrayLike) -> NDArray[np.float64]:
+def channel_scales(samples: ArrayLike, least: ArrayLike | None = None) -> NDArray[np.float64]:
     """Square roots of the largest |K_ii|, shape (n,): K_ij / (s_i s_j) has no unit.
 
     Parameters
     ----------
     samples
         Kernels over time, shape (m, n, n).
+    least
+        Square roots of kernels so small that nothing feels them, shape (n,); smaller ones do not count.
     """
     K = np.asarray(samples, dtype=np.float64)
-    return np.sqrt(np.abs(np.einsum("kii->ki", K)).max(axis=0))
-
-
-def significant_channels(samples: ArrayLike, floor: float = 1e-3) -> NDArray[np.bool_]:
-    """Entries of K that are more than noise: above a fraction of s_i s_j at any time, shape (n, n)."""
-    K = np.asarray(samples, dtype=np.float64)
-    s = channel_scales(K)
-    return np.abs(K).max(axis=0) > floor * np.outer(s, s)
+    own = np.sqrt(np.abs(np.einsum("kii->ki", K)).max(axis=0))
+    return own if least is None else np.maximum(own, np.asarray(least, dtype=np.float64))
 
 
 def memory_length(
-    kernel: RetardationKernel, *, tolerance: float = 0.01, longest: float = 60.0, step: float = 0.05
+    kernel: RetardationKernel,
+    *,
+    tolerance: float = 0.01,
+    longest: float = 60.0,
+    step: float = 0.05,
+    least: ArrayLike | None = None,
 ) -> float:
-    """Time after which no entry of K exceeds a fraction of s_i s_j, at most the longest [s]."""
+    """Time after which no entry of K exceeds a fraction of s_i s_j of `channel_scales`, at most the longest [s]."""
     times = np.arange(0.0, longest + 0.5 * step, step)
     K = kernel(times)
-    s = channel_scales(K)
+    s = channel_scales(K, least)
     unit = np.outer(s, s)
     relative = (np.abs(K) / np.where(unit > 0.0, unit, np.inf)).max(axis=(1, 2))
     above = np.flatnonzero(relative > tolerance)
@@ -300,16 +303,23 @@ def infinite_added_mass(
 
 
 def ogilvie_deviation(
-    omega: ArrayLike, added_mass: ArrayLike, damping: ArrayLike, added_mass_infinite: ArrayLike
+    omega: ArrayLike,
+    added_mass: ArrayLike,
+    damping: ArrayLike,
+    added_mass_infinite: ArrayLike,
+    least: ArrayLike = 0.0,
 ) -> NDArray[np.float64]:
     """How far a given A_inf is from that of Ogilvie's relation, |difference_ij| / sqrt(A_ii A_jj), shape (n, n).
 
     A_ii is the largest added mass at any frequency: that of a slender hull ahead is far smaller at the infinite one.
+    It is not below `least`, shape (n,): that of a body of revolution in yaw is round-off.
     """
     value, _ = infinite_added_mass(omega, added_mass, damping)
     given = np.asarray(added_mass_infinite, dtype=np.float64)
     largest = np.abs(np.diagonal(np.asarray(added_mass, dtype=np.float64), axis1=1, axis2=2)).max(axis=0)
-    scale = np.sqrt(np.maximum(largest, np.maximum(np.abs(np.diag(value)), np.abs(np.diag(given)))))
+    scale = np.sqrt(
+        np.maximum.reduce([largest, np.abs(np.diag(value)), np.abs(np.diag(given)), largest * 0.0 + least])
+    )
     unit = np.outer(scale, scale)
     return np.abs(0.5 * (given + given.T) - value) / np.where(unit > 0.0, unit, 1.0)
 
@@ -321,6 +331,7 @@ def check_infinite_added_mass(
     added_mass_infinite: ArrayLike,
     *,
     limit: float = 0.1,
+    least: ArrayLike = 0.0,
     source: str = "",
 ) -> float:
     """Refuse an added mass at infinite frequency that does not belong to the rest of a database.
@@ -333,6 +344,8 @@ def check_infinite_added_mass(
         Shape (n, n).
     limit
         Largest accepted deviation, as of `ogilvie_deviation`.
+    least
+        As of `ogilvie_deviation`.
     source
         Named in errors.
 
@@ -348,10 +361,10 @@ def check_infinite_added_mass(
     """
     given = np.asarray(added_mass_infinite, dtype=np.float64)
     A = np.asarray(added_mass, dtype=np.float64)
-    expected = "the limit of the added mass; leave it out and it is computed from added mass and damping"
+    expected = "the limit of the added mass that belongs to the damping"
     if given.shape != A.shape[1:] or not np.isfinite(given).all() or (A.any() and not given.any()):
         raise InputError("missing", source=source, key="A_inf", expected=expected)
-    deviation = ogilvie_deviation(omega, A, damping, given)
+    deviation = ogilvie_deviation(omega, A, damping, given, least)
     i, j = np.unravel_index(np.argmax(deviation), deviation.shape)
     worst = float(deviation[i, j])
     if worst > limit:
@@ -360,6 +373,8 @@ def check_infinite_added_mass(
             "imply",
             source=source,
             key="A_inf",
-            expected=expected,
+            expected=f"{expected}; or 'tolerance' above {worst:.2f} for this database: it is found from the damping"
+            if worst < TOLERABLE
+            else f"{expected} (periods taken for frequencies, or a length scale?)",
         )
     return worst

@@ -8,7 +8,7 @@ WAMIT's conventions, and what is done about them:
 * time runs as exp(+i omega t): excitation is conjugated. The phase is relative to a crest at the global
   origin, and headings are directions of propagation: both are ours;
 * forces and motions are about the origin of each body, which `XBODY` places: these are the reference points;
-* period -1 (or any below 0) stands for zero frequency and 0 for infinite frequency;
+* period -1 (or any below 0) stands for zero frequency and 0 for infinite frequency, if there are any;
 * coefficients that are zero by symmetry are left out;
 * restoring coefficients of a free body contain its weight, m = rho V: the terms of weight are taken out.
 
@@ -26,12 +26,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, check_database, check_phase
+from heavylift.numerics.words import check_word
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.repairs import repaired
+from heavylift.preprocess.hydrodynamics.words import ExcitingForces, FirstColumn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.preprocess.hydrodynamics.repairs import Repair
 
 __all__ = [
     "INFINITE_FREQUENCY",
@@ -47,6 +52,9 @@ __all__ = [
 
 
 INFINITE_FREQUENCY, ZERO_FREQUENCY = np.inf, 0.0
+
+SAME_FREQUENCY = 1e-4
+"""Of a frequency: files of one run are rounded differently."""
 
 
 @dataclass
@@ -93,25 +101,22 @@ def wamit_database(
     scales: tuple[float, float, float, float],
     symmetric: bool,
 ) -> HydrodynamicDatabase:
-    """Arrays in SI units, frequencies and headings in increasing order, excitation conjugated."""
+    """Arrays in SI units, frequencies and headings in increasing order, excitation conjugated.
+
+    What is not there is NaN: excitation of a frequency or heading, the limit of infinite frequency.
+    """
     length, density, gravity, depth = scales
     count = len(references)
     n = 6 * count
     omega = np.array(sorted(w for w in rows.added_mass if 0.0 < w < np.inf))
-    if INFINITE_FREQUENCY not in rows.added_mass:
+    if not len(omega):
         raise InputError(
-            "no added mass of infinite frequency",
+            "no added mass and damping at finite frequencies",
             source=source,
-            expected="rows of period 0 (add it to the run)",
+            expected="a run with several periods",
         )
-    degrees = sorted({heading for _, heading in rows.excitation})
+    degrees = sorted({heading for w, heading in rows.excitation if 0.0 < w < np.inf})
     waves = np.array(sorted({w for w, _ in rows.excitation if 0.0 < w < np.inf}))
-    if len(waves) != len(omega) or not np.allclose(waves, omega, rtol=1e-4):
-        raise InputError(
-            f"{len(omega)} frequencies of radiation, {len(waves)} of excitation",
-            source=source,
-            expected="the same",
-        )
     kinds = (np.arange(n) % 6 >= 3).astype(int)
     mass_scale = density * length ** (3.0 + kinds[:, None] + kinds[None, :])
     force_scale = density * gravity * length ** (2.0 + kinds)
@@ -119,21 +124,21 @@ def wamit_database(
     for index, w in enumerate(omega):
         mass[index] = _matrix(rows.added_mass[float(w)], n, source) * mass_scale
         damping[index] = _matrix(rows.damping[float(w)], n, source) * mass_scale * w
-    excitation = np.zeros((len(omega), len(degrees), n), dtype=np.complex128)
-    for index, w in enumerate(waves):
+    excitation = np.full((len(omega), len(degrees), n), np.nan, dtype=np.complex128)
+    for index, w in enumerate(omega):
+        near = waves[np.abs(waves - w) < SAME_FREQUENCY * w]
         for h, heading in enumerate(degrees):
-            values = rows.excitation.get((float(w), heading))
+            values = rows.excitation.get((float(near[0]), heading)) if len(near) else None
             if values is None:
-                raise InputError(
-                    f"no excitation at {2.0 * np.pi / w:.4g} s, {heading:g} deg",
-                    source=source,
-                    expected="every period with every heading",
-                )
+                continue
+            excitation[index, h] = 0.0
             for i, value in values.items():
                 if i >= n:
                     raise InputError(f"mode {i + 1}", source=source, expected=f"1 .. {n} for {count} bodies")
                 excitation[index, h, i] = value.conjugate() * force_scale[i]
-    infinite = _matrix(rows.added_mass[INFINITE_FREQUENCY], n, source) * mass_scale
+    infinite = np.full((n, n), np.nan)
+    if INFINITE_FREQUENCY in rows.added_mass:
+        infinite = _matrix(rows.added_mass[INFINITE_FREQUENCY], n, source) * mass_scale
     if names and len(names) != count:
         raise InputError(f"{len(names)} names", source=source, key="bodies", expected=f"{count}")
     return HydrodynamicDatabase(
@@ -178,11 +183,13 @@ def read_wamit(
     volumes: ArrayLike | None = None,
     centres_of_buoyancy: ArrayLike | None = None,
     centres_of_gravity: ArrayLike | None = None,
-    first_column: str = "period",
+    first_column: FirstColumn = "period",
     symmetric: bool = False,
+    repair: Repair | None = None,
 ) -> HydrodynamicDatabase:
-    """Read the numeric files ``path.1``, ``path.3`` and, if they are there, ``path.hst`` and ``path.9`` or ``path.8``.
+    """Read the numeric files ``path.1`` and, if they are there, ``path.3``, ``path.hst`` and ``path.9`` or ``path.8``.
 
+    Without ``path.3`` there are no exciting forces: such a database serves motions in still water.
     These files do not say what made them non-dimensional: it has to be given. The mean drift is that of the run:
     of hulls that moved (or did not) as they did there. ``.9`` is from pressure, ``.8`` from momentum (surge, sway and
     yaw of all bodies together: read for one body alone).
@@ -205,24 +212,26 @@ def read_wamit(
         (N, 3) [m], relative to the reference points, that WAMIT was given. Where they are not all zero the
         restoring of ``.hst`` has terms of weight, rho V g, which need ``volumes`` to be taken out.
     first_column
-        ``"period"`` [s], or ``"omega"`` [rad/s] (`IPEROUT` = 2; then 0 is zero and -1 infinite frequency).
+        See `words.FirstColumn`.
     symmetric
         Hulls are symmetric about y = 0 and headings cover 0..180 deg only.
+    repair
+        What may be repaired.
 
     Raises
     ------
     InputError
-        A file is missing or not as WAMIT writes it, no infinite frequency, frequencies that differ between
-        files, volumes needed and not given, or what `check_database` and `check_phase` refuse.
+        A file is missing or not as WAMIT writes it, volumes needed and not given, or what `repaired` refuses.
     """
     base = Path(path)
     if base.suffix in {".1", ".3", ".8", ".9", ".hst"}:
         base = base.with_suffix("")
-    if first_column not in {"period", "omega"}:
-        raise InputError(repr(first_column), source=base, key="first_column", expected="'period' or 'omega'")
+    check_word(first_column, FirstColumn, source=base, key="first_column")
     rows = WamitRows()
     _read_radiation(base.with_name(base.name + ".1"), rows, first_column)
-    _read_excitation(base.with_name(base.name + ".3"), rows, first_column)
+    forces = base.with_name(base.name + ".3")
+    if forces.is_file():
+        _read_excitation(forces, rows, first_column)
     references = np.asarray(reference_points, dtype=np.float64).reshape(-1, 3)
     database = wamit_database(
         rows,
@@ -268,9 +277,7 @@ def read_wamit(
         centres_of_buoyancy=centres,
         hydrostatic_stiffness=stiffness,
     )
-    check_database(database)
-    check_phase(database)
-    return database
+    return repaired(database, repair)
 
 
 def _table(path: Path, columns: tuple[int, ...]) -> Iterator[list[float]]:
@@ -297,16 +304,16 @@ def _table(path: Path, columns: tuple[int, ...]) -> Iterator[list[float]]:
         yield values
 
 
-def _frequency(value: float, first_column: str) -> float:
+def _frequency(value: float, first_column: FirstColumn) -> float:
     """Angular frequency [rad/s] of the first column."""
-    if first_column == "omega":
+    if first_column == "frequency":
         return INFINITE_FREQUENCY if value < 0.0 else value
     if value < 0.0:
         return ZERO_FREQUENCY
     return INFINITE_FREQUENCY if value == 0.0 else 2.0 * np.pi / value
 
 
-def _read_radiation(path: Path, rows: WamitRows, first_column: str) -> None:
+def _read_radiation(path: Path, rows: WamitRows, first_column: FirstColumn) -> None:
     """Period, i, j, A, and B where the frequency is neither zero nor infinite."""
     for values in _table(path, (4, 5)):
         omega = _frequency(values[0], first_column)
@@ -315,7 +322,7 @@ def _read_radiation(path: Path, rows: WamitRows, first_column: str) -> None:
         rows.damping.setdefault(omega, {})[place] = values[4] if len(values) == 5 else 0.0
 
 
-def _read_excitation(path: Path, rows: WamitRows, first_column: str) -> None:
+def _read_excitation(path: Path, rows: WamitRows, first_column: FirstColumn) -> None:
     """Period, heading [deg], i, modulus, phase [deg], real and imaginary part."""
     for values in _table(path, (7,)):
         key = (_frequency(values[0], first_column), values[1])
@@ -323,9 +330,11 @@ def _read_excitation(path: Path, rows: WamitRows, first_column: str) -> None:
 
 
 def _drift(
-    base: Path, database: HydrodynamicDatabase, length: float, first_column: str
+    base: Path, database: HydrodynamicDatabase, length: float, first_column: FirstColumn
 ) -> NDArray[np.float64] | None:
     """(nw, nh, 6N) mean drift per square of the amplitude: F / (rho g L), M / (rho g L^2); None without a file."""
+    if not database.has_excitation:
+        return None
     path = base.with_name(base.name + ".9")
     if not path.is_file():
         path = base.with_name(base.name + ".8")
@@ -397,7 +406,8 @@ def read_wamit_out(
     density: float,
     bodies: tuple[str, ...] = (),
     symmetric: bool = False,
-    forces: str = "diffraction",
+    forces: ExcitingForces = "diffraction",
+    repair: Repair | None = None,
 ) -> HydrodynamicDatabase:
     """Read the listing ``.out``: it states gravity, length, depth, bodies and restoring, but seldom the density.
 
@@ -415,17 +425,17 @@ def read_wamit_out(
     symmetric
         Hulls are symmetric about y = 0 and headings cover 0..180 deg only.
     forces
-        ``"diffraction"`` or ``"haskind"``: which of the two sets of exciting forces.
+        See `words.ExcitingForces`.
+    repair
+        What may be repaired.
 
     Raises
     ------
     InputError
-        Not such a listing, a body turned in the plane (`PHIBODY`), no infinite frequency, another density,
-        or what `check_database` and `check_phase` refuse.
+        Not such a listing, a body turned in the plane (`PHIBODY`), another density, or what `repaired` refuses.
     """
     path = Path(path)
-    if forces not in {"diffraction", "haskind"}:
-        raise InputError(repr(forces), source=path, key="forces", expected="'diffraction' or 'haskind'")
+    check_word(forces, ExcitingForces, source=path, key="forces")
     lines = text_lines(path)
     gravity, length, depth = _stated_scales(lines, path, density)
     listed = list(_listed_bodies(lines, path))
@@ -456,9 +466,7 @@ def read_wamit_out(
         centres_of_buoyancy=np.array([body.centre_of_buoyancy for body in listed]) + references,
         hydrostatic_stiffness=np.array(stiffness),
     )
-    check_database(database)
-    check_phase(database)
-    return database
+    return repaired(database, repair)
 
 
 def _number_after(pattern: str, lines: list[str]) -> float | None:

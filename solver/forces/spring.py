@@ -51,7 +51,7 @@ from heavylift.solver.laws.rows import put_residual, row_rate
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
 from heavylift.solver.scene.connections import FORCES, AlongJoint, Between
-from heavylift.solver.scene.descriptions import ChannelKind, check_table, interval_extremes, no_rows
+from heavylift.solver.scene.descriptions import ChannelKind, check_table, interval_extremes, named, no_rows
 
 __all__ = [
     "JointSpring",
@@ -67,19 +67,17 @@ __all__ = [
 
 
 def _check_law(
-    stiffness: float | None,
-    damping: float,
-    key: str,
-    places: Sequence[float],
-    values_key: str,
-    values: Sequence[float],
+    said: Any, key: str, places: Sequence[float], values_key: str, values: Sequence[float]
 ) -> None:
-    """A spring has a stiffness or a table, or is a mere damper."""
-    if stiffness is not None and (places or values):
+    """A spring has a stiffness or a table, or is a mere damper; one that is said to have none of them is no error.
+
+    The first run of a sweep has a stiffness or damping of zero, which an object cannot tell from one that is not said.
+    """
+    if said.stiffness is not None and (places or values):
         raise InputError(
             "both 'stiffness' and a table", expected=f"'stiffness', or {key!r} and {values_key!r}"
         )
-    if not stiffness and not damping and not (places or values):
+    if not named(said, "stiffness", "damping") and not (places or values):
         raise InputError(
             "neither a stiffness nor a damping",
             expected=f"'stiffness', 'damping', or {key!r} and {values_key!r}",
@@ -115,7 +113,7 @@ class Spring(Between):
     @staticmethod
     def check(said: Any) -> None:
         """A stiffness, a damping or a table."""
-        _check_law(said.stiffness, said.damping, "elongations", said.elongations, "forces", said.forces)
+        _check_law(said, "elongations", said.elongations, "forces", said.forces)
 
     @property
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -159,7 +157,7 @@ class JointSpring(AlongJoint):
     @staticmethod
     def check(said: Any) -> None:
         """A stiffness, a damping or a table."""
-        _check_law(said.stiffness, said.damping, "deflections", said.deflections, "loads", said.loads)
+        _check_law(said, "deflections", said.deflections, "loads", said.loads)
 
     @property
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -142,7 +142,8 @@ def pack_laws(
             if integrator == "dele2" and len(table):
                 cornered.append((force, table))
             else:
-                springs.append((force, table, integrator != "accurate" and not len(table)))
+                as_row = integrator != "accurate" and not len(table) and (force.stiffness or force.damping)
+                springs.append((force, table, bool(as_row)))  # nothing at all is no row
     if springs:
         _pack_springs(packing, springs)
     motors = [force for force in scene.forces if isinstance(force, JointMotor)]

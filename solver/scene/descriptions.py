@@ -427,6 +427,12 @@ def no_rows() -> NDArray[np.float64]:
     return np.zeros(0)
 
 
+def named(said: Any, *keys: str) -> bool:
+    """Whether one of some keys stands in a case file; always, of an object, whose values may be its defaults."""
+    found = getattr(said, "model_fields_set", None)
+    return found is None or not found.isdisjoint(keys)
+
+
 def check_table(
     key: str, places: Sequence[float], values_key: str, values: Sequence[Any], *, shortest: int = 1
 ) -> None:

@@ -23,12 +23,15 @@ __all__ = [
     "FRAME_VECTORS",
     "SHELL_VECTORS",
     "DistributedLoad",
+    "Elasticity",
     "FollowerLoad",
     "FrameBody",
+    "FrameModel",
     "FrameSection",
     "MeshBody",
     "ShellBody",
     "ShellSection",
+    "ShellSide",
     "Support",
 ]
 
@@ -37,6 +40,15 @@ FRAME_VECTORS = ("position", "tangent")
 
 SHELL_VECTORS = ("position", "slope_x", "slope_y", "twist")
 """Vectors of a node of a shell: ``r`` [m], ``r_x``, ``r_y`` [1] and ``r_xy`` [1/m]."""
+
+Elasticity = Literal["auto", "carried", "energy-momentum", "explicit"]
+"""How stress enters a step."""
+
+FrameModel = Literal["green-lagrange", "exact"]
+"""What strains of a frame are."""
+
+ShellSide = Literal["largest", "top", "middle", "bottom"]
+"""Of a shell, whose stress is meant; the largest of the other three."""
 
 NODE_POSITION = ChannelKind("position", "length", "position of every node in the world", None)
 NODE_VELOCITY = ChannelKind("velocity", "velocity", "velocity of every node in world axes", None)
@@ -189,7 +201,7 @@ class MeshBody:
     angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     viscous_damping: float = 0.0
     stiffness_damping: float = 0.0
-    elasticity: Literal["auto", "carried", "energy-momentum", "explicit"] = "auto"
+    elasticity: Elasticity = "auto"
     drift_tolerance: float = 1e-3
 
     @property
@@ -242,7 +254,7 @@ class FrameBody(MeshBody):
     elements: NDArray[np.int64]
     sections: tuple[FrameSection, ...]
     element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    model: Literal["green-lagrange", "exact"] = "green-lagrange"
+    model: FrameModel = "green-lagrange"
     axial_strains: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
 
 

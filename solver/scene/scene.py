@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
@@ -49,7 +49,11 @@ __all__ = [
     "RigidBody",
     "Scene",
     "Sensor",
+    "Start",
 ]
+
+Start = Literal["check", "project", "equilibrium", "relax"]
+"""What is done with a start before time runs."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_
 
 if TYPE_CHECKING:
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+    from heavylift.preprocess.hydrodynamics.exponentials import ExponentialKernel
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.wind_loads import (
         CurrentField,
@@ -26,15 +27,23 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AT_SEA",
+    "Excitation",
     "FloatingBody",
     "Hull",
     "LinearRestoring",
+    "Memory",
     "Radiation",
     "Restored",
     "Sea",
     "Tank",
     "Water",
 ]
+
+Memory = Literal["exponentials", "direct", "none"]
+"""Of radiated waves: recursive sums of exponentials, convolution, or added mass at infinite frequency alone."""
+
+Excitation = Literal["summed", "series"]
+"""Of waves: every component at the place of each hull at every time, or tabulated once for the start."""
 
 UNSYMMETRIC = 1e-6
 """Of its largest entry, that a matrix of damping may be off symmetry."""
@@ -205,14 +214,17 @@ class Radiation:
         Of the kernel relative to its largest value, that the exponentials may have.
     drift
         Whether mean drift forces of the database act (slow part by Newman's approximation).
+    fit
+        The exponentials, if they have been fitted before; None: they are fitted when the scene is packed.
     """
 
     bodies: tuple[str, ...]
     database: HydrodynamicDatabase
-    memory: Literal["exponentials", "direct", "none"] = "exponentials"
+    memory: Memory = "exponentials"
     memory_length: float | None = None
     fit_error: float = 1e-3
     drift: bool = False
+    fit: ExponentialKernel | None = None
 
 
 @AT_SEA.describe("tanks")
@@ -305,7 +317,7 @@ class Sea:
     waves: WaveTrains | None = None
     ramp: float = 0.0
     at_rest: bool = False
-    excitation: Literal["summed", "series"] = "summed"
+    excitation: Excitation = "summed"
     duration: float = 0.0
     fields: tuple[WindField | CurrentField, ...] = ()
     loads: tuple[FluidLoad, ...] = ()

@@ -175,6 +175,16 @@ def test_a_key_of_a_table_in_lists_of_tables_is_named(linkage, stop, key, proble
     assert f"repeat.0.ropes.0.path.1.{key}: {problem}" in line
 
 
+@pytest.mark.parametrize("key", ["stiffness", "damping"])
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_spring_that_is_said_to_be_nothing_is_taken(linkage, number, key):
+    """The first run of a sweep."""
+    clear = [f"forces.{number}.{name}=" for name in ("deflections", "loads")] if number == 2 else []
+    other = f"forces.{number}.{'damping' if key == 'stiffness' else 'stiffness'}="
+    case = load_case(linkage, [*clear, other, f"forces.{number}.{key}=0"])
+    assemble_scene(case, OutputFolder(linkage / "out"))
+
+
 def test_a_rope_within_its_strain_is_taken(linkage):
     load_case(linkage, ["ropes.0.length=9.6 m"])
     assemble_scene(load_case(linkage, ["ropes.0.length=9.6 m"]), OutputFolder(linkage / "out"))

@@ -257,7 +257,7 @@ BAD = {
     "time convention": (without_version, "time convention is not stated"),
     "other convention": (set_attribute("time_convention", "cos"), "time convention is 'cos'"),
     "conjugated": (set_attribute("time_convention", "exp(+i omega t)"), r"exp\(-i omega t\)"),
-    "infinite": (finite_only, "no added mass of infinite frequency.*omega = inf"),
+    "infinite": (finite_only, "no added mass of infinite frequency.*scatters"),
     "reference": (drop("rotation_center"), "reference point of moments is not stated"),
     "missing": (drop("radiation_damping"), "there is no 'radiation_damping'"),
     "speed": (moving, "a forward speed"),

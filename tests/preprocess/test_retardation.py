@@ -18,7 +18,6 @@ from heavylift.preprocess.hydrodynamics.retardation import (
     memory_length,
     ogilvie_deviation,
     retardation_kernel,
-    significant_channels,
 )
 
 MARINE = Path(__file__).resolve().parents[1] / "reference_data" / "marine"
@@ -160,13 +159,11 @@ def test_memory_length_is_where_the_kernel_has_decayed() -> None:
     assert t[K > 0.01][-1] == pytest.approx(length, abs=0.2)
 
 
-def test_noise_is_no_channel() -> None:
+def test_scales_are_those_of_the_coordinates_or_what_is_felt() -> None:
     K = np.zeros((3, 3, 3))
     K[0] = [[4.0, 0.003, 1.0], [0.003, 1.0, 0.0], [1.0, 0.0, 9.0]]
     np.testing.assert_array_equal(channel_scales(K), [2.0, 1.0, 3.0])
-    np.testing.assert_array_equal(
-        significant_channels(K, 0.01), [[True, False, True], [False, True, False], [True, False, True]]
-    )
+    np.testing.assert_array_equal(channel_scales(K, [0.1, 5.0, 0.1]), [2.0, 5.0, 3.0])
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ for the largest stress, so that pictures and records agree on it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.solver.scene.meshes import FrameBody, ShellBody
+    from heavylift.solver.scene.meshes import FrameBody, ShellBody, ShellSide
 
 __all__ = [
     "FrameStresses",
@@ -218,9 +218,6 @@ def _material_curvature(r_s: NDArray[np.float64], r_ss: NDArray[np.float64]) -> 
 # ---- shells ----
 
 
-Side = Literal["top", "middle", "bottom", "largest"]
-
-
 class ShellStresses(NamedTuple):
     """Stresses of a shell at `p` x `q` places of each of `e` elements; leading axes are those of the coordinates.
 
@@ -242,7 +239,7 @@ class ShellStresses(NamedTuple):
     membrane: NDArray[np.float64]
     bending: NDArray[np.float64]
 
-    def von_mises(self, side: Side = "largest") -> NDArray[np.float64]:
+    def von_mises(self, side: ShellSide = "largest") -> NDArray[np.float64]:
         """Equivalent stress of a side [Pa], shape (..., e, p, q); ``"largest"`` of top, middle and bottom."""
         factors = {"top": (1.0,), "middle": (0.0,), "bottom": (-1.0,), "largest": (1.0, 0.0, -1.0)}[side]
         parts = [von_mises(self.membrane + factor * self.bending) for factor in factors]
@@ -315,7 +312,7 @@ def shell_stresses(
 
 
 def largest_shell_stress(
-    body: ShellBody, coordinates: NDArray[np.float64], side: Side = "largest"
+    body: ShellBody, coordinates: NDArray[np.float64], side: ShellSide = "largest"
 ) -> NDArray[np.float64]:
     """Largest von Mises stress of each element of a shell [Pa], shape (..., e): as it is recorded.
 

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
+from heavylift.numerics.words import check_word
 from heavylift.solver.interface import Bodies
+from heavylift.solver.scene.sea import Excitation, Memory
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 
 if TYPE_CHECKING:
@@ -46,17 +48,17 @@ def check_sea(sea: Sea) -> None:
         For a word that is no option, a name that is used twice, or waves that nothing feels.
     """
     check_water(sea.water)
-    if sea.excitation not in {"summed", "series"}:
-        raise InputError(f"{sea.excitation!r}", source="sea", key="excitation", expected="summed or series")
+    check_word(sea.excitation, Excitation, source="sea", key="excitation")
     if not 0.0 <= sea.ramp < np.inf:
         raise InputError(f"{sea.ramp:g} s", source="sea", key="ramp", expected="0 s or more")
     for radiation in sea.radiation:
-        if radiation.memory not in {"exponentials", "direct", "none"}:
+        check_word(radiation.memory, Memory, source=radiation.database.source, key="memory")
+        if sea.waves is not None and not radiation.database.has_excitation:
             raise InputError(
-                f"{radiation.memory!r}",
+                f"waves for {', '.join(radiation.bodies)}, of whose database there is radiation alone",
                 source=radiation.database.source,
-                key="memory",
-                expected="exponentials, direct or none",
+                key="waves",
+                expected="a database with exciting forces, or a sea without waves",
             )
     names = [tank.name for tank in sea.tanks]
     twice = [name for name in names if names.count(name) > 1]

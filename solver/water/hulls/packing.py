@@ -307,10 +307,6 @@ def _gauge(sea: Sea) -> Records[WaveComponent]:
 # ---- what a database brings: memory and waves ----
 
 
-FIT_STEP, SHORTEST_FIT, SHORTEST_MEMORY = 0.1, 60.0, 40.0
-"""Of the samples that exponentials are fitted to [s], how far these reach at least, and direct convolution does [s]."""
-
-
 SERIES_MOVED, SERIES_TURNED = 0.05, np.radians(0.1)
 """How far a start may move hulls whose wave forces are tabulated: metres and radians."""
 
@@ -352,20 +348,21 @@ def _consistent_added_mass(database: HydrodynamicDatabase) -> NDArray[np.float64
     which Ogilvie's relation does not share: motions in waves then differ by a tenth of that of the mass. A value of
     the database that is far from the relation is refused.
     """
+    from heavylift.preprocess.hydrodynamics.database import mass_scales
+    from heavylift.preprocess.hydrodynamics.repairs import FELT_MASS
     from heavylift.preprocess.hydrodynamics.retardation import check_infinite_added_mass, infinite_added_mass
 
     w, A, B = database.omega, database.added_mass, database.damping
-    check_infinite_added_mass(w, A, B, database.added_mass_infinite, source=database.source)
+    least = FELT_MASS * mass_scales(database)
+    check_infinite_added_mass(w, A, B, database.added_mass_infinite, least=least, source=database.source)
     consistent = infinite_added_mass(w, A, B, source=database.source)[0]
     return np.asarray(0.5 * (consistent + consistent.T))
 
 
 def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> ExponentialPart | DirectPart:
-    from heavylift.preprocess.hydrodynamics.retardation import memory_length, retardation_kernel
+    from heavylift.preprocess.hydrodynamics.memory_fit import database_memory, fit_memory
 
     database = radiation.database
-    kernel_of_time = retardation_kernel(database.omega, database.damping, source=database.source)
-    length = radiation.memory_length or max(memory_length(kernel_of_time), SHORTEST_MEMORY)
     place = np.array([first], dtype=np.int64)
     if radiation.memory == "direct":
         if not step > 0.0:
@@ -375,13 +372,9 @@ def _memory(radiation: Radiation, first: int, step: float, notes: list[str]) -> 
                 key="memory",
                 expected="a fixed step, and nothing that takes steps back; or 'exponentials'",
             )
+        kernel_of_time, length = database_memory(database, radiation.memory_length)
         return DirectPart(place, pack_direct_memory(kernel_of_time, step, length))
-    from heavylift.preprocess.hydrodynamics.exponentials import fit_exponentials
-
-    times = np.arange(0.0, max(length, SHORTEST_FIT), FIT_STEP)
-    fit = fit_exponentials(
-        kernel_of_time(times), FIT_STEP, tolerance=radiation.fit_error, source=database.source
-    )
+    fit = radiation.fit or fit_memory(database, radiation.memory_length, tolerance=radiation.fit_error)
     if fit.warning:
         notes.append(fit.warning)
     return ExponentialPart(place, pack_exponential_memory(fit.poles, fit.residues, fit.damping))

@@ -129,7 +129,7 @@ def regular_wave(
     direction
         Of propagation [rad].
     phase
-        eps [rad]; with 0 a crest is at the origin at t = 0.
+        eps [rad]; with 0 a crest is at the origin at t = 0, with pi/2 it was there a quarter of a period before.
     depth, gravity
         [m], [m/s^2].
     name

@@ -131,8 +131,15 @@ def excitation_table(database: HydrodynamicDatabase, omega: ArrayLike) -> Headin
     Raises
     ------
     InputError
-        If a frequency is outside.
+        If a frequency is outside, or there is no excitation.
     """
+    if not database.has_excitation:
+        raise InputError(
+            "no exciting forces, radiation alone",
+            source=database.source,
+            key="excitation",
+            expected="a database with exciting forces for motions in waves",
+        )
     full = over_full_circle(database)
     return _table(
         full, full.excitation_at_reference_points(), np.atleast_1d(np.asarray(omega, dtype=np.float64))

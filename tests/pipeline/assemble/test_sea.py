@@ -14,6 +14,7 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
 from heavylift.pipeline.assemble.hulls import (
+    assemble_radiation,
     database_manifest,
     hull_surface,
     linear_restoring,
@@ -99,6 +100,20 @@ def test_trains_go_through_each_other(folder):
     waves = make_waves(load_case(folder, [both]))
     assert waves.amplitude.tolist() == [1.0, 0.5]
     assert np.allclose(waves.omega, 2.0 * np.pi / np.array([9.0, 6.0]), rtol=1e-14)
+
+
+def test_a_positive_phase_has_the_crest_at_the_origin_earlier(folder):
+    table = 'sea.waves={type = "regular", height = 3, period = 8, phase = "90 deg", direction = "30 deg"}'
+    waves = make_waves(load_case(folder, [table]))
+    assert float(waves.elevation(0.0, 0.0, -2.0)) == pytest.approx(
+        1.5, abs=1e-12
+    )  # a quarter of a period before
+    assert float(waves.elevation(0.0, 0.0, 0.0)) == pytest.approx(0.0, abs=1e-12)
+    x, y, t = 7.0, -4.0, 3.3
+    k, w = float(waves.wavenumber[0]), 2.0 * math.pi / 8.0
+    along = x * math.cos(math.radians(30.0)) + y * math.sin(math.radians(30.0))
+    expected = 1.5 * math.cos(k * along - w * t - math.radians(90.0))
+    assert float(waves.elevation(x, y, t)) == pytest.approx(expected, abs=1e-12)
 
 
 def test_a_measured_elevation_comes_back_at_its_place(folder):
@@ -255,6 +270,27 @@ def test_databases_are_stored_once_and_read_again(folder):
     content = (folder / "still.nc").read_bytes()
     (folder / "still.nc").write_bytes(content + b"\0")
     assert not run_case(case, stages=("mesh",)).stage("mesh").skipped
+
+
+def test_the_fit_of_the_mesh_stage_is_what_the_simulation_takes(folder, monkeypatch):
+    from heavylift.preprocess.hydrodynamics import memory_fit
+
+    case = load_case(folder, ["tanks="])
+    out = run_case(case, stages=("mesh",)).folder
+    (stored,) = assemble_radiation(case, out)
+    again = memory_fit.fit_memory(stored.database, tolerance=stored.fit_error)
+    np.testing.assert_array_equal(stored.fit.poles, again.poles)
+    np.testing.assert_array_equal(stored.fit.residues, again.residues)
+    # nothing is fitted again, in simulations neither
+    monkeypatch.setattr(memory_fit, "fit_memory", None)
+    run_case(case, stages=("mesh", "simulate"))
+    # a memory of another length is another fit, and a file that is gone is made again
+    longer = load_case(folder, ["tanks=", "databases.still.memory_length=70 s"])
+    assert assemble_radiation(longer, out)[0].fit is None
+    monkeypatch.undo()
+    out.memory("still").unlink()
+    run_case(case, stages=("mesh",))
+    assert out.memory("still").is_file()
 
 
 def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from law_scenes import G, run, scene
@@ -67,6 +69,20 @@ def test_spring_and_motor_on_a_hinge() -> None:
     assert result.balance < 1e-4
     for coarse, fine in zip(*errors, strict=True):
         assert coarse / fine == pytest.approx(4.0, rel=0.15)
+
+
+@pytest.mark.parametrize("integrator", ["dele2", "accurate", "thesis"])
+def test_a_spring_of_nothing_leaves_the_motion_as_it_is(integrator: str) -> None:
+    """The first run of a sweep of its stiffness or damping."""
+    whole = pendulum()
+    others = [force for force in whole.forces if not isinstance(force, JointSpring)]
+    angles = []
+    for springs in ([], [JointSpring(name="spring", joint="hinge", rest=REST)]):
+        result = run(replace(whole, forces=(*others, *springs)), 5e-3, 0.5, integrator=integrator)
+        angles.append(result["hinge.angle"])
+    np.testing.assert_allclose(angles[1], angles[0], atol=1e-12)
+    assert np.abs(angles[0]).max() > 1e-3
+    assert not result["spring.load"].any()
 
 
 def test_what_has_no_force_to_compare_is_passed_over() -> None:

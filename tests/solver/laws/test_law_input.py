@@ -77,7 +77,7 @@ def test_spring_rope_needs_a_stiffness() -> None:
 @pytest.mark.parametrize(
     ("force", "message"),
     [
-        (spring(stiffness=0.0), "neither a stiffness nor a damping"),
+        (spring(stiffness=0.0), None),  # the first of a sweep
         (spring(stiffness=-1.0), "stiffness"),
         (spring(length=-1.0), "length"),
         (spring(point_b=np.array([0, 0, 10.0])), "0 m apart at the start"),
