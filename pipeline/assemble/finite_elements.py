@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group
+    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MeshFileGeometry
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
     from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -44,18 +44,50 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
     with in_body(case, name):
         if body.geometry.type == "four_files":
             return four_files(case, body.geometry).model
+        if body.geometry.type == "mesh":
+            return _of_deck(case, name, body, body.geometry)
         assert body.material is not None
         mesh = _mesh(case, name, body)
         if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":
             _refuse_single_layer(mesh)
-        material = Material(**body.material.model_dump())
+        material = Material(**body.material.given())
         return assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
+
+
+def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFileGeometry) -> FEModel:
+    """One body of a mesh file, with the material of the file as far as the case gives none."""
+    from dataclasses import replace
+
+    from heavylift.preprocess.finite_elements.deck import material_of
+    from heavylift.preprocess.finite_elements.elasticity import assemble
+    from heavylift.preprocess.finite_elements.geometry import read_deck, scaled_mesh
+
+    unit = geometry.length_unit
+    taken = read_deck(case.folder / geometry.file, case.folder).body(
+        elements=geometry.elements,
+        part=geometry.part,
+        merge_nodes=None if geometry.merge_nodes is None else geometry.merge_nodes / unit,
+        materials=not geometry.ignore_material,
+    )
+    material = material_of(
+        taken.material,
+        body.material.given() if body.material else {},
+        source=name,
+        length_unit=unit if "length_unit" in geometry.model_fields_set else None,
+        mass_unit=geometry.mass_unit,
+    )
+    mesh = scaled_mesh(taken.mesh, unit, _selectors(geometry.groups))
+    model = assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
+    notes = (*taken.notes, *(taken.material.notes if taken.material else ()))
+    return replace(model, notes=notes)
 
 
 _CASE_KEYS = (
     (re.compile(r"node group '([^']*)'"), r"geometry.groups.\1"),
     (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
     (re.compile(r"(add|cut)"), r"geometry.\1"),
+    (re.compile(r"(elements|part|merge_nodes|mass_unit)"), r"geometry.\1"),
+    (re.compile(r"(material(?:\..*)?)"), r"\1"),
     (re.compile(r"modes"), "modes.count"),
     (re.compile(r"((?:modes|mesh|supports|static)\..*|interface)"), r"\1"),
 )
@@ -68,7 +100,9 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        grouped = error.key.startswith("node group ") and case.bodies[name].geometry.type != "mesh"
+        of_file = case.bodies[name].geometry.type == "mesh"
+        grouped = error.key.startswith("node group ") and not of_file
+        grouped |= error.key in {"elements", "part", "merge_nodes"} and of_file
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
         if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.")):
@@ -195,15 +229,11 @@ def _mesh(case: Case, name: str, body: FlexibleBodySection) -> Mesh:
             refine=refine,
             name=name,
         )
-    if geometry.type == "step":
-        from heavylift.preprocess.finite_elements.geometry import read_step
+    from heavylift.preprocess.finite_elements.geometry import read_step
 
-        file = case.folder / geometry.file
-        return read_step(file, size=options.size, curved=options.curved, groups=selectors, refine=refine)
-    from heavylift.preprocess.finite_elements.geometry import read_mesh
-
-    assert geometry.type == "mesh"
-    return read_mesh(case.folder / geometry.file, length_unit=geometry.length_unit, groups=selectors)
+    assert geometry.type == "step"
+    file = case.folder / geometry.file
+    return read_step(file, size=options.size, curved=options.curved, groups=selectors, refine=refine)
 
 
 def _selectors(groups: Mapping[str, Group]) -> list[NodeSelector]:
@@ -237,7 +267,8 @@ def four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
         clamped_nodes=None if clamped is None else [node - 1 for node in clamped],
     )
     groups = select_nodes(data.model.nodes, _selectors(geometry.groups), source=str(folder))
-    return replace(data, model=replace(data.model, node_groups={**data.model.node_groups, **groups}))
+    model = replace(data.model, node_groups={**data.model.node_groups, **groups}, notes=data.notes)
+    return replace(data, model=model)
 
 
 def model_properties(model: FEModel) -> dict[str, Any]:
@@ -249,6 +280,7 @@ def model_properties(model: FEModel) -> dict[str, Any]:
         "dof_count": 3 * model.node_count,
         "mass": model.total_mass,
         "volume": None if density is None else model.total_mass / density,
+        "notes": list(model.notes),
     }
 
 

@@ -30,14 +30,18 @@ Count = Annotated[int, Field(ge=1, strict=True)]
 
 
 class MaterialSection(Section):
-    """Linear elastic, isotropic material."""
+    """Linear elastic, isotropic material; all of it, but for what a mesh file with materials brings."""
 
-    young_modulus: Annotated[float, Positive("pressure")]
+    young_modulus: Annotated[float, Positive("pressure")] | None = None
     """Young's modulus [Pa]."""
-    poisson_ratio: Annotated[float, Quantity("number", minimum=-1.0, maximum=0.5)]
+    poisson_ratio: Annotated[float, Quantity("number", minimum=-1.0, maximum=0.5)] | None = None
     """Poisson's ratio, between -1 and 0.5."""
-    density: Annotated[float, Positive("density")]
+    density: Annotated[float, Positive("density")] | None = None
     """Density [kg/m^3]."""
+
+    def given(self) -> dict[str, float]:
+        """Properties that are given."""
+        return {key: value for key, value in self.model_dump().items() if value is not None}
 
 
 class PlaneGroup(Section):
@@ -151,13 +155,23 @@ class StepGeometry(Section):
 
 
 class MeshFileGeometry(Section):
-    """A mesh file of any format that meshio reads, with hex8 or tet10 elements."""
+    """A deck of Abaqus or CalculiX, or a mesh file of any format that meshio reads, with hex8 or tet10 elements."""
 
     type: Literal["mesh"]
     file: Annotated[str, InFolder()]
     """Mesh file in the case folder."""
     length_unit: Annotated[float, Positive("length")] = 1.0
     """Length of one unit of the file, e.g. ``"1 mm"`` (default 1 m)."""
+    mass_unit: Annotated[float, Positive("mass")] | None = None
+    """Unit of mass of the materials of a deck: ``"1 t"`` with mm, N/mm^2 and t/mm^3; needed beside a `length_unit`."""
+    elements: tuple[str, ...] = ()
+    """Names of element sets, parts or properties of the file that are the body; all by default."""
+    part: Count | None = None
+    """Number of the part, among those without a common face in the order of the file; one only by default."""
+    merge_nodes: Annotated[float, Positive("length")] | None = None
+    """Nodes of the file nearer than this become one: joins parts that touch node on node."""
+    ignore_material: bool = False
+    """Whether materials of the file are neither used nor compared with the one given."""
     groups: dict[Name, GroupField] = Field(default_factory=dict)
     """Groups of nodes, in addition to those named in the file."""
 

@@ -145,8 +145,14 @@ def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str,
     if name is None:
         return {}
     path = case.folder / name
-    paths = sorted(path.glob("*.dat")) if path.is_dir() else [path]
-    return {item.name: digest_file(item) for item in paths}
+    if path.is_dir():
+        return {item.name: digest_file(item) for item in sorted(path.glob("*.dat"))}
+    from heavylift.preprocess.finite_elements.deck import deck_files
+
+    return {
+        item.relative_to(case.folder.resolve()).as_posix() if item != path else item.name: digest_file(item)
+        for item in deck_files(path, case.folder)
+    }
 
 
 def modes_digest(case: Case, body: FlexibleBodySection) -> str:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.model import FEModel
+from heavylift.preprocess.finite_elements.model import DENSITY_LIMIT, WAVE_SPEEDS, FEModel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -394,9 +394,6 @@ MASS_FILE = "mij.dat"
 MODE_FILE = "modeShapeMatrix.dat"
 STIFFNESS_FILE = "stiffnessMatrix.dat"
 
-_WAVE_SPEEDS = (10.0, 30e3)  # m/s: soft rubber to beyond diamond
-_DENSITY_LIMIT = 25e3  # kg/m3, above osmium
-
 
 @dataclass(frozen=True)
 class FourFileData:
@@ -690,10 +687,10 @@ def _describe(model: FEModel, check: bool) -> str:
     )
     if check:
         remedy = "factors length_unit, mass_factor, stiffness_factor that give SI together"
-        low, high = _WAVE_SPEEDS
+        low, high = WAVE_SPEEDS
         if not low <= speed <= high:
             raise InputError(f"{words}: no material is like that", source=model.name, expected=remedy)
-        if volume > 0.0 and model.total_mass > _DENSITY_LIMIT * volume:
+        if volume > 0.0 and model.total_mass > DENSITY_LIMIT * volume:
             density = model.total_mass / volume
             raise InputError(
                 f"{words}: {density:.3g} kg/m3 or more, no material is that dense",

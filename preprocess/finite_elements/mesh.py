@@ -274,7 +274,14 @@ class Mesh:
             _, face_of, count = np.unique(keys[:, :3], axis=0, return_inverse=True, return_counts=True)
         return len(count), face_of.ravel(), count
 
-    def _check_connected(self, source: str) -> None:
+    def parts(self) -> NDArray[np.int64]:
+        """Zero-based part of every element, shape (ne,): elements are of one part if faces join them.
+
+        Raises
+        ------
+        InputError
+            For a face shared by more than two elements.
+        """
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
@@ -283,19 +290,24 @@ class Mesh:
         if count.max() > 2:
             raise InputError(
                 f"has a face shared by {count.max()} elements",
-                source=source,
+                source=self.name or "mesh",
                 key=self._element_words(owner[np.argmax(count[face_of])]),
                 expected="two elements at most at a face (no element twice, none overlapping)",
             )
         ne = self.element_count
         size = ne + face_count
         graph = coo_array((np.ones(len(owner), dtype=np.int8), (owner, ne + face_of)), shape=(size, size))
-        parts, labels = connected_components(graph, directed=False)
-        if parts > 1:
-            sizes = np.bincount(labels[:ne])
-            smallest = np.flatnonzero(labels[:ne] == np.argmin(sizes))
+        _, labels = connected_components(graph, directed=False)
+        found: NDArray[np.int64] = labels[:ne].astype(np.int64)
+        return found
+
+    def _check_connected(self, source: str) -> None:
+        labels = self.parts()
+        if labels.max() > 0:
+            sizes = np.bincount(labels)
+            smallest = np.flatnonzero(labels == np.argmin(sizes))
             raise InputError(
-                f"the mesh falls into {parts} parts that share no face; the smallest has "
+                f"the mesh falls into {sizes.size} parts that share no face; the smallest has "
                 f"{smallest.size} element(s)",
                 source=source,
                 key=self._element_words(smallest[0]),
