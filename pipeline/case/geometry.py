@@ -155,7 +155,7 @@ class StepGeometry(Section):
 
 
 class MeshFileGeometry(Section):
-    """A deck of Abaqus or CalculiX, or a mesh file of any format that meshio reads, with hex8 or tet10 elements."""
+    """A deck of Abaqus, CalculiX or Nastran, or a mesh file of a format of meshio, with hex8 or tet10 elements."""
 
     type: Literal["mesh"]
     file: Annotated[str, InFolder()]

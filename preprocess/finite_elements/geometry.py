@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.deck import Deck, ElementBlock
+from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
 from heavylift.preprocess.finite_elements.groups import NodeSelector, select_nodes
 from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -86,7 +86,7 @@ def load_geometry(
                 expected="no length unit: a STEP file carries its own",
             )
         return read_step(path, size=size, curved=curved, groups=groups, refine=refine)
-    if suffix in MESH_SUFFIXES:
+    if suffix in {*MESH_SUFFIXES, *DECK_SUFFIXES}:
         for key, value in (("size", size), ("refine", refine or None)):
             if value is not None:
                 expected = f"no {key}: the file is a finished mesh"
@@ -95,7 +95,8 @@ def load_geometry(
     raise InputError(
         f"suffix {path.suffix!r} is unknown",
         source=path,
-        expected="a STEP file or a mesh: " + " ".join((*STEP_SUFFIXES, *MESH_SUFFIXES)),
+        expected="a STEP file or a mesh: "
+        + " ".join(sorted({*STEP_SUFFIXES, *MESH_SUFFIXES, *DECK_SUFFIXES})),
     )
 
 
@@ -273,6 +274,10 @@ def read_deck(path: Path, root: Path | None = None) -> Deck:
         from heavylift.preprocess.finite_elements.abaqus_deck import read_abaqus_deck
 
         return read_abaqus_deck(path, root)
+    if suffix in DECK_SUFFIXES:
+        from heavylift.preprocess.finite_elements.nastran_deck import read_nastran_deck
+
+        return read_nastran_deck(path, root)
     return _deck_of_meshio(read_with_meshio(path), path)
 
 
