@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MeshFileGeometry
+    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MatricesGeometry, MeshFileGeometry
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
     from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -44,6 +44,8 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
     with in_body(case, name):
         if body.geometry.type == "four_files":
             return four_files(case, body.geometry).model
+        if body.geometry.type == "matrices":
+            return _of_matrices(case, body.geometry)
         if body.geometry.type == "mesh":
             return _of_deck(case, name, body, body.geometry)
         assert body.material is not None
@@ -82,6 +84,29 @@ def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFil
     return replace(model, notes=notes)
 
 
+def _of_matrices(case: Case, geometry: MatricesGeometry) -> FEModel:
+    """Matrices that another program has written for the nodes of its deck."""
+    from dataclasses import replace
+
+    from heavylift.preprocess.finite_elements.geometry import read_deck
+    from heavylift.preprocess.finite_elements.groups import select_nodes
+    from heavylift.preprocess.finite_elements.matrix_files import read_matrices
+
+    files = {key: case.folder / name for key, name in geometry.matrix_files().items()}
+    deck = case.folder / geometry.file
+    model = read_matrices(
+        read_deck(deck, case.folder),
+        files["stiffness"],
+        files["mass"],
+        files["degrees"] if geometry.degrees or files["degrees"].is_file() else None,
+        length_unit=geometry.length_unit,
+        mass_factor=geometry.mass_unit,
+        stiffness_factor=geometry.stiffness_unit,
+    )
+    groups = select_nodes(model.nodes, _selectors(geometry.groups), faces=model.node_groups, source=str(deck))
+    return replace(model, node_groups={**model.node_groups, **groups})
+
+
 _CASE_KEYS = (
     (re.compile(r"node group '([^']*)'"), r"geometry.groups.\1"),
     (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
@@ -100,7 +125,7 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        of_file = case.bodies[name].geometry.type == "mesh"
+        of_file = case.bodies[name].geometry.type in {"mesh", "matrices"}
         grouped = error.key.startswith("node group ") and not of_file
         grouped |= error.key in {"elements", "part", "merge_nodes"} and of_file
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:

@@ -17,6 +17,7 @@ __all__ = [
     "Geometry",
     "Group",
     "MaterialSection",
+    "MatricesGeometry",
     "MeshFileGeometry",
     "MeshSection",
     "PlaneGroup",
@@ -194,8 +195,37 @@ class FourFilesGeometry(Section):
     """Named groups of nodes."""
 
 
+class MatricesGeometry(Section):
+    """Stiffness and mass written by CalculiX (``.sti``, ``.mas``, ``.dof``) or Abaqus (``.mtx``), and the deck."""
+
+    type: Literal["matrices"]
+    file: Annotated[str, InFolder()]
+    """Deck with the nodes, in the case folder."""
+    stiffness: Annotated[str, InFolder()] | None = None
+    """Stiffness matrix; by default the file of the deck's name with ``.sti``."""
+    mass: Annotated[str, InFolder()] | None = None
+    """Mass matrix; by default the file of the deck's name with ``.mas``."""
+    degrees: Annotated[str, InFolder()] | None = None
+    """What the rows are; by default the file of the deck's name with ``.dof``, if there is one."""
+    length_unit: Annotated[float, Positive("length")] = 1.0
+    """Unit of the node positions, e.g. ``"1 mm"``."""
+    mass_unit: Annotated[float, Positive("mass")] = 1.0
+    """Unit of the masses, e.g. ``"1 t"``."""
+    stiffness_unit: Annotated[float, Positive("stiffness")] = 1.0
+    """Unit of the stiffness, e.g. ``"1 N/mm"``."""
+    groups: dict[Name, GroupField] = Field(default_factory=dict)
+    """Groups of nodes, in addition to those named in the deck."""
+
+    def matrix_files(self) -> dict[str, str]:
+        """Paths of the three files as said or by default, relative to the case folder."""
+        stem = self.file.rpartition(".")[0]
+        named = {"stiffness": ".sti", "mass": ".mas", "degrees": ".dof"}
+        return {key: getattr(self, key) or stem + suffix for key, suffix in named.items()}
+
+
 Geometry = Annotated[
-    BlocksGeometry | StepGeometry | MeshFileGeometry | FourFilesGeometry, Field(discriminator="type")
+    BlocksGeometry | StepGeometry | MeshFileGeometry | FourFilesGeometry | MatricesGeometry,
+    Field(discriminator="type"),
 ]
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from heavylift.pipeline.case.fields import InFolder, Section
+from heavylift.pipeline.case.geometry import MatricesGeometry
 from heavylift.pipeline.case.joined import joined_to_hull
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
@@ -149,10 +150,14 @@ def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str,
         return {item.name: digest_file(item) for item in sorted(path.glob("*.dat"))}
     from heavylift.preprocess.finite_elements.deck import deck_files
 
-    return {
+    found = {
         item.relative_to(case.folder.resolve()).as_posix() if item != path else item.name: digest_file(item)
         for item in deck_files(path, case.folder)
     }
+    if isinstance(geometry, MatricesGeometry):
+        files = [case.folder / other for other in geometry.matrix_files().values()]
+        found |= {item.name: digest_file(item) for item in files if item.is_file()}
+    return found
 
 
 def modes_digest(case: Case, body: FlexibleBodySection) -> str:

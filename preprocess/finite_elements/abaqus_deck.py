@@ -208,7 +208,7 @@ def _block(name: str, labels: list[object], nodes: NDArray[np.int64]) -> Element
     nothing = np.empty((len(labels), 0), dtype=np.int64)
     if count is not None:
         remedy = _TET_REMEDY if count == 4 else _BRICK_REMEDY
-        return ElementBlock(name, "", marks, nothing, _SOLID_WORDS.get(count, "solid elements"), remedy)
+        return ElementBlock(name, "", marks, nodes, _SOLID_WORDS.get(count, "solid elements"), remedy)
     for pattern, words, harmless in _OTHERS:
         if re.match(pattern, name):
             return ElementBlock(name, "", marks, nothing, words, _BRICK_REMEDY, harmless)
@@ -390,6 +390,7 @@ class _Reader:
         self.materials: dict[str, _Material] = {}
         self.material: _Material | None = None
         self.constraints: Counter[str] = Counter()
+        self.held: list[tuple[str, int, int]] = []
         self.sectors = ""
         self.extra: Counter[str] = Counter()
         self.unknown_sets: dict[str, None] = {}
@@ -421,6 +422,8 @@ class _Reader:
             self.constraints[card.shown] += 1
             if key == "CYCLICSYMMETRYMODEL":
                 self.sectors = card.parameters.get("N", "")
+        if key == "BOUNDARY":
+            self._hold(card)
         if key == "STEP":
             self.in_steps = True
         if self.in_steps:
@@ -567,6 +570,19 @@ class _Reader:
             rows = self.scope.surfaces.setdefault(name, (kind, []))[1]
             rows += [[word.strip('"').strip() for word in words] for _, _, words in card.data if words]
 
+    def _hold(self, card: _Card) -> None:
+        """Directions that the file holds; kinds of supports by name as far as they hold displacements."""
+        named = {"ENCASTRE": (1, 3), "PINNED": (1, 3), "XSYMM": (1, 1), "YSYMM": (2, 2), "ZSYMM": (3, 3)}
+        for _, _, words in card.data:
+            if len(words) < 2:
+                continue
+            first, last = named.get(words[1].upper(), (0, -1))
+            if _is_whole(words[1]):
+                first = int(words[1])
+                last = int(words[2]) if len(words) > 2 and _is_whole(words[2]) else first
+            if first <= min(last, 3):
+                self.held.append((words[0].strip('"'), max(first, 1), min(last, 3)))
+
     # -- parts --
 
     def _part(self, card: _Card) -> None:
@@ -687,6 +703,7 @@ class _Assembler:
         self._number_elements(path)
         element_sets, node_sets = self._sets()
         index, materials = self._materials()
+        held = self._held()
         reader = self.reader
         notes = []
         if reader.constraints:
@@ -707,7 +724,44 @@ class _Assembler:
             )
         ]
         points = np.vstack(self.points) if self.points else np.empty((0, 3))
-        return Deck(path, points, self.blocks, node_sets, element_sets, index, materials, tuple(notes))
+        labels = [
+            f"{one.name}.{label}" if one.name else label for one in self.placed for label in one.part.nodes
+        ]
+        return Deck(
+            path,
+            points,
+            self.blocks,
+            node_sets,
+            element_sets,
+            index,
+            materials,
+            tuple(notes),
+            node_labels=labels,
+            held=held,
+        )
+
+    def _held(self) -> NDArray[np.int64]:
+        """Degrees of freedom that the file holds."""
+        found = [np.empty(0, dtype=np.int64)]
+        scopes: list[tuple[_Scope, int | None]] = [
+            (one.part, place) for place, one in enumerate(self.placed) if not one.name
+        ]
+        node_of = self._nodes_of_elements()
+        for word, first, last in self.reader.held:
+            for scope, place in scopes or [(self.reader.assembly, None)]:
+                elsewhere = None if _is_whole(word) else self._elsewhere(word, place)
+                if elsewhere is not None and _is_whole(elsewhere[2]):
+                    row = self.node_row[elsewhere[1] or 0].get(int(elsewhere[2]))
+                    rows = np.array([] if row is None else [row], dtype=np.int64)
+                elif _is_whole(word):
+                    rows = self._surface_members(scope, place, word, nodes=True)
+                elif elsewhere is not None or word.upper() in scope.node_sets:
+                    whose, inside, name = elsewhere or (scope, place, word)
+                    rows = self._nodes(whose, inside, name, node_of)
+                else:
+                    continue
+                found += [3 * rows + axis - 1 for axis in range(first, last + 1)]
+        return np.unique(np.concatenate(found))
 
     def _number_nodes(self) -> None:
         start = 0
@@ -732,7 +786,7 @@ class _Assembler:
                 self.element_row[place][label] = row
                 row += 1
                 labels.append(f"{one.name}.{label}" if one.name else label)
-                if _node_count(name) in _KIND_OF:
+                if _node_count(name) is not None:
                     known = self.node_row[place]
                     try:
                         rows.append([known[node] for node in one.part.elements[label][1]])

@@ -157,7 +157,7 @@ class ElementBlock:
     labels
         Numbers of the elements in the file, shape (m,).
     nodes
-        Rows of `Deck.points`, VTK order, shape (m, nodes per element); empty, (m, 0), without a kind.
+        Rows of `Deck.points`, shape (m, nodes per element); VTK order if there is a kind, else (m, 0) if not known.
     words
         What an element without kind is, e.g. ``"shell"``.
     remedy
@@ -247,6 +247,10 @@ class Deck:
         Materials of sections.
     notes
         What the reader left out.
+    node_labels
+        Number of every node in the file, ``"INSTANCE.number"`` in an instance; shape (n,).
+    held
+        Degrees of freedom (3 times the row of the node, plus direction) that the file holds, ascending.
     """
 
     source: Path
@@ -257,6 +261,8 @@ class Deck:
     material_index: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     materials: Sequence[DeckMaterial] = ()
     notes: tuple[str, ...] = ()
+    node_labels: Sequence[object] = ()
+    held: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def body(
         self,

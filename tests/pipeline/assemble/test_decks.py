@@ -178,3 +178,31 @@ def test_a_material_is_whole_where_no_file_brings_it(folder):
         InputError, match=r"case.toml: bodies.beam.material.poisson_ratio: no 'poisson_ratio'"
     ):
         load_case(folder)
+
+
+def test_a_body_of_matrices_has_the_frequencies_of_its_deck(folder):
+    expected, report = modes_of(folder)
+    from heavylift.pipeline.results.model_io import read_model
+
+    model = read_model(report.folder.model("beam"))
+    # what CalculiX writes, from our own matrices: this is about the way through a case
+    for suffix, matrix in ((".sti", 1e-3 * model.stiffness), (".mas", 1e-3 * model.full_mass())):
+        upper = matrix.tocoo()
+        keep = upper.row <= upper.col
+        rows = zip(upper.row[keep] + 1, upper.col[keep] + 1, upper.data[keep], strict=True)
+        (folder / f"beam{suffix}").write_text("".join(f"{i} {j} {value:20.13e}\n" for i, j, value in rows))
+    (folder / "beam.dof").write_text(
+        "".join(f"{1 + k // 3}.{1 + k % 3}\n" for k in range(3 * model.node_count))
+    )
+    before = read_json(report.folder.manifest("modes"))["items"]["beam"]["properties"]["frequencies_hz"]
+    case = folder / "case.toml"
+    text = case.read_text().replace('type = "mesh"', 'type = "matrices"\nstiffness_unit = "1 N/mm"')
+    case.write_text(text)
+    properties, report = modes_of(folder)
+    assert properties["mass"] == pytest.approx(expected["mass"], rel=1e-10)
+    after = read_json(report.folder.manifest("modes"))["items"]["beam"]["properties"]["frequencies_hz"]
+    # 14 digits in the files, of which bending of a slender bar costs some
+    np.testing.assert_allclose(after, before, rtol=1e-8)
+    (folder / "beam.mas").unlink()
+    with pytest.raises(InputError, match=r"beam.mas: does not exist"):
+        modes_of(folder)
