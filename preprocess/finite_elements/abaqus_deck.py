@@ -88,14 +88,16 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
                 card.data = [
                     (target, at, _fields(text))
                     for _, at, text in _lines(target, deck, root, (deck,))
-                    if text[0] != "*"
+                    if text[0] != "*" and _fields(text)
                 ]
         elif card is not None and goes_on and _PARAMETERS.match(line):
             card.parameters |= _header(f"*,{line}", file, number).parameters
             goes_on = line.endswith(",")
         elif card is not None:
             goes_on = False
-            card.data.append((file, number, _fields(line)))
+            words = _fields(line)
+            if words:
+                card.data.append((file, number, words))
     if card is not None:
         yield card
 
@@ -386,6 +388,7 @@ class _Reader:
         self.parts: dict[str, _Scope] = {}
         self.assembly = _Scope()
         self.instances: dict[str, _Instance] = {}
+        self.instance: _Instance | None = None
         self.scope = self.flat
         self.materials: dict[str, _Material] = {}
         self.material: _Material | None = None
@@ -620,11 +623,20 @@ class _Reader:
             made.rotation = _turn(b - a, np.radians(values[6]))
             made.offset = a + made.rotation @ (made.offset - a)
         self.instances[name.upper()] = made
-        # a mesh that stands in the instance itself is one of the part
-        self.scope = whole
+        self.instance, self.scope = made, _Scope(name)
 
     def _end_instance(self, _card: _Card) -> None:
-        self.scope = self.assembly
+        made, own = self.instance, self.scope
+        if made is not None and (own.nodes or own.elements):  # an independent instance has the mesh itself
+            made.part = own
+        elif made is not None:
+            for mine, theirs in (
+                (own.node_sets, made.part.node_sets),
+                (own.element_sets, made.part.element_sets),
+            ):
+                for name, pieces in mine.items():
+                    theirs.setdefault(name, []).extend(pieces)
+        self.instance, self.scope = None, self.assembly
 
     # -- materials --
 

@@ -180,6 +180,24 @@ Body
     assert found.body(elements=["Both"]).mesh.element_count == 1
 
 
+def test_independent_instances_have_their_own_mesh(tmp_path):
+    section = "** Section: one\n*Solid Section, elset=Body, material=Steel\n,\n"
+    text = "*Part, name=P\n*End Part\n*Assembly, name=A\n"
+    for name, offset in (("P-1", 0), ("P-2", 3)):
+        text += f"*Instance, name={name}, part=P\n{offset}., 0., 0.\n{CUBE}{BRICK}{section}*End Instance\n"
+    text += "*Node\n1, 9., 9., 9.\n*Nset, nset=Reference\n1,\n"
+    text += (
+        "*Nset, nset=_PickedSet5, internal, instance=P-2, generate\n1, 4, 1\n*End Assembly\n"
+        + STEEL.rpartition("*SOLID")[0]
+    )
+    body = read_deck(deck(tmp_path, text)).body(elements=["P-2"])
+    assert body.mesh.nodes[:, 0].min() == 3.0
+    assert body.mesh.volume == pytest.approx(1.0)
+    assert body.material.density == 7.85e-9
+    assert body.mesh.node_groups["_PickedSet5"].tolist() == [0, 1, 2, 3]
+    assert "Reference" not in body.mesh.node_groups
+
+
 def test_parts_are_chosen_or_joined(tmp_path):
     path = deck(tmp_path, CUBE + BRICK + second_cube(1.0))
     with pytest.raises(
