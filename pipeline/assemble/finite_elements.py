@@ -178,7 +178,7 @@ def check_on_body(
     nodes
         Positions [m] in the same axes, shape (n, 3).
     elements
-        Nodes of the elements, corners first, shape (ne, 8) or (ne, 10); None if the body has none.
+        Nodes of the elements, corners first, shape (ne, 8), (ne, 20) or (ne, 10); None if the body has none.
     source, key
         Where the point stands, for the message.
 
@@ -315,7 +315,7 @@ def write_vtu(path: Path, model: FEModel) -> None:
         return
     import meshio
 
-    kind = {"tet10": "tetra10", "hex8": "hexahedron"}[model.mesh.element_type]
+    kind = {"tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20"}[model.mesh.element_type]
     groups = {name: np.isin(np.arange(model.node_count), nodes) for name, nodes in model.node_groups.items()}
     mesh = meshio.Mesh(
         model.nodes,

@@ -152,6 +152,11 @@ class FlexibleBodySection(Section):
                 f"'mesh' has {keys} with geometry 'mesh'",
                 "only 'mass' and 'formulation': the file is the mesh",
             )
+        formulation = self.mesh.formulation
+        if given != "mesh" and self.mesh.element == "tet10" and formulation not in {None, "full"}:
+            reject(
+                f"formulation {formulation!r} with element 'tet10'", "'full', or element 'hex8'", key="mesh"
+            )
         if given != "blocks" and self.mesh.divisions:
             reject(f"'mesh.divisions' with geometry {given!r}", "geometry 'blocks'")
         if given == "step" and self.mesh.element != "tet10":

@@ -156,7 +156,7 @@ class StepGeometry(Section):
 
 
 class MeshFileGeometry(Section):
-    """A deck of Abaqus, CalculiX or Nastran, or a mesh file of a format of meshio, with hex8 or tet10 elements."""
+    """A deck of Abaqus, CalculiX or Nastran, or a mesh file of a format of meshio, with bricks or tet10."""
 
     type: Literal["mesh"]
     file: Annotated[str, InFolder()]
@@ -254,7 +254,8 @@ class MeshSection(Section):
     divisions: dict[Literal["x", "y", "z"], tuple[Count, ...]] = Field(default_factory=dict)
     """For bricks: elements in each interval between the planes of the blocks."""
     formulation: Literal["full", "incompatible", "reduced"] | None = None
-    """Bricks: incompatible modes (default), full integration, or reduced with hourglass stiffness."""
+    """8-node bricks: incompatible modes (default), full integration, or reduced with hourglass stiffness; 20-node
+    bricks of a file: full (default), or reduced, with two bricks or more across every wall."""
     mass: Literal["consistent", "lumped"] = "consistent"
     """Consistent mass, or lumped: HRZ for tetrahedra, V/8 for bricks."""
 
@@ -264,8 +265,6 @@ class MeshSection(Section):
             reject("'divisions' with element 'tet10'", "element 'hex8', or a target 'size'")
         if self.element == "hex8" and self.refine:
             reject("'refine' with element 'hex8'", "element 'tet10', or finer 'divisions'")
-        if self.element == "tet10" and self.formulation not in {None, "full"}:
-            reject(f"formulation {self.formulation!r} with element 'tet10'", "'full', or element 'hex8'")
         if self.element == "hex8" and self.formulation == "reduced":
             for axis, counts in self.divisions.items():
                 if set(counts) == {1}:

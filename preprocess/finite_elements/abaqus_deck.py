@@ -5,9 +5,9 @@ What is understood:
 * *text*: keywords in any case and with or without inner blanks; comments ``**``; blank lines; a keyword line goes
   on after a comma at its end; lines of elements, constants and sets go on as long as numbers are missing; commas at
   the end of a line; numbers like 1.5D-3; quoted names; ``*INCLUDE`` and ``INPUT=`` of files below the case folder;
-* *mesh*: ``*NODE`` (``NSET``, ``SYSTEM=R|C|S``) and ``*SYSTEM``; ``*ELEMENT`` (``TYPE``, ``ELSET``), of which C3D8 and
-  C3D10 with all letters behind (R, I, H, M, T ...) become bricks and tetrahedra; numbers behind the nodes of an
-  element are passed over;
+* *mesh*: ``*NODE`` (``NSET``, ``SYSTEM=R|C|S``) and ``*SYSTEM``; ``*ELEMENT`` (``TYPE``, ``ELSET``), of which C3D8,
+  C3D20 and C3D10 with all letters behind (R, I, H, M, T ...) become bricks and tetrahedra; numbers behind the nodes
+  of an element are passed over;
 * *sets*: ``*NSET``, ``*ELSET`` with ``GENERATE``, sets of sets, ``*NSET, ELSET=``; ``*SURFACE`` of faces or nodes;
 * *parts*: ``*PART``, ``*ASSEMBLY``, ``*INSTANCE`` with translation and rotation; a set ``S`` of an instance ``I`` is
   called ``I.S``, and ``S`` too if no other instance has one; an instance is a set of elements;
@@ -16,7 +16,7 @@ What is understood:
 
 What is left out, and said: constraints, contacts and loads; masses, springs, dashpots, gaps and couplings.
 What is refused when a body is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric
-elements, solids with 4, 6, 15, 20 or 27 nodes, orthotropic and hyperelastic materials.
+elements, solids with 4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
 
 Sources: Abaqus Analysis User's Guide, *Input syntax rules*; G. Dhondt, *CalculiX CrunchiX User's Manual*, version 2.21.
 """
@@ -144,17 +144,16 @@ def _fields(line: str) -> list[str]:
 
 
 _SOLID = re.compile(r"^C3D(\d+)[A-Z]*$")
-_KIND_OF = {8: "hex8", 10: "tet10"}
+_KIND_OF = {8: "hex8", 10: "tet10", 20: "hex20"}
 _SOLID_WORDS = {
     4: "4-node tetrahedra",
     5: "5-node pyramids",
     6: "6-node wedges",
     15: "15-node wedges",
-    20: "20-node bricks",
     27: "27-node bricks",
 }
 _TET_REMEDY = "10-node tetrahedra (C3D10): 4-node ones lock; write the mesh with quadratic elements"
-_BRICK_REMEDY = "solids: 8-node bricks (C3D8) or 10-node tetrahedra (C3D10); write the mesh with these"
+_BRICK_REMEDY = "solids: bricks (C3D8, C3D20) or 10-node tetrahedra (C3D10); write the mesh with these"
 # what else stands in decks, by the beginning of its type; the first that fits
 _OTHERS = (
     (r"(MASS|ROTARYI)", "point masses", True),
@@ -178,6 +177,14 @@ _OTHERS = (
 # nodes of the faces S1 ... S6 of the element types, as positions
 _FACES = {
     "hex8": ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    "hex20": (
+        (0, 1, 2, 3, 8, 9, 10, 11),
+        (4, 5, 6, 7, 12, 13, 14, 15),
+        (0, 1, 5, 4, 8, 17, 12, 16),
+        (1, 2, 6, 5, 9, 18, 13, 17),
+        (2, 3, 7, 6, 10, 19, 14, 18),
+        (3, 0, 4, 7, 11, 16, 15, 19),
+    ),
     "tet10": ((0, 1, 2, 4, 5, 6), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 2, 3, 6, 9, 7)),
 }
 

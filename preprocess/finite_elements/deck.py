@@ -39,7 +39,8 @@ __all__ = [
 
 DECK_SUFFIXES = (".bdf", ".dat", ".fem", ".inp", ".nas")
 """Files of Abaqus, CalculiX (``.inp``) and Nastran."""
-KINDS = {"hex8": "8-node bricks", "tet10": "10-node tetrahedra"}
+KINDS = {"hex8": "8-node bricks", "hex20": "20-node bricks", "tet10": "10-node tetrahedra"}
+_SOLIDS = "solids: 8-node bricks, 20-node bricks or 10-node tetrahedra"
 _SHOWN = 6  # parts, sets or types of a message at most
 _AGREE = 1e-3  # relative difference of one material said twice
 
@@ -320,9 +321,9 @@ class Deck:
         cells = self._cells(kept)
         if len(cells) > 1:
             raise InputError(
-                f"contains both bricks and tetrahedra ({self._type_words(kept)})",
+                f"contains {' and '.join(KINDS[kind] for kind in cells)} ({self._type_words(kept)})",
                 source=self.source,
-                expected="8-node bricks only, or 10-node tetrahedra only; choose some with 'elements' or 'part'",
+                expected="one kind of them; choose some with 'elements' or 'part'",
             )
         ((kind, (_, nodes)),) = cells.items()
         material = self._material(kept, notes) if materials else None
@@ -388,14 +389,14 @@ class Deck:
             raise InputError(
                 f"contains {words} (first: element {label})",
                 source=self.source,
-                expected=(first.remedy or "solids: 8-node bricks or 10-node tetrahedra") + choice,
+                expected=(first.remedy or _SOLIDS) + choice,
             )
         notes += [f"left out: {n} {block.words} {block.name}" for block, n, _ in beside if block.words]
         if not have_solids:
             raise InputError(
                 "contains no solid cell",
                 source=self.source,
-                expected="8-node bricks only, or 10-node tetrahedra only",
+                expected=_SOLIDS,
             )
 
     def _cells(self, kept: NDArray[np.int64]) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
@@ -503,7 +504,7 @@ class Deck:
             f"has a node twice: a collapsed element ({some})",
             source=self.source,
             key=self._label(twice[0]),
-            expected="bricks of eight different nodes, or 10-node tetrahedra",
+            expected="elements whose nodes are all different: bricks that are no wedges, or 10-node tetrahedra",
         )
 
     def _material(self, kept: NDArray[np.int64], notes: list[str]) -> DeckMaterial | None:

@@ -39,7 +39,7 @@ __all__ = [
 STEP_SUFFIXES = (".step", ".stp")
 MESH_SUFFIXES = (".bdf", ".fem", ".inp", ".med", ".msh", ".nas", ".vtk", ".vtu", ".xdmf")
 
-_SOLID_CELLS = {"hexahedron": "hex8", "tetra10": "tet10"}
+_SOLID_CELLS = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra10": "tet10"}
 # cells that may accompany a solid: they only carry groups
 _LOWER_CELLS = ("vertex", "line", "triangle", "quad")
 
@@ -197,7 +197,7 @@ def read_mesh(
     part: int | None = None,
     merge_nodes: float | None = None,
 ) -> Mesh:
-    """Read a finished mesh of 8-node bricks or 10-node tetrahedra.
+    """Read a finished mesh of 8-node bricks, 20-node bricks or 10-node tetrahedra.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def read_mesh(
     Raises
     ------
     InputError
-        A missing or unreadable file, cells other than ``hex8`` and ``tet10``, both kinds at once, an
+        A missing or unreadable file, cells of other kinds, several kinds at once, several parts, an
         inverted or disconnected element, a length unit that is not positive, an empty group.
     """
     path = existing_file(path, "a mesh file")
@@ -350,7 +350,7 @@ def _deck_of_meshio(raw: Any, path: Path) -> Deck:
         remedy = (
             "10-node tetrahedra: 4-node ones lock; set the element order to 2 where the mesh is made"
             if block.type == "tetra"
-            else "8-node bricks (hexahedron) or 10-node tetrahedra (tetra10)"
+            else "bricks (hexahedron, hexahedron20) or 10-node tetrahedra (tetra10)"
         )
         only_groups = block.type.startswith(_LOWER_CELLS)
         nothing = np.empty((count, 0), dtype=np.int64)

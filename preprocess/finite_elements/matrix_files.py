@@ -66,7 +66,7 @@ def read_matrices(
     -------
     FEModel
         Its nodes are those of elements and rows, in the order of the deck; nodes without rows are clamped. With a mesh
-        if all elements are 8-node bricks or all are 10-node tetrahedra; without a material.
+        if all elements are of one kind that `Mesh` has; without a material.
 
     Raises
     ------

@@ -6,8 +6,8 @@ What is understood:
   continuation lines that follow their card, with or without names; comments ``$``; numbers like 1.5-3;
   ``INCLUDE 'file'`` of files below the case folder; what stands before ``BEGIN BULK`` and after ``ENDDATA`` is
   passed over;
-* *mesh*: ``GRID`` in basic coordinates (``CP``, ``CD`` 0, also from ``GRDSET``), ``CHEXA`` of 8 and ``CTETRA`` of 10
-  nodes;
+* *mesh*: ``GRID`` in basic coordinates (``CP``, ``CD`` 0, also from ``GRDSET``), ``CHEXA`` of 8 and 20
+  and ``CTETRA`` of 10 nodes;
 * *sets*: the elements of a ``PSOLID`` are the set ``PSOLID n``; nodes of ``SPC`` and ``SPC1`` are the group
   ``SPC n``, those of ``SET1`` the group ``SET1 n``;
 * *materials*: ``MAT1``, with ``PARAM, WTMASS`` on its density.
@@ -150,7 +150,9 @@ def _lines(file: Path, deck: Path, root: Path, above: tuple[Path, ...]) -> Itera
 
 
 _SOLIDS = {"CHEXA": (8, 20), "CPENTA": (6, 15), "CPYRAM": (5, 13), "CPYRA": (5, 13), "CTETRA": (4, 10)}
-_KIND_OF = {("CHEXA", 8): "hex8", ("CTETRA", 10): "tet10"}
+_KIND_OF = {("CHEXA", 8): "hex8", ("CHEXA", 20): "hex20", ("CTETRA", 10): "tet10"}
+# middle nodes: bottom, upright, top; in VTK upright ones come last
+_HEX20 = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]
 _WORDS = {
     "CHEXA": "bricks",
     "CPENTA": "wedges",
@@ -158,7 +160,7 @@ _WORDS = {
     "CPYRA": "pyramids",
     "CTETRA": "tetrahedra",
 }
-_REMEDY = "solids: 8-node bricks (CHEXA) or 10-node tetrahedra (CTETRA); write the mesh with these"
+_REMEDY = "solids: bricks of 8 or 20 nodes (CHEXA) or 10-node tetrahedra (CTETRA); write the mesh with these"
 _TET_REMEDY = "10-node tetrahedra (CTETRA): 4-node ones lock; write the mesh with quadratic elements"
 _OTHERS = (
     (r"C(QUAD[48R]?|TRIA[36R]?|SHEAR|QUADX?\d?)$", "shell elements", False),
@@ -403,6 +405,8 @@ class _Reader:
                         )
                     cells.append([row[node] for node in nodes])
             marks = np.array(labels)
+            if kind == "hex20":
+                cells = [[cell[k] for k in _HEX20] for cell in cells]
             table = np.array(cells, dtype=np.int64) if kind else np.empty((len(labels), 0), dtype=np.int64)
             remedy = _TET_REMEDY if (name, count) == ("CTETRA", 4) else _REMEDY
             blocks.append(ElementBlock(name, kind, marks, table, f"{count}-node {_WORDS[name]}", remedy))

@@ -93,6 +93,19 @@ def test_ten_nodes_over_lines(tmp_path):
     assert mesh.volume == pytest.approx(1 / 48, rel=1e-12)
 
 
+@pytest.mark.parametrize("name", ["C3D20", "C3D20R"])
+def test_twenty_nodes_over_two_lines(tmp_path, name):
+    places = 0.5 * (REFERENCE_NODES["hex20"] + 1.0)
+    nodes = "".join(f"{k + 1}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(places))
+    cell = "3, " + ", ".join(map(str, range(1, 16))) + ",\n" + ", ".join(map(str, range(16, 21))) + "\n"
+    text = f"*NODE\n{nodes}*ELEMENT, TYPE={name}\n{cell}*SURFACE, NAME=face\n3, S4\n"
+    mesh = read_mesh(deck(tmp_path, text))
+    assert mesh.element_type == "hex20"
+    assert mesh.volume == pytest.approx(1.0, rel=1e-14)
+    # S4 of Abaqus lies between the nodes 2, 3, 7, 6
+    np.testing.assert_array_equal(mesh.node_groups["face"], np.flatnonzero(np.isclose(places[:, 0], 1.0)))
+
+
 @pytest.mark.parametrize(
     ("text", "nodes"),
     [
@@ -317,7 +330,7 @@ def test_a_case_and_its_deck_must_agree():
             "*ELEMENT, TYPE=C3D4\n9, 1, 2, 3, 5\n",
             "1 4-node tetrahedra C3D4 .*expected 10-node tetrahedra .C3D10.: 4-node ones lock",
         ),
-        ("*ELEMENT, TYPE=C3D20R\n9,1,2,3,4,5,6,7,8,1,2,3,4,5,6,7,\n8,1,2,3,4\n", "1 20-node bricks C3D20R"),
+        ("*ELEMENT, TYPE=C3D15\n9,1,2,3,5,6,7,1,2,3,4,5,6,7,8,\n1,2\n", "1 15-node wedges C3D15"),
         ("*ELEMENT, TYPE=XYZ\n9, 1\n", "1 elements XYZ"),
     ],
 )

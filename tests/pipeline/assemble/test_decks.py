@@ -82,15 +82,18 @@ def modes_of(folder):
     return read_json(report.folder.manifest("mesh"))["items"]["beam"]["properties"], report
 
 
+def euler_bernoulli():
+    """First frequencies of the cantilever in its two directions [Hz]: (1.8751 / L)^2 sqrt(E I / rho A) / 2 pi."""
+    speed = np.sqrt(2.1e11 / 7800.0)
+    return 1.8751041**2 / (2 * np.pi * 0.2**2) * speed * np.array([0.01, 0.02]) / np.sqrt(12)
+
+
 def test_mass_and_frequencies_of_a_beam_with_the_material_of_its_deck(folder):
     properties, report = modes_of(folder)
     assert properties["mass"] == pytest.approx(0.2 * 0.02 * 0.01 * 7800.0, rel=1e-9)
     found = read_json(report.folder.manifest("modes"))["items"]["beam"]["properties"]["frequencies_hz"]
-    # Euler and Bernoulli: (1.8751 / L)^2 sqrt(E I / rho A) / 2 pi, with radii of gyration of both directions;
     # shear and the clamped cross section are worth 2 % at a slenderness of 10
-    speed = np.sqrt(2.1e11 / 7800.0)
-    exact = 1.8751041**2 / (2 * np.pi * 0.2**2) * speed * np.array([0.01, 0.02]) / np.sqrt(12)
-    np.testing.assert_allclose(found, exact, rtol=0.02)
+    np.testing.assert_allclose(found, euler_bernoulli(), rtol=0.02)
     notes = properties["notes"]
     assert "material Steel: plasticity is left out" in notes
     assert any("1 *BOUNDARY" in note for note in notes)
@@ -205,4 +208,33 @@ def test_a_body_of_matrices_has_the_frequencies_of_its_deck(folder):
     np.testing.assert_allclose(after, before, rtol=1e-8)
     (folder / "beam.mas").unlink()
     with pytest.raises(InputError, match=r"beam.mas: does not exist"):
+        modes_of(folder)
+
+
+@pytest.mark.parametrize(("formulation", "across"), [("full", 1), ("reduced", 2)])
+def test_a_deck_of_bricks_of_20_nodes(folder, with_middle_nodes, formulation, across):
+    from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
+
+    bar = Box("bar", (0, 0, 0), (LENGTH, HEIGHT, WIDTH))
+    divisions = {"x": [12], "y": [across], "z": [across]}
+    mesh = with_middle_nodes(mesh_blocks([bar], element_type="hex8", divisions=divisions))
+    text = "*NODE\n" + "".join(
+        f"{k}, {x:.9g}, {y:.9g}, {z:.9g}\n" for k, (x, y, z) in enumerate(mesh.nodes, 1)
+    )
+    text += "*ELEMENT, TYPE=C3D20R, ELSET=Beam\n"
+    for number, cell in enumerate(mesh.elements + 1, 1):
+        text += f"{number}, {', '.join(map(str, cell[:15]))},\n{', '.join(map(str, cell[15:]))}\n"
+    root = np.flatnonzero(mesh.nodes[:, 0] == 0.0) + 1
+    (folder / "mesh.inc").write_text(text + "*NSET, NSET=Root\n" + ",\n".join(map(str, root)) + "\n")
+    case = folder / "case.toml"
+    case.write_text(f'{BODY}[bodies.beam.mesh]\nformulation = "{formulation}"\n')
+    _, report = modes_of(folder)
+    found = read_json(report.folder.manifest("modes"))["items"]["beam"]["properties"]["frequencies_hz"]
+    np.testing.assert_allclose(found, euler_bernoulli(), rtol=0.02)
+    # the report draws faces of eight nodes
+    assert not run_case(load_case(folder), stages=("report",)).message
+    case.write_text(case.read_text().replace(formulation, "incompatible"))
+    with pytest.raises(
+        InputError, match="'incompatible' is not a formulation of hex20; expected one of 'full'"
+    ):
         modes_of(folder)
