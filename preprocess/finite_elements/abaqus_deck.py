@@ -434,6 +434,11 @@ class _Reader:
                 self.sectors = card.parameters.get("N", "")
         if key == "BOUNDARY":
             self._hold(card)
+        if key == "RESTART" and "READ" in card.parameters:
+            card.fail(
+                "the mesh stands in the restart file of another run",
+                "a deck that lists its nodes and elements",
+            )
         if key == "STEP":
             self.in_steps = True
         if self.in_steps:
