@@ -14,7 +14,8 @@ What is understood:
 * *materials*: ``*MATERIAL`` with ``*ELASTIC`` (isotropic; of a table over temperature the first row) and
   ``*DENSITY``; ``*SOLID SECTION``. What is plastic, viscous or thermal besides is left out, and said.
 
-What is left out, and said: constraints, contacts and loads; masses, springs, dashpots, gaps and couplings.
+What is left out, and said: constraints, contacts and loads; masses, springs, dashpots, gaps and couplings; shells,
+beams and plane elements without a section, which meshers write for groups.
 What is refused when a body is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric
 elements, solids with 4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
 
@@ -25,7 +26,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
@@ -145,6 +146,8 @@ def _fields(line: str) -> list[str]:
 
 _SOLID = re.compile(r"^C3D(\d+)[A-Z]*$")
 _KIND_OF = {8: "hex8", 10: "tet10", 20: "hex20"}
+_CELLS = {8: "hexahedron", 10: "tetra10", 20: "hexahedron20"}
+_FLAT = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 _SOLID_WORDS = {
     4: "4-node tetrahedra",
     5: "5-node pyramids",
@@ -200,6 +203,8 @@ def _numbers_of(name: str) -> int | None:
     solid = _node_count(name)
     if solid is not None:
         return solid
+    if name.startswith("STRI65"):
+        return 6
     if match := re.match(r"(?:B|PIPE)[23]([123])", name):
         return 3 if match[1] == "2" else 2
     match = re.match(
@@ -213,15 +218,19 @@ def _block(name: str, labels: list[object], nodes: NDArray[np.int64]) -> Element
     marks = np.array(labels, dtype=object)
     count = _node_count(name)
     if count in _KIND_OF:
-        return ElementBlock(name, _KIND_OF[count], marks, nodes)
-    nothing = np.empty((len(labels), 0), dtype=np.int64)
+        return ElementBlock(name, _KIND_OF[count], marks, nodes, shape=_CELLS[count])
     if count is not None:
         remedy = _TET_REMEDY if count == 4 else _BRICK_REMEDY
-        return ElementBlock(name, "", marks, nodes, _SOLID_WORDS.get(count, "solid elements"), remedy)
+        shape = "tetra" if count == 4 else ""
+        return ElementBlock(
+            name, "", marks, nodes, _SOLID_WORDS.get(count, "solid elements"), remedy, shape=shape
+        )
     for pattern, words, harmless in _OTHERS:
         if re.match(pattern, name):
-            return ElementBlock(name, "", marks, nothing, words, _BRICK_REMEDY, harmless)
-    return ElementBlock(name, "", marks, nothing, "elements", _BRICK_REMEDY)
+            flat = words.startswith(("shell", "membrane", "plane", "rigid", "surface"))
+            shape = _FLAT.get(nodes.shape[1], "") if flat else ""
+            return ElementBlock(name, "", marks, nodes, words, _BRICK_REMEDY, harmless, shape)
+    return ElementBlock(name, "", marks, nodes, "elements", _BRICK_REMEDY)
 
 
 # ---- what a part says ----
@@ -247,7 +256,7 @@ class _Scope:
     node_sets: dict[str, list[_Set]] = field(default_factory=dict)
     element_sets: dict[str, list[_Set]] = field(default_factory=dict)
     surfaces: dict[str, tuple[str, list[list[str]]]] = field(default_factory=dict)
-    sections: list[tuple[str, str]] = field(default_factory=list)
+    sections: list[tuple[str, str]] = field(default_factory=list)  # set of elements, material of solids
 
 
 @dataclass
@@ -450,6 +459,8 @@ class _Reader:
             )
         if key in self.verbs:
             self.verbs[key](card)
+        elif key.endswith("SECTION") and "ELSET" in card.parameters:  # of shells, beams, ...
+            self.scope.sections.append((card.parameters["ELSET"], ""))
         elif self.material is not None and key in _NONLINEAR:
             self.material.notes.append(f"{_NONLINEAR[key]} is left out")
         elif self.material is not None and key in _NOT_LINEAR:
@@ -534,9 +545,9 @@ class _Reader:
         self, card: _Card, name: str, words: list[str], at: tuple[Path, int], members: _Set | None
     ) -> None:
         # couplings and the like may name other things than nodes: their number is enough
-        solid = _node_count(name) is not None
+        named = _numbers_of(name) is not None
         label, *nodes = _whole(
-            card, words if solid else words[:1], at, f"whole numbers: element and nodes of {name}"
+            card, words if named else words[:1], at, f"whole numbers: element and nodes of {name}"
         )
         known = self.scope.elements.get(label)
         if known is not None and known != (name, tuple(nodes)):
@@ -701,12 +712,8 @@ class _Reader:
             placed.insert(0, _Instance("", self.flat))
         if self.parts and not self.instances:  # parts of which nobody says where they stand
             placed += [_Instance(part.name, part) for part in self.parts.values()]
-        if (
-            self.assembly.nodes
-            or self.assembly.elements
-            or self.assembly.element_sets
-            or self.assembly.node_sets
-        ):
+        own = self.assembly
+        if own.nodes or own.elements or own.element_sets or own.node_sets or own.surfaces or own.sections:
             placed.append(_Instance("", self.assembly))
         return _Assembler(self, placed).deck(path)
 
@@ -721,12 +728,17 @@ class _Assembler:
         self.node_row: list[dict[int, int]] = []
         self.element_row: list[dict[int, int]] = []
         self.blocks: list[ElementBlock] = []
+        self.node_of: list[NDArray[np.int64]] = []
+        self.kind_of: list[str] = []
 
     def deck(self, path: Path) -> Deck:
         self._number_nodes()
         self._number_elements(path)
+        self.node_of = [row for block in self.blocks for row in block.nodes]
+        self.kind_of = [block.kind for block in self.blocks for _ in block.labels]
         element_sets, node_sets = self._sets()
         index, materials = self._materials()
+        self._without_section()
         held = self._held()
         reader = self.reader
         notes = []
@@ -770,7 +782,6 @@ class _Assembler:
         scopes: list[tuple[_Scope, int | None]] = [
             (one.part, place) for place, one in enumerate(self.placed) if not one.name
         ]
-        node_of = self._nodes_of_elements()
         for word, first, last in self.reader.held:
             for scope, place in scopes or [(self.reader.assembly, None)]:
                 elsewhere = None if _is_whole(word) else self._elsewhere(word, place)
@@ -781,7 +792,7 @@ class _Assembler:
                     rows = self._surface_members(scope, place, word, nodes=True)
                 elif elsewhere is not None or word.upper() in scope.node_sets:
                     whose, inside, name = elsewhere or (scope, place, word)
-                    rows = self._nodes(whose, inside, name, node_of)
+                    rows = self._nodes(whose, inside, name)
                 else:
                     continue
                 found += [3 * rows + axis - 1 for axis in range(first, last + 1)]
@@ -810,7 +821,7 @@ class _Assembler:
                 self.element_row[place][label] = row
                 row += 1
                 labels.append(f"{one.name}.{label}" if one.name else label)
-                if _node_count(name) is not None:
+                if _numbers_of(name) is not None:
                     known = self.node_row[place]
                     try:
                         rows.append([known[node] for node in one.part.elements[label][1]])
@@ -821,7 +832,7 @@ class _Assembler:
                             key=f"element {labels[-1]} ({name})",
                             expected="nodes that the deck defines",
                         ) from None
-            self.blocks.append(_block(name, labels, np.array(rows, dtype=np.int64)))
+            self.blocks.append(_block(name, labels, np.array(rows, dtype=np.int64).reshape(len(labels), -1)))
 
     # -- sets --
 
@@ -829,7 +840,6 @@ class _Assembler:
         """Element sets and node sets by the names that a case may use."""
         elements: dict[str, NDArray[np.int64]] = {}
         nodes: dict[str, NDArray[np.int64]] = {}
-        node_of = self._nodes_of_elements()
         faces: dict[str, NDArray[np.int64]] = {}
         for place, one in enumerate(self.placed):
             prefix = f"{one.name}." if one.name else ""
@@ -837,9 +847,9 @@ class _Assembler:
                 shown = one.part.element_sets[name][0].name
                 elements[prefix + shown] = self._elements(one.part, place, name)
             for name in one.part.node_sets:
-                nodes[prefix + one.part.node_sets[name][0].name] = self._nodes(one.part, place, name, node_of)
+                nodes[prefix + one.part.node_sets[name][0].name] = self._nodes(one.part, place, name)
             for name, surface in one.part.surfaces.items():
-                faces[prefix + name] = self._surface(one.part, place, surface, node_of)
+                faces[prefix + name] = self._surface(one.part, place, surface)
             if one.name and self.element_row[place]:
                 elements[one.name] = np.array(sorted(self.element_row[place].values()), dtype=np.int64)
         _short_names(elements)
@@ -849,11 +859,8 @@ class _Assembler:
             nodes.setdefault(name, members)
         for name, members in elements.items():
             if members.size and name.upper() not in {have.upper() for have in nodes}:
-                nodes[name] = _unique([node_of[index] for index in members])
+                nodes[name] = _unique([self.node_of[index] for index in members])
         return elements, {name: members for name, members in nodes.items() if members.size}
-
-    def _nodes_of_elements(self) -> list[NDArray[np.int64]]:
-        return [row for block in self.blocks for row in block.nodes]
 
     def _place(self, instance: str) -> int | None:
         for place, one in enumerate(self.placed):
@@ -877,7 +884,6 @@ class _Assembler:
         scope: _Scope,
         place: int | None,
         name: str,
-        node_of: list[NDArray[np.int64]],
         above: tuple[str, ...] = (),
     ) -> NDArray[np.int64]:
         found = [self._resolve(scope, place, name, above, nodes=True)]
@@ -885,7 +891,7 @@ class _Assembler:
             inside = self._place(piece.instance) if piece.instance else place
             whose = self.placed[inside].part if piece.instance and inside is not None else scope
             for elements in piece.of_elements:
-                found += [node_of[index] for index in self._elements(whose, inside, elements)]
+                found += [self.node_of[index] for index in self._elements(whose, inside, elements)]
         return _unique(found)
 
     def _resolve(
@@ -934,10 +940,8 @@ class _Assembler:
         scope: _Scope,
         place: int | None,
         surface: tuple[str, list[list[str]]],
-        node_of: list[NDArray[np.int64]],
     ) -> NDArray[np.int64]:
         kind, rows = surface
-        kinds = [block.kind for block in self.blocks for _ in block.labels]
         found = []
         for words in rows:
             members = self._surface_members(scope, place, words[0], nodes=kind == "NODE")
@@ -946,9 +950,9 @@ class _Assembler:
                 continue
             side = words[1].upper() if len(words) > 1 else ""
             for index in members:
-                faces = _FACES.get(kinds[index])
+                faces = _FACES.get(self.kind_of[index])
                 if faces is not None and re.fullmatch(r"S[1-6]", side) and int(side[1]) <= len(faces):
-                    found.append(node_of[index][list(faces[int(side[1]) - 1])])
+                    found.append(self.node_of[index][list(faces[int(side[1]) - 1])])
         return _unique(found)
 
     def _surface_members(
@@ -961,6 +965,20 @@ class _Assembler:
         return self._resolve(scope, place, word, (), nodes=nodes)
 
     # -- materials --
+
+    def _without_section(self) -> None:
+        """Shells, plane elements, beams of which nothing is said but their nodes: meshers write groups so."""
+        found = [np.empty(0, dtype=np.int64)]
+        for place, one in enumerate(self.placed):
+            found += [self._elements(one.part, place, elements) for elements, _ in one.part.sections]
+        sectioned = np.concatenate(found)
+        start = 0
+        for k, block in enumerate(self.blocks):
+            end = start + len(block.labels)
+            silent = not ((sectioned >= start) & (sectioned < end)).any()
+            if silent and not (block.kind or block.harmless or _SOLID.match(block.name)):
+                self.blocks[k] = replace(block, words=f"{block.words} without section", harmless=True)
+            start = end
 
     def _materials(self) -> tuple[NDArray[np.int64], list[DeckMaterial]]:
         count = sum(len(block.labels) for block in self.blocks)

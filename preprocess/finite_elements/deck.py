@@ -165,6 +165,8 @@ class ElementBlock:
         What to do about it.
     harmless
         Whether a body may be taken beside it without a word of the user: masses, springs, cells of groups.
+    shape
+        What it is as a cell of meshio, e.g. ``"quad8"``; ``""`` if its nodes are not known.
     """
 
     name: str
@@ -174,6 +176,7 @@ class ElementBlock:
     words: str = ""
     remedy: str = ""
     harmless: bool = False
+    shape: str = ""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ What is understood:
   ``SPC n``, those of ``SET1`` the group ``SET1 n``;
 * *materials*: ``MAT1``, with ``PARAM, WTMASS`` on its density.
 
-What is left out, and said: constraints, contacts, masses, springs. What is refused when a body is taken, with type and
+What is left out, and said: constraints, contacts, masses, springs; shells and bars without a property, which meshers
+write for groups. What is refused when a body is taken, with type and
 number: shells, bars, rods, plane elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
 
 Source: MSC Nastran Quick Reference Guide, *Bulk Data Entries*.
@@ -173,6 +174,26 @@ _OTHERS = (
 _CONSTRAINTS = re.compile(
     r"(SPC|SPC1|SPCD|SPCADD|MPC|MPCADD|RBE1|RBE2|RBE3|RBAR|RROD|RSPLINE|RJOINT|BCONTACT|BCTSET|SUPORT)$"
 )
+_PROPERTIES = re.compile(r"P(SHELL|COMPG?|SHEAR|PLANE|BARL?|BEAML?|BCOMP|BEND|ROD|TUBE)$")
+# nodes behind number and property
+_NODES = {
+    "CTRIA3": 3,
+    "CTRIAR": 3,
+    "CTRIA6": 6,
+    "CQUAD4": 4,
+    "CQUADR": 4,
+    "CQUAD8": 8,
+    "CBAR": 2,
+    "CBEAM": 2,
+    "CROD": 2,
+}
+_FLAT = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
+_CELLS = {
+    ("CHEXA", 8): "hexahedron",
+    ("CHEXA", 20): "hexahedron20",
+    ("CTETRA", 4): "tetra",
+    ("CTETRA", 10): "tetra10",
+}
 _ANISOTROPIC = {
     "MAT2": "of plates",
     "MAT3": "orthotropic",
@@ -223,7 +244,8 @@ class _Reader:
         self.default_systems = [0, 0]
         self.grid_set: _Card | None = None
         self.solids: dict[int, tuple[str, int, list[int]]] = {}
-        self.others: dict[str, list[int]] = {}
+        self.others: dict[tuple[str, int], list[tuple[int, int, list[int]]]] = {}
+        self.other_properties: set[int] = set()
         self.properties: dict[int, int] = {}
         self.materials: dict[int, DeckMaterial] = {}
         self.material_notes: dict[int, list[str]] = {}
@@ -257,7 +279,9 @@ class _Reader:
             note = f"its {card.name} is left out: {_NONLINEAR[card.name]}"
             self.material_notes.setdefault(card.whole(0, "number of the material"), []).append(note)
         elif any(re.match(pattern, card.name) for pattern, *_ in _OTHERS):
-            self.others.setdefault(card.name, []).append(card.whole(0, "number of the element"))
+            self._other(card)
+        elif _PROPERTIES.match(card.name):
+            self.other_properties.add(card.whole(0, "number of the property"))
 
     def _grid_defaults(self, card: _Card) -> None:
         self.grid_set = card
@@ -283,6 +307,13 @@ class _Reader:
         if known is not None and known != (card.name, property_id, nodes):
             card.fail(f"element {label} is defined twice", "every element once")
         self.solids[label] = (card.name, property_id, nodes)
+
+    def _other(self, card: _Card) -> None:
+        """An element that is no solid, with its nodes if its name tells their number."""
+        label, count = card.whole(0, "number of the element"), _NODES.get(card.name, 0)
+        nodes = [card.whole(2 + k, "a node") for k in range(count)]
+        property_id = card.whole(1, "a property", label) if count else 0
+        self.others.setdefault((card.name, count), []).append((label, property_id, nodes))
 
     def _property(self, card: _Card) -> None:
         self.properties[card.whole(0, "number of the property")] = card.whole(1, "number of the material", 0)
@@ -394,28 +425,42 @@ class _Reader:
                 _, property_id, nodes = self.solids[label]
                 sets.setdefault(f"PSOLID {property_id}", []).append(len(index))
                 index.append(self.properties.get(property_id, 0))
-                if kind:
-                    missing = next((node for node in nodes if node not in row), None)
-                    if missing is not None:
-                        raise InputError(
-                            f"node {missing} does not exist",
-                            source=path,
-                            key=f"element {label} ({name})",
-                            expected="nodes that the deck defines",
-                        )
-                    cells.append([row[node] for node in nodes])
+                if kind or count == 4:
+                    cells.append(self._rows(path, row, nodes, f"element {label} ({name})"))
             marks = np.array(labels)
             if kind == "hex20":
                 cells = [[cell[k] for k in _HEX20] for cell in cells]
-            table = np.array(cells, dtype=np.int64) if kind else np.empty((len(labels), 0), dtype=np.int64)
+            table = np.array(cells, dtype=np.int64).reshape(len(labels), -1)
             remedy = _TET_REMEDY if (name, count) == ("CTETRA", 4) else _REMEDY
-            blocks.append(ElementBlock(name, kind, marks, table, f"{count}-node {_WORDS[name]}", remedy))
-        for name, labels in self.others.items():
+            words = f"{count}-node {_WORDS[name]}"
+            shape = _CELLS.get((name, count), "")
+            blocks.append(ElementBlock(name, kind, marks, table, words, remedy, shape=shape))
+        for (name, count), members in self.others.items():
             words, harmless = next((w, h) for pattern, w, h in _OTHERS if re.match(pattern, name))
-            nothing = np.empty((len(labels), 0), dtype=np.int64)
-            blocks.append(ElementBlock(name, "", np.array(labels), nothing, words, _REMEDY, harmless))
-            index += [0] * len(labels)
+            family = "PBAR" if words.startswith("beam") else "PROD" if words.startswith("truss") else "PSHELL"
+            if count and not any(property_id in self.other_properties for _, property_id, _ in members):
+                words, harmless = f"{words} without property", True  # meshers write groups so
+            cells = []
+            for label, property_id, nodes in members:
+                if count:
+                    sets.setdefault(f"{family} {property_id}", []).append(len(index))
+                index.append(0)
+                cells.append(self._rows(path, row, nodes, f"element {label} ({name})"))
+            marks = np.array([label for label, *_ in members])
+            table = np.array(cells, dtype=np.int64).reshape(len(members), -1)
+            shape = _FLAT.get(count, "") if words.startswith("shell") else ""
+            blocks.append(ElementBlock(name, "", marks, table, words, _REMEDY, harmless, shape))
         return blocks, {name: np.array(members, dtype=np.int64) for name, members in sets.items()}, index
+
+    @staticmethod
+    def _rows(path: Path, row: dict[int, int], nodes: list[int], key: str) -> list[int]:
+        """Rows of the nodes of an element."""
+        missing = next((node for node in nodes if node not in row), None)
+        if missing is not None:
+            raise InputError(
+                f"node {missing} does not exist", source=path, key=key, expected="nodes that the deck defines"
+            )
+        return [row[node] for node in nodes]
 
     def _materials(self, used: set[int]) -> tuple[list[DeckMaterial], dict[int, int]]:
         """Materials of properties, and their place by number."""

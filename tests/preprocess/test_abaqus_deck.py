@@ -315,30 +315,44 @@ def test_a_case_and_its_deck_must_agree():
     ("elements", "words"),
     [
         (
-            "*ELEMENT, TYPE=S4\n9, 1, 2, 3, 4\n",
+            "*ELEMENT, TYPE=S4, ELSET=Skin\n9, 1, 2, 3, 4\n",
             r"contains 1 shell elements S4 \(first: element 9\).*'elements'.*'Body'",
         ),
         (
             "*ELEMENT, TYPE=S8R, ELSET=Skin\n9,1,2,3,4,5,6,\n7,8\n10,1,2,3,4,5,6,\n7,8\n",
             "contains 2 shell elements S8R",
         ),
-        ("*ELEMENT, TYPE=B31\n9, 1, 2\n", "1 beam elements B31"),
-        ("*ELEMENT, TYPE=T3D2\n9, 1, 2\n", "1 truss elements T3D2"),
-        ("*ELEMENT, TYPE=CPE4\n9, 1, 2, 3, 4\n", "1 plane or axisymmetric elements CPE4"),
+        ("*ELEMENT, TYPE=B31, ELSET=Skin\n9, 1, 2\n", "1 beam elements B31"),
+        ("*ELEMENT, TYPE=T3D2, ELSET=Skin\n9, 1, 2\n", "1 truss elements T3D2"),
+        ("*ELEMENT, TYPE=CPE4, ELSET=Skin\n9, 1, 2, 3, 4\n", "1 plane or axisymmetric elements CPE4"),
         ("*ELEMENT, TYPE=C3D6\n9, 1, 2, 3, 5, 6, 7\n", "1 6-node wedges C3D6"),
         (
             "*ELEMENT, TYPE=C3D4\n9, 1, 2, 3, 5\n",
             "1 4-node tetrahedra C3D4 .*expected 10-node tetrahedra .C3D10.: 4-node ones lock",
         ),
         ("*ELEMENT, TYPE=C3D15\n9,1,2,3,5,6,7,1,2,3,4,5,6,7,8,\n1,2\n", "1 15-node wedges C3D15"),
-        ("*ELEMENT, TYPE=XYZ\n9, 1\n", "1 elements XYZ"),
+        ("*ELEMENT, TYPE=XYZ, ELSET=Skin\n9, 1\n", "1 elements XYZ"),
     ],
 )
 def test_other_elements_are_told_and_can_be_left_out(tmp_path, elements, words):
-    path = deck(tmp_path, CUBE + BRICK + elements)
+    path = deck(tmp_path, CUBE + BRICK + elements + "*SHELL SECTION, ELSET=Skin, MATERIAL=Steel\n0.1\n")
     with pytest.raises(InputError, match=words):
         read_mesh(path)
     same_as_cube(read_deck(path).body(elements=["Body"]))
+
+
+def test_shells_and_plane_elements_without_section_carry_groups(tmp_path):
+    # as Gmsh writes its surfaces and lines
+    text = (
+        CUBE
+        + "*ELEMENT, type=T3D2, ELSET=Line1\n1, 1, 2\n*ELEMENT, type=CPS4, ELSET=Surface1\n2, 1, 2, 3, 4\n"
+    )
+    text += "*ELEMENT, type=STRI65, ELSET=Surface2\n4, 1, 2, 3, 4, 5, 6\n" + BRICK.replace("\n1, 1", "\n3, 1")
+    body = read_deck(deck(tmp_path, text)).body()
+    same_as_cube(body)
+    assert body.mesh.node_groups["Surface1"].tolist() == [0, 1, 2, 3]
+    assert body.mesh.node_groups["Line1"].tolist() == [0, 1]
+    assert "left out: 1 plane or axisymmetric elements without section CPS4" in body.notes
 
 
 def test_masses_springs_and_constraints_are_left_out_and_said(tmp_path):

@@ -132,9 +132,9 @@ def test_properties_are_chosen_and_supports_are_groups(tmp_path):
 @pytest.mark.parametrize(
     ("cards", "words"),
     [
-        ("CQUAD4,9,1,1,2,3,4\n", r"contains 1 shell elements CQUAD4 \(first: element 9\)"),
-        ("CBAR,9,1,1,2,,,1.\n", "1 beam elements CBAR"),
-        ("CROD,9,1,1,2\n", "1 truss elements CROD"),
+        ("PSHELL,1,7,0.1\nCQUAD4,9,1,1,2,3,4\n", r"contains 1 shell elements CQUAD4 \(first: element 9\)"),
+        ("PBARL,1,7,,ROD\n+,0.1\nCBAR,9,1,1,2,,,1.\n", "1 beam elements CBAR"),
+        ("PROD,1,7,0.1\nCROD,9,1,1,2\n", "1 truss elements CROD"),
         ("CPENTA,9,3,1,2,3,5,6,7\n", "1 6-node wedges CPENTA"),
         ("CTETRA,9,3,1,2,3,5\n", "1 4-node tetrahedra CTETRA .*expected 10-node tetrahedra .*lock"),
         ("CHEXA,9,3,1,2,3,4,5,6\n+,7,8,1,2,3,4,5,6\n", "1 14-node bricks CHEXA"),
@@ -145,6 +145,15 @@ def test_other_elements_are_told(tmp_path, cards, words):
     text = grids(free, HEX) + free("CHEXA", 1, 3, *range(1, 9)) + cards
     with pytest.raises(InputError, match=words):
         read_mesh(deck(tmp_path, text))
+
+
+def test_shells_without_property_carry_groups(tmp_path):
+    text = grids(free, HEX) + free("CHEXA", 1, 3, *range(1, 9)) + "CQUAD4,9,5,1,2,3,4\nCBAR,8,6,1,2\n"
+    body = read_deck(deck(tmp_path, text)).body()
+    assert body.mesh.volume == pytest.approx(1.0)
+    assert body.mesh.node_groups["PSHELL 5"].tolist() == [0, 1, 2, 3]
+    assert body.mesh.node_groups["PBAR 6"].tolist() == [0, 1]
+    assert "left out: 1 shell elements without property CQUAD4" in body.notes
 
 
 def test_masses_and_springs_are_left_out_and_said(tmp_path):
