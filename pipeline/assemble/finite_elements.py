@@ -57,11 +57,11 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
 
 
 def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFileGeometry) -> FEModel:
-    """One body of a mesh file, with the material of the file as far as the case gives none."""
+    """One body of a mesh file, with the materials of the file as far as the case gives none."""
     from dataclasses import replace
 
     from heavylift.preprocess.finite_elements.deck import material_of
-    from heavylift.preprocess.finite_elements.elasticity import assemble
+    from heavylift.preprocess.finite_elements.elasticity import assemble_several
     from heavylift.preprocess.finite_elements.geometry import read_deck, scaled_mesh
 
     unit = geometry.length_unit
@@ -71,17 +71,27 @@ def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFil
         merge_nodes=None if geometry.merge_nodes is None else geometry.merge_nodes / unit,
         materials=not geometry.ignore_material,
     )
-    material = material_of(
-        taken.material,
-        body.material.given() if body.material else {},
-        source=name,
-        length_unit=unit if "length_unit" in geometry.model_fields_set else None,
-        mass_unit=geometry.mass_unit,
-    )
+    given = body.material.given() if body.material else {}
+    materials = [
+        material_of(
+            one,
+            given,
+            source=name,
+            length_unit=unit if "length_unit" in geometry.model_fields_set else None,
+            mass_unit=geometry.mass_unit,
+        )
+        for one in taken.materials or [None]
+    ]
     mesh = scaled_mesh(taken.mesh, unit, _selectors(geometry.groups))
-    model = assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
-    notes = (*taken.notes, *(taken.material.notes if taken.material else ()))
-    return replace(model, notes=notes)
+    options = body.mesh
+    model = assemble_several(
+        mesh, materials, taken.material_index, formulation=options.formulation, mass=options.mass
+    )
+    notes = [*taken.notes, *(note for one in taken.materials for note in one.notes)]
+    if len(materials) > 1:
+        names = ", ".join(one.name for one in taken.materials)
+        notes.append(f"{len(materials)} materials: {names}; such a body has no stress")
+    return replace(model, notes=tuple(notes))
 
 
 def _of_matrices(case: Case, geometry: MatricesGeometry) -> FEModel:

@@ -1,8 +1,7 @@
 """A finite element deck of another program: its solids, sets and materials, and the one body that is taken from it.
 
 Readers (`abaqus_deck`, `nastran_deck`, meshes of meshio) fill a `Deck`, in the units of the file. A deck may hold
-several parts, element types and materials; `Deck.body` takes one body of one kind of element and one material, or says
-why not.
+several parts, element types and materials; `Deck.body` takes one body of one kind of element, or says why not.
 """
 
 from __future__ import annotations
@@ -216,15 +215,36 @@ class DeckBody:
     ----------
     mesh
         Checked; node sets, element sets and surfaces of the file are node groups.
-    material
-        Its material, if the file says one.
+    materials
+        Its materials; empty if the file says none.
+    material_index
+        Entry of `materials` of every element of the mesh, shape (ne,); zeros if there is none.
     notes
         What was left out or chosen, one sentence each.
     """
 
     mesh: Mesh
-    material: DeckMaterial | None
+    materials: tuple[DeckMaterial, ...]
+    material_index: NDArray[np.int64]
     notes: tuple[str, ...] = ()
+
+    @property
+    def material(self) -> DeckMaterial | None:
+        """Its only material, if the file says one.
+
+        Raises
+        ------
+        InputError
+            If it has several.
+        """
+        if len(self.materials) > 1:
+            names = ", ".join(repr(one.name) for one in self.materials[:_SHOWN])
+            raise InputError(
+                f"has {len(self.materials)} materials: {names}",
+                source=self.mesh.name,
+                expected="one material",
+            )
+        return self.materials[0] if self.materials else None
 
 
 @dataclass(frozen=True)
@@ -292,13 +312,13 @@ class Deck:
         Returns
         -------
         DeckBody
-            Checked mesh, material and notes.
+            Checked mesh, materials and notes.
 
         Raises
         ------
         InputError
             An unknown set; shells, beams or solids of other kinds among the elements; several parts, and no choice;
-            bricks and tetrahedra at once; collapsed or inverted elements; different materials in the body.
+            bricks and tetrahedra at once; collapsed or inverted elements; several materials, and elements without one.
         """
         chosen = self._chosen(elements)
         notes = list(self.notes)
@@ -329,8 +349,9 @@ class Deck:
                 expected="one kind of them; choose some with 'elements' or 'part'",
             )
         ((kind, (_, nodes)),) = cells.items()
-        material = self._material(kept, notes) if materials else None
-        return DeckBody(self._mesh(rows, nodes, kind, kept), material, tuple(notes))
+        found, index = self._materials(kept if materials else kept[:0], notes)
+        index = index if materials else np.zeros(kept.size, dtype=np.int64)
+        return DeckBody(self._mesh(rows, nodes, kind, kept), found, index, tuple(notes))
 
     # -- steps of `body` --
 
@@ -510,27 +531,30 @@ class Deck:
             expected="elements whose nodes are all different: bricks that are no wedges, or 10-node tetrahedra",
         )
 
-    def _material(self, kept: NDArray[np.int64], notes: list[str]) -> DeckMaterial | None:
-        if not len(self.materials):
-            return None
-        used = np.unique(self.material_index[kept])
-        found = [self.materials[index] for index in used if index >= 0]
-        if not found:
-            return None
-        if used[0] < 0:
-            without = kept[self.material_index[kept] < 0]
+    def _materials(
+        self, kept: NDArray[np.int64], notes: list[str]
+    ) -> tuple[tuple[DeckMaterial, ...], NDArray[np.int64]]:
+        """Different materials of elements, and which of them each element has."""
+        index = np.full(kept.size, -1, dtype=np.int64)
+        found: list[DeckMaterial] = []
+        said = self.material_index[kept] if len(self.materials) else index
+        for number in np.unique(said[said >= 0]):
+            one = self.materials[number]
+            place = next((k for k, other in enumerate(found) if other.agrees(one)), len(found))
+            if place == len(found):
+                found.append(one)
+            index[said == number] = place
+        without = kept[index < 0]
+        if without.size and len(found) > 1:
+            raise InputError(
+                f"has no section, and the others have {len(found)} materials ({without.size} such elements)",
+                source=self.source,
+                key=self._label(without[0]),
+                expected="a section for every element; or 'ignore_material', with the material given in the case",
+            )
+        if without.size and found:
             notes.append(f"{without.size} elements have no section: taken as of {found[0].name}")
-        for other in found[1:]:
-            if not other.agrees(found[0]):
-                index = np.flatnonzero(self.material_index[kept] == self.materials.index(other))
-                raise InputError(
-                    f"has {len(found)} materials: {', '.join(repr(m.name) for m in found[:_SHOWN])} "
-                    f"({index.size} elements of {other.name!r})",
-                    source=self.source,
-                    expected="one material a body; choose a body with 'elements' or 'part', or take the file for its "
-                    "mesh only with 'ignore_material' and give the material here",
-                )
-        return found[0]
+        return tuple(found), np.maximum(index, 0)
 
     def _mesh(
         self, rows: NDArray[np.int64], nodes: NDArray[np.int64], kind: str, kept: NDArray[np.int64]

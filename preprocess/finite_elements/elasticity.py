@@ -9,6 +9,7 @@ list of 900 triplets an element (10 nodes) would take several times the memory o
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,7 +26,7 @@ from heavylift.preprocess.finite_elements.reference_elements import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
@@ -42,6 +43,7 @@ __all__ = [
     "NodePattern",
     "ScalarMatrix",
     "assemble",
+    "assemble_several",
     "brick_stiffness",
     "mass_matrix",
     "stiffness_matrix",
@@ -327,6 +329,61 @@ def assemble(
         node_groups=mesh.node_groups,
         name=mesh.name,
     )
+
+
+def assemble_several(
+    mesh: Mesh,
+    materials: Sequence[Material],
+    index: NDArray[np.int64],
+    *,
+    formulation: str | None = None,
+    mass: str = "consistent",
+) -> FEModel:
+    """Assemble the finite element model of a body of several materials.
+
+    Parameters
+    ----------
+    mesh, formulation, mass
+        As of `assemble`.
+    materials
+        Its materials.
+    index
+        Entry of `materials` of every element, shape (ne,).
+
+    Returns
+    -------
+    FEModel
+        Without a material, which is what the stress of a body follows from, if there is more than one.
+
+    Raises
+    ------
+    InputError
+        As `assemble`.
+    """
+    if len(materials) == 1:
+        return assemble(mesh, materials[0], formulation=formulation, mass=mass)
+    parts = [
+        assemble(replace(mesh, elements=mesh.elements[index == k]), one, formulation=formulation, mass=mass)
+        for k, one in enumerate(materials)
+    ]
+    return FEModel(
+        nodes=mesh.nodes,
+        stiffness=_sum([part.stiffness for part in parts]),
+        mass=_sum([part.mass for part in parts]),
+        mesh=mesh,
+        node_groups=mesh.node_groups,
+        name=mesh.name,
+    )
+
+
+def _sum(matrices: Sequence[csr_array]) -> csr_array:
+    """Sum of sparse matrices of one shape."""
+    from scipy.sparse import csr_array
+
+    total = csr_array(matrices[0].shape)
+    for matrix in matrices:
+        total = csr_array(total + matrix)
+    return total
 
 
 def stiffness_matrix(

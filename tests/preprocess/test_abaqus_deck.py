@@ -251,14 +251,26 @@ def test_materials_of_sections(tmp_path):
         7.85e-9,
         ("material Steel: plasticity is left out",),
     )
-    # two materials in one body are refused, two of the same numbers are one
+    # two materials of the same numbers are one
     two = CUBE + BRICK + second_cube(1.0) + STEEL + STEEL.replace("Steel", "Other").replace("Body", "Upper")
     assert read_deck(deck(tmp_path, two)).body(merge_nodes=1e-6).material.density == 7.85e-9
     softer = two[::-1].replace(".000012", ".00007", 1)[::-1]
-    with pytest.raises(InputError, match=r"has 2 materials: 'Steel', 'Other' \(1 elements of 'Other'\)"):
-        read_deck(deck(tmp_path, softer)).body(merge_nodes=1e-6)
+    body = read_deck(deck(tmp_path, softer)).body(merge_nodes=1e-6)
+    assert [one.young_modulus for one in body.materials] == [210000.0, 70000.0]
+    assert body.material_index.tolist() == [0, 1]
+    with pytest.raises(InputError, match=r"has 2 materials: 'Steel', 'Other'; expected one material"):
+        assert body.material
     assert read_deck(deck(tmp_path, softer)).body(part=2).material.young_modulus == 70000.0
     assert read_deck(deck(tmp_path, softer)).body(merge_nodes=1e-6, materials=False).material is None
+    # an element without section is of the only material there is, or of none
+    one = CUBE + BRICK + second_cube(1.0) + STEEL
+    body = read_deck(deck(tmp_path, one)).body(merge_nodes=1e-6)
+    assert "1 elements have no section: taken as of Steel" in body.notes
+    three = softer + second_cube(2.0, 16, 3).replace("Upper", "Third")
+    with pytest.raises(
+        InputError, match=r"element 3 \(C3D8\): has no section, and the others have 2 materials"
+    ):
+        read_deck(deck(tmp_path, three)).body(merge_nodes=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -285,3 +285,26 @@ def test_thin_block_stretches_as_a_rod(steel):
     np.testing.assert_allclose(ends, [[-axial, 0, 0], [axial, 0, 0]], atol=1e-9 * axial)
     interior = np.isclose(mesh.nodes[:, 0] * (1 - mesh.nodes[:, 0]), 0)
     np.testing.assert_allclose(forces[~interior], 0.0, atol=1e-9 * axial)
+
+
+def test_two_materials_in_a_row_stretch_as_springs_in_series():
+    """Two cubes of different materials, nu = 0, pulled along x: springs of E A / L one behind the other."""
+    mesh = mesh_blocks(
+        [Box("bar", (0, 0, 0), (2, 1, 1))], element_type="hex8", divisions={"x": [2], "y": [1], "z": [1]}
+    )
+    materials = [Material(2e11, 0.0, 7850.0), Material(7e10, 0.0, 2700.0)]
+    first = mesh.nodes[mesh.elements].mean(axis=1)[:, 0] < 1.0
+    model = elasticity.assemble_several(mesh, materials, np.where(first, 0, 1))
+    assert model.total_mass == pytest.approx(7850.0 + 2700.0, rel=1e-12)
+    assert model.material is None
+    x = mesh.nodes[:, 0]
+    held = np.repeat((x == 0.0) | (x == 2.0), 3)
+    u = np.zeros(3 * len(x))
+    u[0::3] = 1e-3 * (x == 2.0)
+    K = model.stiffness.tocsc()
+    u[~held] = spsolve(K[~held][:, ~held], -K[~held][:, held] @ u[held])
+    force = (model.stiffness @ u)[0::3][x == 2.0].sum()
+    assert force == pytest.approx(1e-3 / (1 / 2e11 + 1 / 7e10), rel=1e-10)
+    alike = elasticity.assemble_several(mesh, [materials[0]] * 2, np.where(first, 0, 1))
+    one = elasticity.assemble(mesh, materials[0])
+    assert abs(alike.stiffness - one.stiffness).max() <= 1e-12 * abs(one.stiffness).max()

@@ -147,6 +147,21 @@ def test_what_does_not_fit_is_one_line(folder, old, new, words):
     assert "\n" not in str(caught.value)
 
 
+def test_a_body_of_two_materials_has_the_mass_of_both(folder):
+    deck = folder / "beam.inp"
+    half = COUNTS[0] * COUNTS[1]  # elements of the lower layer
+    two = f"*ELSET, ELSET=Low, GENERATE\n1, {half}\n*MATERIAL, NAME=Aluminium\n"
+    two += "*ELASTIC\n70000., 0.3\n*DENSITY\n2.7E-9\n"
+    deck.write_text(deck.read_text() + two + "*SOLID SECTION, ELSET=Low, MATERIAL=Aluminium\n")
+    properties, _ = modes_of(folder)
+    assert properties["mass"] == pytest.approx(0.2 * 0.02 * 0.01 * (7800.0 + 2700.0) / 2, rel=1e-9)
+    assert "2 materials: Steel, Aluminium; such a body has no stress" in properties["notes"]
+    case = folder / "case.toml"
+    case.write_text(case.read_text() + "[bodies.beam.material]\npoisson_ratio = 0.3\ndensity = 7800\n")
+    with pytest.raises(InputError, match=r"7800 kg/m\^3, and material 'Aluminium' of the file has 2700"):
+        modes_of(folder)
+
+
 def test_a_density_that_the_deck_lacks_comes_from_the_case(folder):
     deck = folder / "beam.inp"
     deck.write_text(deck.read_text().replace("*DENSITY\n7.8E-9\n", ""))
