@@ -167,7 +167,7 @@ def own_matrices(body, clamped, formulation=None):
         ("sens_freq_disp_cyc_implicit", None, lambda x: x[2] < 65.0, 1e-8),
         ("circ10pcent", None, lambda x: x[2] < 1e-6, 1e-8),
         # bent edges: the integrals are rational, and quadratures differ
-        ("segmenttetsms", None, lambda x: x[0] < 1e-6, 1e-5),
+        ("segmenttetsms", None, lambda x: x[0] < 1e-6, 1e-6),
     ],
 )
 def test_frequencies_agree_with_scikit_fem(name, part, clamped, tolerance):
