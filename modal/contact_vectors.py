@@ -58,7 +58,8 @@ def outer_faces(model: FEModel, nodes: Nodes, *, name: str = "face") -> NDArray[
     Returns
     -------
     NDArray
-        Node indices, shape (nf, 4) of bricks or (nf, 6) of quadratic tetrahedra, anticlockwise from outside.
+        Node indices, shape (nf, 4) or (nf, 8) of bricks or (nf, 6) of quadratic tetrahedra, anticlockwise from
+        outside.
 
     Raises
     ------
@@ -102,7 +103,7 @@ def surface_normals(model: FEModel, faces: NDArray[np.int64]) -> NDArray[np.floa
     NDArray
         Shape (n, 3), zero at nodes of no face and where the faces around cancel.
     """
-    corners = model.nodes[faces[:, : 4 if faces.shape[1] == 4 else 3]]
+    corners = model.nodes[faces[:, : 3 if faces.shape[1] == 6 else 4]]
     # half the cross product of the diagonals; a triangle is a quadrilateral whose last corner is its first
     areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3 % corners.shape[1]] - corners[:, 1])
     sums = np.zeros((model.node_count, 3))
@@ -361,6 +362,8 @@ def face_rule(
         along_a = np.column_stack([b - 1, 1 - b, b, -b])
         along_b = np.column_stack([a - 1, -a, a, 1 - a])
         return N, (along_a, along_b), rule
+    if count == 8:
+        return *_serendipity(2.0 * a - 1.0, 2.0 * b - 1.0), rule
     # a square folded onto the triangle: L1 = a (1 - b), L2 = b, Jacobian 1 - b
     rule = rule * (1.0 - b)
     a = a * (1.0 - b)
@@ -377,6 +380,31 @@ def face_rule(
         for d in slopes
     )
     return N, (along[0], along[1]), rule
+
+
+def _serendipity(
+    s: NDArray[np.float64], t: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Shape functions of a face of a 20-node brick and their derivatives by a = (1 + s) / 2 and b = (1 + t) / 2."""
+    N, along_a, along_b = [], [], []
+    for sa, ta in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+        p, q = 1 + sa * s, 1 + ta * t
+        last = sa * s + ta * t - 1
+        N.append(p * q * last / 4)
+        along_a.append(sa * q * (last + p) / 2)
+        along_b.append(ta * p * (last + q) / 2)
+    for sa, ta in ((0, -1), (1, 0), (0, 1), (-1, 0)):
+        if sa == 0:
+            bubble, ramp = 1 - s**2, 1 + ta * t
+            N.append(bubble * ramp / 2)
+            along_a.append(-2 * s * ramp)
+            along_b.append(ta * bubble)
+        else:
+            bubble, ramp = 1 - t**2, 1 + sa * s
+            N.append(bubble * ramp / 2)
+            along_a.append(sa * bubble)
+            along_b.append(-2 * t * ramp)
+    return np.column_stack(N), (np.column_stack(along_a), np.column_stack(along_b))
 
 
 def _extent(positions: NDArray[np.float64]) -> str:

@@ -97,18 +97,18 @@ def nodal_gradients(mesh: Mesh) -> tuple[csr_array, csr_array, csr_array]:
     Returns
     -------
     tuple
-        Three matrices (n, n). Exact for linear fields; for quadratic ones too with ``tet10``, and inside
+        Three matrices (n, n). Exact for linear fields; for quadratic ones too with quadratic elements, and inside
         regular meshes of ``hex8``.
 
     Notes
     -----
-    Quadratic tetrahedra: derivatives of the shape functions at all ten nodes of each element, averaged
-    over the elements at a node with their volumes as weights. Bricks: their derivatives are accurate at
+    Quadratic elements: derivatives of the shape functions at all nodes of each element, averaged over the
+    elements at a node with their volumes as weights. 8-node bricks: their derivatives are accurate at
     the centre only (Barlow, IJNME 10, 1976; elsewhere bending shows up as shear), so a linear
     polynomial is fitted to the centres around each node: superconvergent patch recovery, Zienkiewicz and
     Zhu, IJNME 33 (1992).
     """
-    if mesh.element_type == "tet10":
+    if mesh.element_type != "hex8":
         return _averaged(mesh)
     weights = _patch_weights(mesh)
     return tuple(weights @ centre for centre in _centre_gradients(mesh))

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
 
 
@@ -46,3 +47,19 @@ def mbsim_data() -> Path:
 def hydro_data() -> Path:
     """Folder with public output of WAMIT (`ellipsoid`, `oswec`) and of Capytaine; skips where it is missing."""
     return _data_beside("hydro", "HEAVYLIFT_HYDRO_DATA")
+
+
+@pytest.fixture(scope="session")
+def with_middle_nodes():
+    """Function that makes 20-node bricks of 8-node ones, with straight edges."""
+    from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.finite_elements.reference_elements import HEX_EDGES
+
+    def elevated(mesh):
+        edges = np.sort(mesh.elements[:, HEX_EDGES], axis=2).reshape(-1, 2)
+        pairs, number = np.unique(edges, axis=0, return_inverse=True)
+        nodes = np.vstack([mesh.nodes, mesh.nodes[pairs].mean(axis=1)])
+        cells = np.hstack([mesh.elements, mesh.node_count + number.reshape(-1, 12)])
+        return Mesh(nodes, cells, "hex20").check()
+
+    return elevated

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group
+    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MatricesGeometry, MeshFileGeometry
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
     from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -44,18 +44,85 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
     with in_body(case, name):
         if body.geometry.type == "four_files":
             return four_files(case, body.geometry).model
+        if body.geometry.type == "matrices":
+            return _of_matrices(case, body.geometry)
+        if body.geometry.type == "mesh":
+            return _of_deck(case, name, body, body.geometry)
         assert body.material is not None
         mesh = _mesh(case, name, body)
         if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":
             _refuse_single_layer(mesh)
-        material = Material(**body.material.model_dump())
+        material = Material(**body.material.given())
         return assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
+
+
+def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFileGeometry) -> FEModel:
+    """One body of a mesh file, with the materials of the file as far as the case gives none."""
+    from dataclasses import replace
+
+    from heavylift.preprocess.finite_elements.deck import material_of
+    from heavylift.preprocess.finite_elements.elasticity import assemble_several
+    from heavylift.preprocess.finite_elements.geometry import read_deck, scaled_mesh
+
+    unit = geometry.length_unit
+    taken = read_deck(case.folder / geometry.file, case.folder).body(
+        elements=geometry.elements,
+        part=geometry.part,
+        merge_nodes=None if geometry.merge_nodes is None else geometry.merge_nodes / unit,
+        materials=not geometry.ignore_material,
+    )
+    given = body.material.given() if body.material else {}
+    materials = [
+        material_of(
+            one,
+            given,
+            source=name,
+            length_unit=unit if "length_unit" in geometry.model_fields_set else None,
+            mass_unit=geometry.mass_unit,
+        )
+        for one in taken.materials or [None]
+    ]
+    mesh = scaled_mesh(taken.mesh, unit, _selectors(geometry.groups))
+    options = body.mesh
+    model = assemble_several(
+        mesh, materials, taken.material_index, formulation=options.formulation, mass=options.mass
+    )
+    notes = [*taken.notes, *(note for one in taken.materials for note in one.notes)]
+    if len(materials) > 1:
+        names = ", ".join(one.name for one in taken.materials)
+        notes.append(f"{len(materials)} materials: {names}; such a body has no stress")
+    return replace(model, notes=tuple(notes))
+
+
+def _of_matrices(case: Case, geometry: MatricesGeometry) -> FEModel:
+    """Matrices that another program has written for the nodes of its deck."""
+    from dataclasses import replace
+
+    from heavylift.preprocess.finite_elements.geometry import read_deck
+    from heavylift.preprocess.finite_elements.groups import select_nodes
+    from heavylift.preprocess.finite_elements.matrix_files import read_matrices
+
+    files = {key: case.folder / name for key, name in geometry.matrix_files().items()}
+    deck = case.folder / geometry.file
+    model = read_matrices(
+        read_deck(deck, case.folder),
+        files["stiffness"],
+        files["mass"],
+        files["degrees"] if geometry.degrees or files["degrees"].is_file() else None,
+        length_unit=geometry.length_unit,
+        mass_factor=geometry.mass_unit,
+        stiffness_factor=geometry.stiffness_unit,
+    )
+    groups = select_nodes(model.nodes, _selectors(geometry.groups), faces=model.node_groups, source=str(deck))
+    return replace(model, node_groups={**model.node_groups, **groups})
 
 
 _CASE_KEYS = (
     (re.compile(r"node group '([^']*)'"), r"geometry.groups.\1"),
     (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
     (re.compile(r"(add|cut)"), r"geometry.\1"),
+    (re.compile(r"(elements|part|merge_nodes|mass_unit)"), r"geometry.\1"),
+    (re.compile(r"(material(?:\..*)?)"), r"\1"),
     (re.compile(r"modes"), "modes.count"),
     (re.compile(r"((?:modes|mesh|supports|static)\..*|interface)"), r"\1"),
 )
@@ -68,7 +135,9 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        grouped = error.key.startswith("node group ") and case.bodies[name].geometry.type != "mesh"
+        of_file = case.bodies[name].geometry.type in {"mesh", "matrices"}
+        grouped = error.key.startswith("node group ") and not of_file
+        grouped |= error.key in {"elements", "part", "merge_nodes"} and of_file
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
         if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.")):
@@ -119,7 +188,7 @@ def check_on_body(
     nodes
         Positions [m] in the same axes, shape (n, 3).
     elements
-        Nodes of the elements, corners first, shape (ne, 8) or (ne, 10); None if the body has none.
+        Nodes of the elements, corners first, shape (ne, 8), (ne, 20) or (ne, 10); None if the body has none.
     source, key
         Where the point stands, for the message.
 
@@ -195,15 +264,11 @@ def _mesh(case: Case, name: str, body: FlexibleBodySection) -> Mesh:
             refine=refine,
             name=name,
         )
-    if geometry.type == "step":
-        from heavylift.preprocess.finite_elements.geometry import read_step
+    from heavylift.preprocess.finite_elements.geometry import read_step
 
-        file = case.folder / geometry.file
-        return read_step(file, size=options.size, curved=options.curved, groups=selectors, refine=refine)
-    from heavylift.preprocess.finite_elements.geometry import read_mesh
-
-    assert geometry.type == "mesh"
-    return read_mesh(case.folder / geometry.file, length_unit=geometry.length_unit, groups=selectors)
+    assert geometry.type == "step"
+    file = case.folder / geometry.file
+    return read_step(file, size=options.size, curved=options.curved, groups=selectors, refine=refine)
 
 
 def _selectors(groups: Mapping[str, Group]) -> list[NodeSelector]:
@@ -237,7 +302,8 @@ def four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
         clamped_nodes=None if clamped is None else [node - 1 for node in clamped],
     )
     groups = select_nodes(data.model.nodes, _selectors(geometry.groups), source=str(folder))
-    return replace(data, model=replace(data.model, node_groups={**data.model.node_groups, **groups}))
+    model = replace(data.model, node_groups={**data.model.node_groups, **groups}, notes=data.notes)
+    return replace(data, model=model)
 
 
 def model_properties(model: FEModel) -> dict[str, Any]:
@@ -249,6 +315,7 @@ def model_properties(model: FEModel) -> dict[str, Any]:
         "dof_count": 3 * model.node_count,
         "mass": model.total_mass,
         "volume": None if density is None else model.total_mass / density,
+        "notes": list(model.notes),
     }
 
 
@@ -258,7 +325,7 @@ def write_vtu(path: Path, model: FEModel) -> None:
         return
     import meshio
 
-    kind = {"tet10": "tetra10", "hex8": "hexahedron"}[model.mesh.element_type]
+    kind = {"tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20"}[model.mesh.element_type]
     groups = {name: np.isin(np.arange(model.node_count), nodes) for name, nodes in model.node_groups.items()}
     mesh = meshio.Mesh(
         model.nodes,

@@ -114,7 +114,7 @@ class FlexibleBodySection(Section):
     geometry: Geometry
     """Shape, or matrices of another program."""
     material: MaterialSection | None = None
-    """Material; needed unless the geometry is ``four_files``."""
+    """Material; needed unless the geometry brings matrices, or is a mesh file that says it, which must agree."""
     mesh: MeshSection = Field(default_factory=MeshSection)
     """Elements; for geometries that are meshed here."""
     modes: ModesSection
@@ -131,12 +131,19 @@ class FlexibleBodySection(Section):
     @model_validator(mode="after")
     def _fits(self) -> "FlexibleBodySection":
         given = self.geometry.type
-        if given == "four_files" and self.material is not None:
-            reject("'material' with geometry 'four_files'", "no material: the files hold the matrices")
-        if given != "four_files" and self.material is None:
-            reject("no 'material'", "young_modulus, poisson_ratio and density")
-        if given == "four_files" and "mesh" in self.model_fields_set:
-            reject("'mesh' with geometry 'four_files'", "no mesh section: the files hold the matrices")
+        matrices = given in {"four_files", "matrices"}
+        if matrices and self.material is not None:
+            reject(f"'material' with geometry {given!r}", "no material: the files hold the matrices")
+        if given not in {"four_files", "matrices", "mesh"} or getattr(
+            self.geometry, "ignore_material", False
+        ):
+            if self.material is None:
+                reject("no 'material'", "young_modulus, poisson_ratio and density")
+            for key in type(self.material).model_fields:
+                if key not in self.material.given():
+                    reject(f"no {key!r}", "young_modulus, poisson_ratio and density", key=f"material.{key}")
+        if matrices and "mesh" in self.model_fields_set:
+            reject(f"'mesh' with geometry {given!r}", "no mesh section: the files hold the matrices")
         if given != "step" and self.mesh.curved:
             reject(f"'mesh.curved' with geometry {given!r}", "geometry 'step'")
         if given == "mesh" and self.mesh.model_fields_set - {"mass", "formulation", "element"}:
@@ -144,6 +151,11 @@ class FlexibleBodySection(Section):
             reject(
                 f"'mesh' has {keys} with geometry 'mesh'",
                 "only 'mass' and 'formulation': the file is the mesh",
+            )
+        formulation = self.mesh.formulation
+        if given != "mesh" and self.mesh.element == "tet10" and formulation not in {None, "full"}:
+            reject(
+                f"formulation {formulation!r} with element 'tet10'", "'full', or element 'hex8'", key="mesh"
             )
         if given != "blocks" and self.mesh.divisions:
             reject(f"'mesh.divisions' with geometry {given!r}", "geometry 'blocks'")

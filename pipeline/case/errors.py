@@ -238,13 +238,15 @@ def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
     """Groups that reductions, supports and loads name but geometries do not have.
 
     Works on the plain document, so that these errors are found besides all others. Groups of mesh
-    files are known only once the file is read; the modes stage checks those.
+    files and decks are known only once the file is read; the modes stage checks those.
     """
     found = []
     bodies = document.get("bodies")
     for name, body in bodies.items() if isinstance(bodies, dict) else ():
         geometry, modes = (body.get(key) if isinstance(body, dict) else None for key in ("geometry", "modes"))
-        if not isinstance(geometry, dict) or not isinstance(modes, dict) or geometry.get("type") == "mesh":
+        if not isinstance(geometry, dict) or not isinstance(modes, dict):
+            continue
+        if geometry.get("type") in {"mesh", "matrices"}:
             continue
         groups = geometry.get("groups", {})
         groups = list(groups) if isinstance(groups, dict) else []

@@ -17,6 +17,7 @@ __all__ = [
     "Geometry",
     "Group",
     "MaterialSection",
+    "MatricesGeometry",
     "MeshFileGeometry",
     "MeshSection",
     "PlaneGroup",
@@ -30,14 +31,18 @@ Count = Annotated[int, Field(ge=1, strict=True)]
 
 
 class MaterialSection(Section):
-    """Linear elastic, isotropic material."""
+    """Linear elastic, isotropic material; all of it, but for what a mesh file with materials brings."""
 
-    young_modulus: Annotated[float, Positive("pressure")]
+    young_modulus: Annotated[float, Positive("pressure")] | None = None
     """Young's modulus [Pa]."""
-    poisson_ratio: Annotated[float, Quantity("number", minimum=-1.0, maximum=0.5)]
+    poisson_ratio: Annotated[float, Quantity("number", minimum=-1.0, maximum=0.5)] | None = None
     """Poisson's ratio, between -1 and 0.5."""
-    density: Annotated[float, Positive("density")]
+    density: Annotated[float, Positive("density")] | None = None
     """Density [kg/m^3]."""
+
+    def given(self) -> dict[str, float]:
+        """Properties that are given."""
+        return {key: value for key, value in self.model_dump().items() if value is not None}
 
 
 class PlaneGroup(Section):
@@ -151,13 +156,23 @@ class StepGeometry(Section):
 
 
 class MeshFileGeometry(Section):
-    """A mesh file of any format that meshio reads, with hex8 or tet10 elements."""
+    """A deck of Abaqus, CalculiX or Nastran, or a mesh file of a format of meshio, with bricks or tet10."""
 
     type: Literal["mesh"]
     file: Annotated[str, InFolder()]
     """Mesh file in the case folder."""
     length_unit: Annotated[float, Positive("length")] = 1.0
     """Length of one unit of the file, e.g. ``"1 mm"`` (default 1 m)."""
+    mass_unit: Annotated[float, Positive("mass")] | None = None
+    """Unit of mass of the materials of a deck: ``"1 t"`` with mm, N/mm^2 and t/mm^3; needed beside a `length_unit`."""
+    elements: tuple[str, ...] = ()
+    """Names of element sets, parts or properties of the file that are the body; all by default."""
+    part: Count | None = None
+    """Number of the part, among those without a common face in the order of the file; one only by default."""
+    merge_nodes: Annotated[float, Positive("length")] | None = None
+    """Nodes of the file nearer than this become one: joins parts that touch node on node."""
+    ignore_material: bool = False
+    """Whether materials of the file are neither used nor compared with the one given."""
     groups: dict[Name, GroupField] = Field(default_factory=dict)
     """Groups of nodes, in addition to those named in the file."""
 
@@ -180,8 +195,37 @@ class FourFilesGeometry(Section):
     """Named groups of nodes."""
 
 
+class MatricesGeometry(Section):
+    """Stiffness and mass written by CalculiX (``.sti``, ``.mas``, ``.dof``) or Abaqus (``.mtx``), and the deck."""
+
+    type: Literal["matrices"]
+    file: Annotated[str, InFolder()]
+    """Deck with the nodes, in the case folder."""
+    stiffness: Annotated[str, InFolder()] | None = None
+    """Stiffness matrix; by default the file of the deck's name with ``.sti``."""
+    mass: Annotated[str, InFolder()] | None = None
+    """Mass matrix; by default the file of the deck's name with ``.mas``."""
+    degrees: Annotated[str, InFolder()] | None = None
+    """What the rows are; by default the file of the deck's name with ``.dof``, if there is one."""
+    length_unit: Annotated[float, Positive("length")] = 1.0
+    """Unit of the node positions, e.g. ``"1 mm"``."""
+    mass_unit: Annotated[float, Positive("mass")] = 1.0
+    """Unit of the masses, e.g. ``"1 t"``."""
+    stiffness_unit: Annotated[float, Positive("stiffness")] = 1.0
+    """Unit of the stiffness, e.g. ``"1 N/mm"``."""
+    groups: dict[Name, GroupField] = Field(default_factory=dict)
+    """Groups of nodes, in addition to those named in the deck."""
+
+    def matrix_files(self) -> dict[str, str]:
+        """Paths of the three files as said or by default, relative to the case folder."""
+        stem = self.file.rpartition(".")[0]
+        named = {"stiffness": ".sti", "mass": ".mas", "degrees": ".dof"}
+        return {key: getattr(self, key) or stem + suffix for key, suffix in named.items()}
+
+
 Geometry = Annotated[
-    BlocksGeometry | StepGeometry | MeshFileGeometry | FourFilesGeometry, Field(discriminator="type")
+    BlocksGeometry | StepGeometry | MeshFileGeometry | FourFilesGeometry | MatricesGeometry,
+    Field(discriminator="type"),
 ]
 
 
@@ -210,7 +254,8 @@ class MeshSection(Section):
     divisions: dict[Literal["x", "y", "z"], tuple[Count, ...]] = Field(default_factory=dict)
     """For bricks: elements in each interval between the planes of the blocks."""
     formulation: Literal["full", "incompatible", "reduced"] | None = None
-    """Bricks: incompatible modes (default), full integration, or reduced with hourglass stiffness."""
+    """8-node bricks: incompatible modes (default), full integration, or reduced with hourglass stiffness; 20-node
+    bricks of a file: full (default), or reduced, with two bricks or more across every wall."""
     mass: Literal["consistent", "lumped"] = "consistent"
     """Consistent mass, or lumped: HRZ for tetrahedra, V/8 for bricks."""
 
@@ -220,8 +265,6 @@ class MeshSection(Section):
             reject("'divisions' with element 'tet10'", "element 'hex8', or a target 'size'")
         if self.element == "hex8" and self.refine:
             reject("'refine' with element 'hex8'", "element 'tet10', or finer 'divisions'")
-        if self.element == "tet10" and self.formulation not in {None, "full"}:
-            reject(f"formulation {self.formulation!r} with element 'tet10'", "'full', or element 'hex8'")
         if self.element == "hex8" and self.formulation == "reduced":
             for axis, counts in self.divisions.items():
                 if set(counts) == {1}:

@@ -49,9 +49,9 @@ class SolidStresses:
         model = read_model(folder.model(name))
         if model.mesh is None or model.material is None:
             raise InputError(
-                f"{name!r} has no stress: its model came without elements and material",
+                f"{name!r} has no stress: its model has no elements, or not one material",
                 source=str(source),
-                expected="a body with geometry 'blocks', 'step' or 'mesh'",
+                expected="a body with geometry 'blocks', 'step' or 'mesh', of one material",
             )
         self.model, self._name, self._source, self._folder = model, name, source, folder
         self._states: dict[str, NDArray[np.float64]] = {}

@@ -18,6 +18,7 @@ __all__ = ["Surface", "feature_edges", "surface_from_mesh", "surface_from_nodes"
 _FACE_EDGES = {
     4: np.array([[0, 1], [1, 2], [2, 3], [3, 0]]),
     6: np.array([[0, 3], [3, 1], [1, 4], [4, 2], [2, 5], [5, 0]]),
+    8: np.array([[0, 4], [4, 1], [1, 5], [5, 2], [2, 6], [6, 3], [3, 7], [7, 0]]),
 }
 
 

@@ -164,6 +164,7 @@ def _model_facts(model: FEModel, body: Any) -> Facts:
     ]
     if model.mesh is not None:
         rows.append(("volume", f"{model.mesh.volume / unit.divisor**3:.8g} {unit.text}³"))
+    rows += [("of the file", note) for note in model.notes]
     rows += body_input_rows(body)
     if body.modes.clamp:
         rows.append(("clamped", ", ".join(body.modes.clamp)))

@@ -118,7 +118,7 @@ def mesh_input_rows(body: Any) -> list[tuple[str, str]]:
     if given.type == "blocks":
         words = [f"{len(given.add)} added"] + ([f"{len(given.cut)} cut"] if given.cut else [])
         rows[0] = ("geometry", f"blocks: {', '.join(words)}")
-    if given.type == "four_files":
+    if given.type in {"four_files", "matrices"}:
         return rows
     mesh = body.mesh
     if given.type != "mesh":

@@ -65,6 +65,7 @@ def write_model(path: Path, model: FEModel, header: Mapping[str, Any]) -> None:
     with replacing(path) as temporary, h5py.File(temporary, "w") as file:
         _write_header(file, MODEL_FORMAT, header)
         file.attrs["name"] = model.name
+        file.attrs["notes"] = json.dumps(model.notes)
         _write(file, "nodes", model.nodes, "m", "positions of the nodes, body frame")
         _write(file, "fixed_nodes", model.fixed_nodes, "1", "zero-based nodes clamped by the data")
         _write_sparse(file, "stiffness", model.stiffness, "N/m", "K, node-major x y z")
@@ -119,6 +120,7 @@ def read_model(path: Path) -> FEModel:
             node_groups=_read_groups(file),
             fixed_nodes=file["fixed_nodes"][:],
             name=str(file.attrs["name"]),
+            notes=tuple(json.loads(file.attrs.get("notes", "[]"))),
         )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from heavylift.pipeline.case.fields import InFolder, Section
+from heavylift.pipeline.case.geometry import MatricesGeometry
 from heavylift.pipeline.case.joined import joined_to_hull
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
@@ -149,8 +150,24 @@ def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str,
     if name is None:
         return {}
     path = case.folder / name
-    paths = sorted(path.glob("*.dat")) if path.is_dir() else [path]
-    return {item.name: digest_file(item) for item in paths}
+    if path.is_dir():
+        return {item.name: digest_file(item) for item in sorted(path.glob("*.dat"))}
+    found = _with_includes(case, name)
+    if isinstance(geometry, MatricesGeometry):
+        files = [case.folder / other for other in geometry.matrix_files().values()]
+        found |= {item.name: digest_file(item) for item in files if item.is_file()}
+    return found
+
+
+def _with_includes(case: Case, name: str) -> dict[str, str]:
+    """Digests of a mesh file and, of a deck, the files that it includes."""
+    from heavylift.preprocess.finite_elements.deck import deck_files
+
+    path, root = case.folder / name, case.folder.resolve()
+    return {
+        item.name if item == path else item.relative_to(root).as_posix(): digest_file(item)
+        for item in deck_files(path, case.folder)
+    }
 
 
 def modes_digest(case: Case, body: FlexibleBodySection) -> str:
@@ -282,7 +299,7 @@ def _joined(case: Case, name: str) -> dict[str, Any]:
 def surface_digest(case: Case, surface: SurfaceSection) -> str:
     """Digest of all that the triangles of a surface depend on."""
     section = surface.model_dump(mode="json", exclude={"body", "facets"})
-    content = digest_file(case.folder / surface.file) if surface.file else None
+    content = _with_includes(case, surface.file) if surface.file else None
     return _digest("surfaces", {"surface": section, "content": content})
 
 

@@ -425,9 +425,14 @@ def _body_stage(
                 "cpu_s": time.process_time() - begin,
                 "properties": properties,
             }
+            notes = properties.get("notes", [])
             words = ", ".join(
-                f"{key} {_short(value)}" for key, value in properties.items() if value is not None
+                f"{key} {_short(value)}"
+                for key, value in properties.items()
+                if value is not None and key != "notes"
             )
+            for note in notes:
+                work.log.say(f"{stage}: {name}: {note}")
             work.log.say(f"{stage}: {name}: {words}; {items[name]['cpu_s']:.2f} s CPU")
         write_json(
             work.folder.manifest(stage),

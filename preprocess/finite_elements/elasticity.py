@@ -1,14 +1,15 @@
 """Stiffness and mass matrices of a solid of linear, isotropic material.
 
-scikit-fem supplies the shape functions and quadrature rules of the quadratic tetrahedron and of the fully
-integrated brick; bricks with incompatible modes, and with one point and hourglass stiffness, are written here. The
-element matrices are formed for many elements at once and scattered in bounded memory: the pattern of node pairs is
-found once, element matrices are then added chunk by chunk straight into the value array of the result. A list of 900
-triplets an element (10 nodes) would take several times the memory of the matrix.
+scikit-fem supplies the shape functions and quadrature rules of the quadratic tetrahedron and of fully
+integrated bricks of 8 and 20 nodes; bricks with incompatible modes, and with one point and hourglass stiffness, are
+written here. The element matrices are formed for many elements at once and scattered in bounded memory: the pattern of
+node pairs is found once, element matrices are then added chunk by chunk straight into the value array of the result. A
+list of 900 triplets an element (10 nodes) would take several times the memory of the matrix.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,7 +26,7 @@ from heavylift.preprocess.finite_elements.reference_elements import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
@@ -42,6 +43,7 @@ __all__ = [
     "NodePattern",
     "ScalarMatrix",
     "assemble",
+    "assemble_several",
     "brick_stiffness",
     "mass_matrix",
     "stiffness_matrix",
@@ -272,16 +274,18 @@ def _reduced(
 # ---- matrices of a mesh ----
 
 
-FORMULATIONS = {"hex8": ("full", "incompatible", "reduced"), "tet10": ("full",)}
+FORMULATIONS = {"hex8": ("full", "incompatible", "reduced"), "tet10": ("full",), "hex20": ("full", "reduced")}
 """Stiffness formulations of each element type."""
-DEFAULT_FORMULATION = {"hex8": "incompatible", "tet10": "full"}
+DEFAULT_FORMULATION = {"hex8": "incompatible", "tet10": "full", "hex20": "full"}
 MASS_KINDS = ("consistent", "lumped", "row_sum")
 """How mass is put on nodes; see `mass_matrix`."""
 
 _CHUNK = 2048  # elements at once: 15 MB of element matrices for tet10
 # degree of the quadrature: exact for straight-sided tetrahedra and for parallelepipeds
-_STIFFNESS_ORDER = {"hex8": 3, "tet10": 2}
-_MASS_ORDER = {"hex8": 3, "tet10": 4}
+_STIFFNESS_ORDER = {"hex8": 3, "tet10": 2, "hex20": 5}
+_MASS_ORDER = {"hex8": 3, "tet10": 4, "hex20": 5}
+# 20-node bricks: 2 x 2 x 2 points; their idle motions spread through a single row of bricks, but through no wider mesh
+_REDUCED_ORDER = 3
 # cofactors of J times dN/dxi are cubic on a curved tetrahedron; below that degree the patch test fails
 _CURVED_ORDER = 5
 _CURVED = 1e-6  # distance of a middle node from the middle of its edge, in edge lengths
@@ -301,12 +305,12 @@ def assemble(
     Parameters
     ----------
     mesh
-        A mesh of ``hex8`` or ``tet10`` elements.
+        A mesh of ``hex8``, ``hex20`` or ``tet10`` elements.
     material
         Its material.
     formulation
-        ``"full"`` (tet10, hex8), ``"incompatible"`` or ``"reduced"`` (hex8); default ``"full"`` for tet10 and
-        ``"incompatible"`` for hex8, whose full integration locks in bending.
+        ``"full"``, ``"incompatible"`` (hex8) or ``"reduced"`` (hex8 with hourglass stiffness, hex20 with 2 x 2 x 2
+        points); default ``"full"``, but ``"incompatible"`` for hex8, whose full integration locks in bending.
     mass
         ``"consistent"``, ``"lumped"`` or ``"row_sum"``, see `mass_matrix`.
 
@@ -327,6 +331,61 @@ def assemble(
     )
 
 
+def assemble_several(
+    mesh: Mesh,
+    materials: Sequence[Material],
+    index: NDArray[np.int64],
+    *,
+    formulation: str | None = None,
+    mass: str = "consistent",
+) -> FEModel:
+    """Assemble the finite element model of a body of several materials.
+
+    Parameters
+    ----------
+    mesh, formulation, mass
+        As of `assemble`.
+    materials
+        Its materials.
+    index
+        Entry of `materials` of every element, shape (ne,).
+
+    Returns
+    -------
+    FEModel
+        Without a material, which is what the stress of a body follows from, if there is more than one.
+
+    Raises
+    ------
+    InputError
+        As `assemble`.
+    """
+    if len(materials) == 1:
+        return assemble(mesh, materials[0], formulation=formulation, mass=mass)
+    parts = [
+        assemble(replace(mesh, elements=mesh.elements[index == k]), one, formulation=formulation, mass=mass)
+        for k, one in enumerate(materials)
+    ]
+    return FEModel(
+        nodes=mesh.nodes,
+        stiffness=_sum([part.stiffness for part in parts]),
+        mass=_sum([part.mass for part in parts]),
+        mesh=mesh,
+        node_groups=mesh.node_groups,
+        name=mesh.name,
+    )
+
+
+def _sum(matrices: Sequence[csr_array]) -> csr_array:
+    """Sum of sparse matrices of one shape."""
+    from scipy.sparse import csr_array
+
+    total = csr_array(matrices[0].shape)
+    for matrix in matrices:
+        total = csr_array(total + matrix)
+    return total
+
+
 def stiffness_matrix(
     mesh: Mesh, material: Material, *, formulation: str | None = None, pattern: NodePattern | None = None
 ) -> csr_array:
@@ -335,7 +394,8 @@ def stiffness_matrix(
     Notes
     -----
     K_IJ = int lambda grad N_I (x) grad N_J + mu grad N_J (x) grad N_I + mu (grad N_I . grad N_J) 1 dV, the
-    weak form of isotropic elasticity; four points for straight tetrahedra, 2 x 2 x 2 for bricks.
+    weak form of isotropic elasticity; four points for straight tetrahedra, 2 x 2 x 2 for bricks, 3 x 3 x 3 for those
+    of 20 nodes.
     """
     kind = formulation or DEFAULT_FORMULATION[mesh.element_type]
     if kind not in FORMULATIONS[mesh.element_type]:
@@ -348,8 +408,8 @@ def stiffness_matrix(
         )
     matrix = BlockMatrix(pattern or NodePattern(mesh.elements, mesh.node_count))
     for start, corners in _chunks(mesh):
-        if kind == "full":
-            matrix.add(start, _full_stiffness(mesh, start, corners, material))
+        if kind == "full" or mesh.element_type == "hex20":
+            matrix.add(start, _full_stiffness(mesh, start, corners, material, reduced=kind == "reduced"))
         else:
             try:
                 matrix.add(start, brick_stiffness(corners, material, formulation=kind))
@@ -367,20 +427,20 @@ def mass_matrix(
     Parameters
     ----------
     mesh
-        A mesh of ``hex8`` or ``tet10`` elements.
+        A mesh of ``hex8``, ``hex20`` or ``tet10`` elements.
     density
         rho [kg/m3].
     kind
-        ``"consistent"``: int rho N_I N_J dV. ``"lumped"``: V/8 a node for bricks; for tetrahedra the
+        ``"consistent"``: int rho N_I N_J dV. ``"lumped"``: V/8 a node for 8-node bricks; for quadratic elements the
         diagonal of the consistent matrix scaled to the element's mass (1/36 of it a vertex, 4/27 a middle
         node when straight-sided): Hinton, Rock, Zienkiewicz, *Earthquake Engng Struct. Dyn.* 4 (1976) 245.
-        ``"row_sum"``: int rho N_I dV, bricks only.
+        ``"row_sum"``: int rho N_I dV, 8-node bricks only.
 
     Raises
     ------
     InputError
-        An unknown kind, an inverted element, or row sums of quadratic tetrahedra: these are negative at the
-        vertices (-1/20 of the element's mass).
+        An unknown kind, an inverted element, or row sums of quadratic elements: these are negative at the
+        vertices (-1/20 of the mass of a tetrahedron, -1/8 of that of a brick).
     """
     if kind not in MASS_KINDS:
         raise InputError(
@@ -389,9 +449,10 @@ def mass_matrix(
             key="mass",
             expected="one of " + ", ".join(repr(name) for name in MASS_KINDS),
         )
-    if kind == "row_sum" and mesh.element_type == "tet10":
+    if kind == "row_sum" and mesh.element_type != "hex8":
+        shape = "tetrahedra" if mesh.element_type == "tet10" else "bricks"
         raise InputError(
-            "row sums of quadratic tetrahedra are negative at the vertices",
+            f"row sums of quadratic {shape} are negative at the vertices",
             source=mesh.name or "mesh",
             key="mass",
             expected="'lumped' (scaled diagonal) or 'consistent'",
@@ -409,7 +470,7 @@ def mass_matrix(
         Me = _consistent_mass(mesh, start, corners, density)
         if kind == "row_sum":
             nodal = Me.sum(axis=2)
-        elif mesh.element_type == "tet10":
+        elif mesh.element_type != "hex8":
             diagonal = np.diagonal(Me, axis1=1, axis2=2)
             nodal = diagonal * (Me.sum(axis=(1, 2)) / diagonal.sum(axis=1))[:, None]
         else:
@@ -427,15 +488,15 @@ def _chunks(mesh: Mesh) -> Iterator[tuple[int, NDArray[np.float64]]]:
 @cache
 def _quadrature(element_type: str, order: int) -> _Quadrature:
     """Shape functions of scikit-fem at its quadrature points, in our node order."""
-    from skfem import ElementHex1, ElementTetP2
+    from skfem import ElementHex1, ElementHexS2, ElementTetP2
     from skfem.quadrature import get_quadrature
 
-    element = ElementHex1() if element_type == "hex8" else ElementTetP2()
+    element = {"hex8": ElementHex1, "hex20": ElementHexS2, "tet10": ElementTetP2}[element_type]()
     points, weights = get_quadrature(element.refdom, order)
     basis = [element.lbasis(points, i) for i in range(len(element.doflocs))]
     # scikit-fem numbers bricks differently and lives on [0, 1]^3: nodes are matched by their place
     places = REFERENCE_NODES[element_type]
-    if element_type == "hex8":
+    if element_type != "tet10":
         places = 0.5 * (places + 1.0)
     order_of = [int(np.argmin(np.abs(element.doflocs - place).sum(axis=1))) for place in places]
     shape = np.array([np.broadcast_to(basis[i][0], weights.shape) for i in order_of]).T
@@ -467,10 +528,10 @@ def _determinants(mesh: Mesh, start: int, J: NDArray[np.float64]) -> NDArray[np.
 
 
 def _full_stiffness(
-    mesh: Mesh, start: int, corners: NDArray[np.float64], material: Material
+    mesh: Mesh, start: int, corners: NDArray[np.float64], material: Material, *, reduced: bool = False
 ) -> NDArray[np.float64]:
-    """Element stiffness matrices (ne, 3 nodes, 3 nodes) by full quadrature."""
-    order = _STIFFNESS_ORDER[mesh.element_type]
+    """Element stiffness matrices (ne, 3 nodes, 3 nodes) by quadrature, full or of one order less."""
+    order = _REDUCED_ORDER if reduced else _STIFFNESS_ORDER[mesh.element_type]
     if mesh.element_type == "tet10" and _is_curved(corners):
         order = _CURVED_ORDER
     rule = _quadrature(mesh.element_type, order)

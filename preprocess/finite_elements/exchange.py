@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.model import FEModel
+from heavylift.preprocess.finite_elements.model import DENSITY_LIMIT, WAVE_SPEEDS, FEModel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -33,12 +33,14 @@ __all__ = [
     "EntryTable",
     "FourFileData",
     "NumberTable",
+    "describe_model",
     "expand_omitted_rows",
     "longitudinal_wave_speed",
     "penalised_nodes",
     "read_entries",
     "read_four_files",
     "read_table",
+    "symmetric_matrix",
     "write_entries",
     "write_four_files",
     "write_table",
@@ -394,9 +396,6 @@ MASS_FILE = "mij.dat"
 MODE_FILE = "modeShapeMatrix.dat"
 STIFFNESS_FILE = "stiffnessMatrix.dat"
 
-_WAVE_SPEEDS = (10.0, 30e3)  # m/s: soft rubber to beyond diamond
-_DENSITY_LIMIT = 25e3  # kg/m3, above osmium
-
 
 @dataclass(frozen=True)
 class FourFileData:
@@ -478,7 +477,7 @@ def read_four_files(
     n = len(nodes)
     masses = _masses(folder / MASS_FILE, n)
     entries = read_entries(folder / STIFFNESS_FILE, n)
-    stiffness = _symmetric(folder / STIFFNESS_FILE, entries, n, notes)
+    stiffness = symmetric_matrix(folder / STIFFNESS_FILE, entries, n, notes)
 
     clamped = penalised_nodes(folder / STIFFNESS_FILE, stiffness)
     if clamped.size:
@@ -522,7 +521,7 @@ def read_four_files(
         fixed_nodes=fixed,
         name=str(folder),
     )
-    notes.append(_describe(model, check_units))
+    notes.append(describe_model(model, check_units))
     return FourFileData(model, modes, tuple(notes))
 
 
@@ -626,8 +625,14 @@ def _masses(path: Path, node_count: int) -> NDArray[np.float64]:
     return masses
 
 
-def _symmetric(path: Path, entries: EntryTable, node_count: int, notes: list[str]) -> csr_array:
-    """Return the whole matrix from one triangle, or from both."""
+def symmetric_matrix(path: Path, entries: EntryTable, node_count: int, notes: list[str]) -> csr_array:
+    """Return the whole matrix (3n, 3n) from one triangle, or from both.
+
+    Raises
+    ------
+    InputError
+        Some entries with a partner across the diagonal and some without, or an unsymmetric matrix.
+    """
     from scipy.sparse import coo_array, csr_array
 
     size = 3 * node_count
@@ -679,8 +684,14 @@ def _without(stiffness: csr_array, nodes: NDArray[np.int64]) -> csr_array:
     return csr_array(coo_array((coo.data[keep], (coo.row[keep], coo.col[keep])), shape=coo.shape))
 
 
-def _describe(model: FEModel, check: bool) -> str:
-    """Size, mass and wave speed in words; refuses an impossible body."""
+def describe_model(model: FEModel, check: bool) -> str:
+    """Size, mass and wave speed of a body in words.
+
+    Raises
+    ------
+    InputError
+        If `check` is set, for a wave speed or density that no material has.
+    """
     extent = np.ptp(model.nodes, axis=0)
     speed = longitudinal_wave_speed(model)
     volume = float(np.prod(extent))
@@ -690,10 +701,10 @@ def _describe(model: FEModel, check: bool) -> str:
     )
     if check:
         remedy = "factors length_unit, mass_factor, stiffness_factor that give SI together"
-        low, high = _WAVE_SPEEDS
+        low, high = WAVE_SPEEDS
         if not low <= speed <= high:
             raise InputError(f"{words}: no material is like that", source=model.name, expected=remedy)
-        if volume > 0.0 and model.total_mass > _DENSITY_LIMIT * volume:
+        if volume > 0.0 and model.total_mass > DENSITY_LIMIT * volume:
             density = model.total_mass / volume
             raise InputError(
                 f"{words}: {density:.3g} kg/m3 or more, no material is that dense",

@@ -1,15 +1,17 @@
-"""Bodies from files: STEP solids meshed by gmsh, and finished meshes read by meshio."""
+"""Bodies from files: STEP solids meshed by gmsh, decks of other programs, and finished meshes read by meshio."""
 
 from __future__ import annotations
 
 import contextlib
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
 from heavylift.preprocess.finite_elements.groups import NodeSelector, select_nodes
 from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -27,15 +29,17 @@ __all__ = [
     "STEP_SUFFIXES",
     "existing_file",
     "load_geometry",
+    "read_deck",
     "read_mesh",
     "read_step",
     "read_with_meshio",
+    "scaled_mesh",
 ]
 
 STEP_SUFFIXES = (".step", ".stp")
 MESH_SUFFIXES = (".bdf", ".fem", ".inp", ".med", ".msh", ".nas", ".vtk", ".vtu", ".xdmf")
 
-_SOLID_CELLS = {"hexahedron": "hex8", "tetra10": "tet10"}
+_SOLID_CELLS = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra10": "tet10"}
 # cells that may accompany a solid: they only carry groups
 _LOWER_CELLS = ("vertex", "line", "triangle", "quad")
 
@@ -82,7 +86,7 @@ def load_geometry(
                 expected="no length unit: a STEP file carries its own",
             )
         return read_step(path, size=size, curved=curved, groups=groups, refine=refine)
-    if suffix in MESH_SUFFIXES:
+    if suffix in {*MESH_SUFFIXES, *DECK_SUFFIXES}:
         for key, value in (("size", size), ("refine", refine or None)):
             if value is not None:
                 expected = f"no {key}: the file is a finished mesh"
@@ -91,7 +95,8 @@ def load_geometry(
     raise InputError(
         f"suffix {path.suffix!r} is unknown",
         source=path,
-        expected="a STEP file or a mesh: " + " ".join((*STEP_SUFFIXES, *MESH_SUFFIXES)),
+        expected="a STEP file or a mesh: "
+        + " ".join(sorted({*STEP_SUFFIXES, *MESH_SUFFIXES, *DECK_SUFFIXES})),
     )
 
 
@@ -183,17 +188,27 @@ def _curve_sizes(
     return [CurveSize(curves, 1e3 * item.size, item.growth) for curves, item in found]
 
 
-def read_mesh(path: str | Path, *, length_unit: float = 1.0, groups: Sequence[NodeSelector] = ()) -> Mesh:
-    """Read a finished mesh of 8-node bricks or 10-node tetrahedra.
+def read_mesh(
+    path: str | Path,
+    *,
+    length_unit: float = 1.0,
+    groups: Sequence[NodeSelector] = (),
+    elements: Sequence[str] = (),
+    part: int | None = None,
+    merge_nodes: float | None = None,
+) -> Mesh:
+    """Read a finished mesh of 8-node bricks, 20-node bricks or 10-node tetrahedra.
 
     Parameters
     ----------
     path
-        Any file of meshio: Gmsh, VTK, Abaqus, Nastran, ...
+        A deck of Abaqus, CalculiX or Nastran, or any file of meshio: Gmsh, VTK, ...
     length_unit
         Metres per unit of the file.
     groups
         Node groups to name besides those of the file.
+    elements, part, merge_nodes
+        Which of several bodies, see `Deck.body`; `merge_nodes` in metres.
 
     Returns
     -------
@@ -204,7 +219,7 @@ def read_mesh(path: str | Path, *, length_unit: float = 1.0, groups: Sequence[No
     Raises
     ------
     InputError
-        A missing or unreadable file, cells other than ``hex8`` and ``tet10``, both kinds at once, an
+        A missing or unreadable file, cells of other kinds, several kinds at once, several parts, an
         inverted or disconnected element, a length unit that is not positive, an empty group.
     """
     path = existing_file(path, "a mesh file")
@@ -212,26 +227,58 @@ def read_mesh(path: str | Path, *, length_unit: float = 1.0, groups: Sequence[No
         raise InputError(
             f"{length_unit!r}", source=path, key="length_unit", expected="a positive number of m per unit"
         )
-    raw = read_with_meshio(path)
-    element_type, elements = _solid_elements(raw, path)
-    if raw.points.ndim != 2 or raw.points.shape[1] != 3:
-        raise InputError("the points are not three-dimensional", source=path, expected="x, y, z a point")
-    used, flat = np.unique(elements, return_inverse=True)
-    new_index = np.full(len(raw.points), -1, dtype=np.int64)
-    new_index[used] = np.arange(used.size)
-    own = {}
-    for key, members in _file_groups(raw).items():
-        kept = new_index[members]
-        if (kept >= 0).any():
-            own[key] = kept[kept >= 0]
-    mesh = Mesh(
-        length_unit * np.asarray(raw.points, dtype=np.float64)[used],
-        flat.reshape(elements.shape),
-        element_type,
-        node_groups=own,
-        name=str(path),
-    ).check()
-    return mesh.with_groups(select_nodes(mesh.nodes, groups, faces=mesh.node_groups, source=str(path)))
+    distance = None if merge_nodes is None else merge_nodes / length_unit
+    body = read_deck(path).body(elements=elements, part=part, merge_nodes=distance)
+    return scaled_mesh(body.mesh, length_unit, groups)
+
+
+def scaled_mesh(mesh: Mesh, length_unit: float, groups: Sequence[NodeSelector] = ()) -> Mesh:
+    """Mesh in metres, with more groups.
+
+    Parameters
+    ----------
+    mesh
+        In the unit of its file.
+    length_unit
+        Metres per unit of the file.
+    groups
+        Node groups to name besides those of the file, in metres.
+
+    Raises
+    ------
+    InputError
+        A group without nodes, an unknown set.
+    """
+    scaled = replace(mesh, nodes=length_unit * mesh.nodes)
+    return scaled.with_groups(select_nodes(scaled.nodes, groups, faces=mesh.node_groups, source=mesh.name))
+
+
+def read_deck(path: Path, root: Path | None = None) -> Deck:
+    """Everything that a mesh file or a deck holds, in its units.
+
+    Parameters
+    ----------
+    path
+        The file, of one of `MESH_SUFFIXES`.
+    root
+        Folder that included files do not leave; by default that of the file.
+
+    Raises
+    ------
+    InputError
+        A missing or unreadable file.
+    """
+    existing_file(path, "a mesh file")
+    suffix = path.suffix.lower()
+    if suffix == ".inp":
+        from heavylift.preprocess.finite_elements.abaqus_deck import read_abaqus_deck
+
+        return read_abaqus_deck(path, root)
+    if suffix in DECK_SUFFIXES:
+        from heavylift.preprocess.finite_elements.nastran_deck import read_nastran_deck
+
+        return read_nastran_deck(path, root)
+    return _deck_of_meshio(read_with_meshio(path), path)
 
 
 def existing_file(path: str | Path, expected: str) -> Path:
@@ -285,25 +332,57 @@ def read_with_meshio(path: Path) -> Any:
         ) from error
 
 
-def _solid_elements(raw: Any, path: Path) -> tuple[str, NDArray[np.int64]]:
-    found: dict[str, list[NDArray[np.int64]]] = {}
+def _deck_of_meshio(raw: Any, path: Path) -> Deck:
+    """Cells and groups of a file that meshio has read."""
+    points = np.asarray(raw.points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError("the points are not three-dimensional", source=path, expected="x, y, z a point")
+    blocks = []
+    start = 0
     for block in raw.cells:
+        count = len(block.data)
+        labels = np.arange(start + 1, start + count + 1)
+        start += count
         if block.type in _SOLID_CELLS:
-            found.setdefault(_SOLID_CELLS[block.type], []).append(np.asarray(block.data, dtype=np.int64))
-        elif not block.type.startswith(_LOWER_CELLS):
-            remedy = (
-                "10-node tetrahedra: 4-node ones lock; set the element order to 2 where the mesh is made"
-                if block.type == "tetra"
-                else "8-node bricks (hexahedron) or 10-node tetrahedra (tetra10)"
-            )
-            raise InputError(f"contains cells of type {block.type!r}", source=path, expected=remedy)
-    if len(found) != 1:
-        have = "both bricks and tetrahedra" if found else "no solid cell"
-        raise InputError(
-            f"contains {have}", source=path, expected="8-node bricks only, or 10-node tetrahedra only"
+            nodes = np.asarray(block.data, dtype=np.int64)
+            blocks.append(ElementBlock(block.type, _SOLID_CELLS[block.type], labels, nodes))
+            continue
+        remedy = (
+            "10-node tetrahedra: 4-node ones lock; set the element order to 2 where the mesh is made"
+            if block.type == "tetra"
+            else "bricks (hexahedron, hexahedron20) or 10-node tetrahedra (tetra10)"
         )
-    ((element_type, blocks),) = found.items()
-    return element_type, np.vstack(blocks)
+        only_groups = block.type.startswith(_LOWER_CELLS)
+        nothing = np.empty((count, 0), dtype=np.int64)
+        words = "" if only_groups else "cells of type"
+        blocks.append(ElementBlock(repr(block.type), "", labels, nothing, words, remedy, only_groups))
+    index = np.full(start, -1, dtype=np.int64)
+    return Deck(path, points, blocks, _file_groups(raw), _file_elements(raw), index)
+
+
+def _file_elements(raw: Any) -> dict[str, NDArray[np.int64]]:
+    """Sets of cells, numbered over all blocks."""
+    starts = np.cumsum([0, *(len(block.data) for block in raw.cells)])
+    sets: dict[str, NDArray[np.int64]] = {}
+    for name, per_block in raw.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            found = [
+                start + np.asarray(members, dtype=np.int64)
+                for start, members in zip(starts, per_block, strict=False)
+                if members is not None
+            ]
+            sets[name] = np.concatenate([*found, np.empty(0, dtype=np.int64)])
+    for name, (number, dimension) in raw.field_data.items():
+        found = [
+            start + np.flatnonzero(np.asarray(numbers) == number)
+            for start, block, numbers in zip(
+                starts, raw.cells, raw.cell_data.get("gmsh:physical", []), strict=False
+            )
+            if block.dim == dimension
+        ]
+        if found and name not in sets:
+            sets[name] = np.concatenate(found)
+    return {name: members for name, members in sets.items() if members.size}
 
 
 def _file_groups(raw: Any) -> dict[str, NDArray[np.int64]]:

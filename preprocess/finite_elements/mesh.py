@@ -39,9 +39,10 @@ class Mesh:
     nodes
         Positions [m], shape (n, 3), body frame.
     elements
-        Zero-based node indices in VTK/meshio order, shape (ne, 8) for ``hex8`` or (ne, 10) for ``tet10``.
+        Zero-based node indices in VTK/meshio order, shape (ne, 8) for ``hex8``, (ne, 20) for ``hex20`` or (ne, 10) for
+        ``tet10``.
     element_type
-        ``"hex8"`` or ``"tet10"``.
+        ``"hex8"``, ``"hex20"`` or ``"tet10"``.
     node_groups
         Named, sorted node indices.
     name
@@ -181,7 +182,7 @@ class Mesh:
 
     def _nearest(self, corners: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
         """Shape functions at a point of an element, by Newton's method; at a nearby point of it if it is outside."""
-        brick = self.element_type == "hex8"
+        brick = self.element_type != "tet10"
         local = REFERENCE_NODES[self.element_type].mean(axis=0)
         for _ in range(_NEWTON_STEPS):
             N = shape_functions(self.element_type, local[np.newaxis])[0]
@@ -199,8 +200,8 @@ class Mesh:
         Returns
         -------
         NDArray
-            Node indices, shape (nf, 4) for ``hex8``, (nf, 6) for ``tet10`` (corners, then middle nodes),
-            anticlockwise seen from outside.
+            Node indices, shape (nf, 4) for ``hex8``, (nf, 8) for ``hex20``, (nf, 6) for ``tet10`` (corners, then
+            middle nodes), anticlockwise seen from outside.
         """
         _, face_of, count = self._unique_faces()
         faces = self.elements[:, FACES[self.element_type]].reshape(-1, FACES[self.element_type].shape[1])
@@ -212,8 +213,8 @@ class Mesh:
         Returns
         -------
         NDArray
-            Node indices, shape (nt, 3): two triangles for each face of a brick, four for each face of a
-            quadratic tetrahedron (through its middle nodes).
+            Node indices, shape (nt, 3): two triangles for each face of an 8-node brick, four for each face of a
+            quadratic tetrahedron and six for one of a 20-node brick (through its middle nodes).
         """
         return self.boundary_faces()[:, FACE_TRIANGLES[self.element_type]].reshape(-1, 3)
 
@@ -274,7 +275,14 @@ class Mesh:
             _, face_of, count = np.unique(keys[:, :3], axis=0, return_inverse=True, return_counts=True)
         return len(count), face_of.ravel(), count
 
-    def _check_connected(self, source: str) -> None:
+    def parts(self) -> NDArray[np.int64]:
+        """Zero-based part of every element, shape (ne,): elements are of one part if faces join them.
+
+        Raises
+        ------
+        InputError
+            For a face shared by more than two elements.
+        """
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
@@ -283,19 +291,24 @@ class Mesh:
         if count.max() > 2:
             raise InputError(
                 f"has a face shared by {count.max()} elements",
-                source=source,
+                source=self.name or "mesh",
                 key=self._element_words(owner[np.argmax(count[face_of])]),
                 expected="two elements at most at a face (no element twice, none overlapping)",
             )
         ne = self.element_count
         size = ne + face_count
         graph = coo_array((np.ones(len(owner), dtype=np.int8), (owner, ne + face_of)), shape=(size, size))
-        parts, labels = connected_components(graph, directed=False)
-        if parts > 1:
-            sizes = np.bincount(labels[:ne])
-            smallest = np.flatnonzero(labels[:ne] == np.argmin(sizes))
+        _, labels = connected_components(graph, directed=False)
+        found: NDArray[np.int64] = labels[:ne].astype(np.int64)
+        return found
+
+    def _check_connected(self, source: str) -> None:
+        labels = self.parts()
+        if labels.max() > 0:
+            sizes = np.bincount(labels)
+            smallest = np.flatnonzero(labels == np.argmin(sizes))
             raise InputError(
-                f"the mesh falls into {parts} parts that share no face; the smallest has "
+                f"the mesh falls into {sizes.size} parts that share no face; the smallest has "
                 f"{smallest.size} element(s)",
                 source=source,
                 key=self._element_words(smallest[0]),

@@ -15,7 +15,12 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.finite_elements.mesh import Mesh
 
-__all__ = ["FEModel", "Material"]
+__all__ = ["DENSITY_LIMIT", "WAVE_SPEEDS", "FEModel", "Material"]
+
+WAVE_SPEEDS = (10.0, 30e3)
+"""Longitudinal waves of all materials [m/s]: soft rubber to beyond diamond."""
+DENSITY_LIMIT = 25e3
+"""Above osmium [kg/m3]."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +113,8 @@ class FEModel:
         Sorted degrees of freedom that are held besides, one by one, as symmetry planes and sliding supports do.
     name
         Where the model comes from, for messages.
+    notes
+        What its reader found, chose and left out, one sentence each.
 
     Raises
     ------
@@ -124,6 +131,7 @@ class FEModel:
     fixed_nodes: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     fixed_dofs: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     name: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         source = self.name or "finite element model"

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES
 from heavylift.preprocess.finite_elements.geometry import (
     MESH_SUFFIXES,
     STEP_SUFFIXES,
     existing_file,
+    read_deck,
     read_with_meshio,
 )
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
@@ -41,7 +43,7 @@ _PIECES = {
     ),
 }
 _QUADS = {"quad": [0, 1, 2, 3], "quad8": [4, 5, 6, 7]}  # four nodes, cut along the shorter diagonal
-_SOLIDS = {"hexahedron": "hex8", "tetra": "tet4", "tetra10": "tet10"}
+_SOLIDS = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra": "tet4", "tetra10": "tet10"}
 
 
 class RawTriangles(NamedTuple):
@@ -140,33 +142,37 @@ def _trimesh_read(path: Path, unit: float) -> tuple[NDArray[np.float64], NDArray
 
 
 def _faces_of_mesh(path: Path, unit: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    raw = read_with_meshio(path)
-    points = np.asarray(raw.points, dtype=np.float64)
+    points, blocks = _cells_of(path)
     if points.ndim != 2 or points.shape[1] not in {2, 3}:
         raise InputError("the points are not three-dimensional", source=path, expected="x, y, z a point")
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     found = []
-    for block in raw.cells:
-        cells = np.asarray(block.data, dtype=np.int64)
-        if block.type in _PIECES:
-            found.append(cells[:, _PIECES[block.type]].reshape(-1, 3))
-        if block.type in _QUADS:
-            found.append(_cut(points, _checked_numbers(cells, len(points), path)[:, _QUADS[block.type]]))
+    for kind, cells in blocks:
+        if kind in _PIECES:
+            found.append(cells[:, _PIECES[kind]].reshape(-1, 3))
+        if kind in _QUADS:
+            found.append(_cut(points, _checked_numbers(cells, len(points), path)[:, _QUADS[kind]]))
     if not found:
-        found = [
-            _outer_faces(np.asarray(block.data, dtype=np.int64), _SOLIDS[block.type])
-            for block in raw.cells
-            if block.type in _SOLIDS
-        ]
+        found = [_outer_faces(cells, _SOLIDS[kind]) for kind, cells in blocks if kind in _SOLIDS]
     if not found:
-        have = ", ".join(sorted({block.type for block in raw.cells})) or "no cell"
+        have = ", ".join(sorted({kind for kind, _ in blocks})) or "no cell"
         raise InputError(
             f"contains no face (but {have})",
             source=path,
             expected="triangles, quadrilaterals, bricks or tetrahedra",
         )
     return unit * points, np.vstack(found)
+
+
+def _cells_of(path: Path) -> tuple[NDArray[np.float64], list[tuple[str, NDArray[np.int64]]]]:
+    """Points of a mesh and its cells by meshio's types."""
+    if path.suffix.lower() in DECK_SUFFIXES:
+        deck = read_deck(path)
+        return deck.points, [(block.shape or block.name, block.nodes) for block in deck.blocks]
+    raw = read_with_meshio(path)
+    blocks = [(block.type, np.asarray(block.data, dtype=np.int64)) for block in raw.cells]
+    return np.asarray(raw.points, dtype=np.float64), blocks
 
 
 def _checked_numbers(cells: NDArray[np.int64], count: int, source: object) -> NDArray[np.int64]:

@@ -39,6 +39,24 @@ def brick_beam():
     return beam("hex8", 0.04, "lumped")
 
 
+@pytest.fixture(scope="session")
+def quadratic_brick_beam(with_middle_nodes):
+    """Bricks of 20 nodes, consistent mass."""
+    coarse = beam("hex8", 0.1, "consistent")
+    mesh = with_middle_nodes(coarse.mesh)
+    ends = {
+        "clamp": np.flatnonzero(mesh.nodes[:, 0] == 0.0),
+        "tip": np.flatnonzero(mesh.nodes[:, 0] == LENGTH),
+    }
+    return assemble(mesh.with_groups(ends), coarse.material)
+
+
+@pytest.fixture(params=["tet_beam", "brick_beam", "quadratic_brick_beam"])
+def beam_of_any_faces(request):
+    """All kinds of elements, whose faces differ, one after the other."""
+    return request.getfixturevalue(request.param)
+
+
 @pytest.fixture(params=["tet_beam", "brick_beam"])
 def any_beam(request):
     """Both kinds of mass and element, one after the other."""

@@ -44,20 +44,22 @@ def compliance(ritz, forces):
     return participation.T @ (participation / ritz.eigenvalues[:, None])
 
 
-def test_a_patch_has_the_compliance_of_the_full_model(any_beam, dense):
-    clamp = any_beam.node_groups["clamp"]
-    loads = normal_patch_loads(any_beam, clamp)
+def test_a_patch_has_the_compliance_of_the_full_model(beam_of_any_faces, dense):
+    clamp = beam_of_any_faces.node_groups["clamp"]
+    loads = normal_patch_loads(beam_of_any_faces, clamp)
     assert loads.forces.shape[1] >= 12
-    flexibility = Flexibility(any_beam, clamp)
-    modes = eigenmodes(any_beam, 10, flexibility=flexibility)
+    flexibility = Flexibility(beam_of_any_faces, clamp)
+    modes = eigenmodes(beam_of_any_faces, 10, flexibility=flexibility)
     alone = eigenmode_basis(modes)
     with_statics = alone + static_vectors(flexibility, loads)
-    matrices = dense(any_beam, clamp)
+    matrices = dense(beam_of_any_faces, clamp)
     b = loads.forces[matrices.rows]
     full = b.T @ np.linalg.solve(matrices.K_free, b)
     errors = []
     for basis in (alone, with_statics):
-        ritz = ritz_vectors(any_beam, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=False)
+        ritz = ritz_vectors(
+            beam_of_any_faces, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=False
+        )
         assert not ritz.dropped
         errors.append(np.abs(np.diag(compliance(ritz, loads.forces) - full) / np.diag(full)).max())
     assert errors[0] > 0.004  # local indentation, which more eigenmodes hardly catch
@@ -91,22 +93,22 @@ def test_soft_beam_of_the_thesis_needs_the_static_vector_of_its_contact():
         assert compliance(ritz, loads.forces)[0, 0] == pytest.approx(0.175725e-3 * share, rel=error)
 
 
-def test_a_pressure_between_the_nodes_of_a_patch_deflects_them_as_in_the_full_model(any_beam):
+def test_a_pressure_between_the_nodes_of_a_patch_deflects_them_as_in_the_full_model(beam_of_any_faces):
     # consistent nodal forces of a footprint whose faces lie in the patch: in the span of the unit loads
-    clamp = any_beam.node_groups["clamp"]
-    flexibility = Flexibility(any_beam, clamp)
-    basis = static_vectors(flexibility, normal_patch_loads(any_beam, clamp))
-    ritz = ritz_vectors(any_beam, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=False)
-    faces = outer_faces(any_beam, top_nodes(any_beam))
-    b = footprint_loads(any_beam, faces, (0.87, HEIGHT, 0.031), 0.028).forces
+    clamp = beam_of_any_faces.node_groups["clamp"]
+    flexibility = Flexibility(beam_of_any_faces, clamp)
+    basis = static_vectors(flexibility, normal_patch_loads(beam_of_any_faces, clamp))
+    ritz = ritz_vectors(beam_of_any_faces, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=False)
+    faces = outer_faces(beam_of_any_faces, top_nodes(beam_of_any_faces))
+    b = footprint_loads(beam_of_any_faces, faces, (0.87, HEIGHT, 0.031), 0.028).forces
     assert compliance(ritz, b) == pytest.approx(b.T @ flexibility.solve(b), rel=1e-10)
 
 
-def test_a_free_body_has_the_compliance_of_inertia_relief(any_beam):
-    flexibility = Flexibility(any_beam)
-    loads = normal_patch_loads(any_beam)
+def test_a_free_body_has_the_compliance_of_inertia_relief(beam_of_any_faces):
+    flexibility = Flexibility(beam_of_any_faces)
+    loads = normal_patch_loads(beam_of_any_faces)
     basis = static_vectors(flexibility, loads)
-    ritz = ritz_vectors(any_beam, basis.vectors, basis.labels, mean_axis=True)
+    ritz = ritz_vectors(beam_of_any_faces, basis.vectors, basis.labels, mean_axis=True)
     full = loads.forces.T @ flexibility.solve(loads.forces)
     np.testing.assert_allclose(compliance(ritz, loads.forces), full, atol=1e-10 * np.abs(full).max())
 
@@ -123,31 +125,33 @@ def test_three_directions_and_clamped_nodes(brick_beam):
     assert np.array_equal(loads.forces.sum(axis=0), np.ones(3 * len(free)))
 
 
-def test_a_footprint_has_the_moments_of_its_weight(any_beam):
+def test_a_footprint_has_the_moments_of_its_weight(beam_of_any_faces):
     # means over the disc with (1 - r^2/R^2)^2: of x - x0 zero, of (x - x0)^2 R^2/8; quadratic elements know both
     centre, radius = np.array([0.63, HEIGHT, 0.03]), 0.029
-    faces = outer_faces(any_beam, top_nodes(any_beam))
-    shares, normals = footprint_weights(any_beam, faces, centre, radius)
+    faces = outer_faces(beam_of_any_faces, top_nodes(beam_of_any_faces))
+    shares, normals = footprint_weights(beam_of_any_faces, faces, centre, radius)
     assert shares.sum() == pytest.approx(1.0, rel=1e-14)
     np.testing.assert_allclose(normals, np.outer(shares, [0.0, 1.0, 0.0]), atol=1e-15)
-    r = any_beam.nodes - centre
+    r = beam_of_any_faces.nodes - centre
     np.testing.assert_allclose(shares @ r, 0.0, atol=1e-5 * radius)
-    if any_beam.mesh.element_type == "tet10":
+    if beam_of_any_faces.mesh.element_type == "tet10":
         second = shares @ (r[:, [0, 2, 0]] * r[:, [0, 2, 2]]) / radius**2
         np.testing.assert_allclose(second, [0.125, 0.125, 0.0], atol=1e-5)
-    along_x = footprint_loads(any_beam, faces, centre, radius, "x").forces
+    along_x = footprint_loads(beam_of_any_faces, faces, centre, radius, "x").forces
     np.testing.assert_allclose(along_x[0::3, 0], shares, atol=1e-16)
 
 
-def test_normals_point_outwards_also_at_edges(any_beam):
-    surface = np.arange(any_beam.node_count)
-    normals = surface_normals(any_beam, outer_faces(any_beam, surface))
+def test_normals_point_outwards_also_at_edges(beam_of_any_faces):
+    surface = np.arange(beam_of_any_faces.node_count)
+    normals = surface_normals(beam_of_any_faces, outer_faces(beam_of_any_faces, surface))
     middle = np.array([LENGTH, HEIGHT, WIDTH]) / 2
     on_surface = np.linalg.norm(normals, axis=1) > 0.5
-    assert np.all(np.einsum("ij,ij->i", normals, any_beam.nodes - middle)[on_surface] > 0.0)
-    top = top_nodes(any_beam)
+    assert np.all(np.einsum("ij,ij->i", normals, beam_of_any_faces.nodes - middle)[on_surface] > 0.0)
+    top = top_nodes(beam_of_any_faces)
     np.testing.assert_allclose(
-        surface_normals(any_beam, outer_faces(any_beam, top))[top], [[0.0, 1.0, 0.0]] * len(top), atol=1e-14
+        surface_normals(beam_of_any_faces, outer_faces(beam_of_any_faces, top))[top],
+        [[0.0, 1.0, 0.0]] * len(top),
+        atol=1e-14,
     )
 
 

@@ -37,9 +37,15 @@ def between_planes(model):
     return replace(model, fixed_dofs=np.concatenate(dofs))
 
 
-@pytest.fixture(params=["tet10", "hex8"])
-def model(request):
-    return block(request.param)
+@pytest.fixture(params=["tet10", "hex8", "hex20"])
+def model(request, with_middle_nodes):
+    if request.param != "hex20":
+        return block(request.param)
+    mesh = with_middle_nodes(block("hex8").mesh)
+    ends = {
+        name: np.flatnonzero(np.isclose(mesh.nodes[:, k], SIZE[k])) for name, k in (("end", 0), ("top", 2))
+    }
+    return assemble(mesh.with_groups(ends), STEEL)
 
 
 def bulged(model):

@@ -60,6 +60,14 @@ def distorted_bricks():
 
 
 @pytest.fixture(scope="session")
+def quadratic_bricks(distorted_bricks, with_middle_nodes):
+    """The same with 20 nodes, those inside the cube moved, so that edges are bent."""
+    mesh = with_middle_nodes(distorted_bricks)
+    shift = np.random.default_rng(4).uniform(-0.01, 0.01, mesh.nodes.shape)
+    return Mesh(mesh.nodes + shift * ~_boundary(mesh.nodes)[:, None], mesh.elements, "hex20").check()
+
+
+@pytest.fixture(scope="session")
 def straight_tetrahedra():
     """Unit cube of irregular straight-sided quadratic tetrahedra."""
     return mesh_blocks([Box("cube", (0, 0, 0), (1, 1, 1))], element_type="tet10", size=0.45)

@@ -23,6 +23,7 @@ SOLIDS = [
     ("distorted_bricks", "reduced"),
     ("straight_tetrahedra", "full"),
     ("curved_tetrahedra", "full"),
+    ("quadratic_bricks", "full"),
 ]
 
 
@@ -58,7 +59,7 @@ def test_exactly_six_rigid_motions_cost_no_energy(name, formulation, request, st
 def _oracle(mesh, material, degree):
     """K and M_s by plain loops: B^T D B at each point of a tensor Gauss rule, one element after the other."""
     g, w = np.polynomial.legendre.leggauss(degree)
-    u, wu = (g, w) if mesh.element_type == "hex8" else (0.5 * (g + 1), 0.5 * w)
+    u, wu = (g, w) if mesh.element_type != "tet10" else (0.5 * (g + 1), 0.5 * w)
     a, b, c = (v.ravel() for v in np.meshgrid(u, u, u, indexing="ij"))
     weights = np.einsum("i,j,k->ijk", wu, wu, wu).ravel()
     points = np.column_stack([a, b, c])
@@ -84,7 +85,9 @@ def _oracle(mesh, material, degree):
 
 
 @pytest.mark.parametrize(
-    ("name", "degree"), [("distorted_bricks", 2), ("straight_tetrahedra", 4)], ids=["hex8", "tet10"]
+    ("name", "degree"),
+    [("distorted_bricks", 2), ("straight_tetrahedra", 4), ("quadratic_bricks", 3)],
+    ids=["hex8", "tet10", "hex20"],
 )
 def test_matrices_agree_with_plain_loops(name, degree, request, steel):
     mesh = request.getfixturevalue(name)
@@ -95,6 +98,40 @@ def test_matrices_agree_with_plain_loops(name, degree, request, steel):
     model = elasticity.assemble(mesh, steel, formulation="full")
     np.testing.assert_allclose(model.stiffness.toarray(), K, atol=1e-12 * np.abs(K).max())
     np.testing.assert_allclose(model.mass.toarray(), M, atol=1e-12 * np.abs(M).max())
+
+
+def test_reduced_bricks_of_20_nodes_have_eight_points_and_no_idle_motions_in_a_mesh(quadratic_bricks, steel):
+    mesh = Mesh(quadratic_bricks.nodes, quadratic_bricks.elements, "hex20")
+    K = elasticity.stiffness_matrix(mesh, steel, formulation="reduced").toarray()
+    expected, _ = _oracle(mesh, steel, 2)
+    np.testing.assert_allclose(K, expected, atol=1e-12 * np.abs(expected).max())
+    values = np.linalg.eigvalsh(K)
+    assert values[:6] == pytest.approx(np.zeros(6), abs=1e-9 * values[-1])
+    assert values[6] > 1e-6 * values[-1]
+
+
+def test_one_row_of_bricks_of_20_nodes_bends_like_a_beam(steel):
+    length, height, width, count = 1.0, 0.1, 0.05, 5
+    one = Mesh(0.5 * (REFERENCE_NODES["hex20"] + 1.0), np.arange(20)[None], "hex20")
+    nodes = np.vstack(
+        [(one.nodes + np.array([k, 0, 0])) * [length / count, height, width] for k in range(count)]
+    )
+    places, number = np.unique(nodes.round(9), axis=0, return_inverse=True)
+    mesh = Mesh(places, number.reshape(count, 20), "hex20").check()
+    soft = Material(steel.young_modulus, 0.0, steel.density)
+    K = elasticity.stiffness_matrix(mesh, soft)
+    end = np.flatnonzero(np.isclose(places[:, 0], length))
+    y = places[end, 1] - 0.5 * height
+    exact = np.zeros_like(places)
+    curvature = 0.01
+    exact[:, 0] = -curvature * places[:, 0] * (places[:, 1] - 0.5 * height)
+    exact[:, 1] = 0.5 * curvature * places[:, 0] ** 2
+    forces = (K @ exact.ravel()).reshape(-1, 3)
+    # pure bending is a quadratic field and needs forces at both ends only, with the moment E I curvature
+    inside = (places[:, 0] > 1e-9) & (places[:, 0] < length - 1e-9)
+    assert np.abs(forces[inside]).max() < 1e-9 * np.abs(forces).max()
+    moment = -(forces[end, 0] * y).sum()
+    assert moment == pytest.approx(soft.young_modulus * width * height**3 / 12 * curvature, rel=1e-9)
 
 
 def test_tetrahedra_agree_with_the_weak_form_of_scikit_fem(straight_tetrahedra, steel):
@@ -122,7 +159,9 @@ def test_tetrahedra_agree_with_the_weak_form_of_scikit_fem(straight_tetrahedra, 
     assert ours @ K @ ours == pytest.approx(theirs @ A @ theirs, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["distorted_bricks", "straight_tetrahedra", "curved_tetrahedra"])
+@pytest.mark.parametrize(
+    "name", ["distorted_bricks", "straight_tetrahedra", "curved_tetrahedra", "quadratic_bricks"]
+)
 @pytest.mark.parametrize("kind", ["consistent", "lumped"])
 def test_mass_of_the_body(name, kind, request, steel):
     M = elasticity.mass_matrix(request.getfixturevalue(name), steel.density, kind=kind)
@@ -246,3 +285,26 @@ def test_thin_block_stretches_as_a_rod(steel):
     np.testing.assert_allclose(ends, [[-axial, 0, 0], [axial, 0, 0]], atol=1e-9 * axial)
     interior = np.isclose(mesh.nodes[:, 0] * (1 - mesh.nodes[:, 0]), 0)
     np.testing.assert_allclose(forces[~interior], 0.0, atol=1e-9 * axial)
+
+
+def test_two_materials_in_a_row_stretch_as_springs_in_series():
+    """Two cubes of different materials, nu = 0, pulled along x: springs of E A / L one behind the other."""
+    mesh = mesh_blocks(
+        [Box("bar", (0, 0, 0), (2, 1, 1))], element_type="hex8", divisions={"x": [2], "y": [1], "z": [1]}
+    )
+    materials = [Material(2e11, 0.0, 7850.0), Material(7e10, 0.0, 2700.0)]
+    first = mesh.nodes[mesh.elements].mean(axis=1)[:, 0] < 1.0
+    model = elasticity.assemble_several(mesh, materials, np.where(first, 0, 1))
+    assert model.total_mass == pytest.approx(7850.0 + 2700.0, rel=1e-12)
+    assert model.material is None
+    x = mesh.nodes[:, 0]
+    held = np.repeat((x == 0.0) | (x == 2.0), 3)
+    u = np.zeros(3 * len(x))
+    u[0::3] = 1e-3 * (x == 2.0)
+    K = model.stiffness.tocsc()
+    u[~held] = spsolve(K[~held][:, ~held], -K[~held][:, held] @ u[held])
+    force = (model.stiffness @ u)[0::3][x == 2.0].sum()
+    assert force == pytest.approx(1e-3 / (1 / 2e11 + 1 / 7e10), rel=1e-10)
+    alike = elasticity.assemble_several(mesh, [materials[0]] * 2, np.where(first, 0, 1))
+    one = elasticity.assemble(mesh, materials[0])
+    assert abs(alike.stiffness - one.stiffness).max() <= 1e-12 * abs(one.stiffness).max()

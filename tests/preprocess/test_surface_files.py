@@ -64,7 +64,7 @@ CORNERS = np.array(
 QUADS = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 
 
-@pytest.mark.parametrize("suffix", ["vtk", "vtu", "inp", "msh"])
+@pytest.mark.parametrize("suffix", ["vtk", "vtu", "inp", "msh", "bdf"])
 @pytest.mark.parametrize(
     "cells",
     [
@@ -79,6 +79,15 @@ def test_meshes_give_their_faces(tmp_path, suffix, cells):
     path = tmp_path / f"box.{suffix}"
     write_cells(path, cells, CORNERS)
     check_box(read_surface(path, scale=1e-3), 1e-3)
+
+
+def test_a_deck_with_continued_lines_gives_its_faces(tmp_path):
+    nodes = "".join(f"{k}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(CORNERS, 1))
+    (tmp_path / "box.inp").write_text(f"*NODE\n{nodes}*ELEMENT, TYPE=C3D8R\n1, 1, 2, 3,\n4, 5, 6,\n7, 8,\n")
+    check_box(read_surface(tmp_path / "box.inp", scale=1e-3), 1e-3)
+    skin = "".join(f"{e}, {', '.join(str(k + 1) for k in quad)},\n" for e, quad in enumerate(QUADS, 1))
+    (tmp_path / "skin.inp").write_text(f"*NODE\n{nodes}*ELEMENT, TYPE=S4R, ELSET=Skin\n{skin}")
+    check_box(read_surface(tmp_path / "skin.inp", scale=1e-3), 1e-3)
 
 
 def test_faces_of_two_bricks_leave_out_what_is_between(tmp_path):

@@ -1,0 +1,484 @@
+"""Bulk data of Nastran and OptiStruct (``.bdf``, ``.nas``, ``.dat``, ``.fem``): nodes, solids, properties, materials.
+
+What is understood:
+
+* *text*: small fields of 8 columns, large fields of 16 (``*``) and free fields with commas, mixed from line to line;
+  continuation lines that follow their card, with or without names; comments ``$``; numbers like 1.5-3;
+  ``INCLUDE 'file'`` of files below the case folder; what stands before ``BEGIN BULK`` and after ``ENDDATA`` is
+  passed over;
+* *mesh*: ``GRID`` in basic coordinates (``CP``, ``CD`` 0, also from ``GRDSET``), ``CHEXA`` of 8 and 20
+  and ``CTETRA`` of 10 nodes;
+* *sets*: the elements of a ``PSOLID`` are the set ``PSOLID n``; nodes of ``SPC`` and ``SPC1`` are the group
+  ``SPC n``, those of ``SET1`` the group ``SET1 n``;
+* *materials*: ``MAT1``, with ``PARAM, WTMASS`` on its density.
+
+What is left out, and said: constraints, contacts, masses, springs; shells and bars without a property, which meshers
+write for groups. What is refused when a body is taken, with type and
+number: shells, bars, rods, plane elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
+
+Source: MSC Nastran Quick Reference Guide, *Bulk Data Entries*.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NoReturn
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.deck import (
+    Deck,
+    DeckMaterial,
+    ElementBlock,
+    deck_number,
+    deck_text,
+    included_file,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+__all__ = ["read_nastran_deck"]
+
+
+# ---- text ----
+
+
+@dataclass
+class _Card:
+    """A bulk data entry: its name and the fields behind it."""
+
+    name: str
+    fields: list[str]
+    file: Path
+    line: int
+
+    def fail(self, problem: str, expected: str) -> NoReturn:
+        raise InputError(
+            f"{self.name}: {problem}", source=self.file, key=f"line {self.line}", expected=expected
+        )
+
+    def word(self, index: int) -> str:
+        return self.fields[index] if index < len(self.fields) else ""
+
+    def whole(self, index: int, what: str, default: int | None = None) -> int:
+        word = self.word(index)
+        if not word and default is not None:
+            return default
+        if not word.lstrip("+-").isdigit():
+            self.fail(f"{word!r}", f"a whole number: {what}")
+        return int(word)
+
+    def real(self, index: int, what: str) -> float | None:
+        word = self.word(index)
+        if not word:
+            return None
+        try:
+            return deck_number(word)
+        except ValueError:
+            self.fail(f"{word!r}", f"a number: {what}")
+
+
+def _cards(deck: Path, root: Path) -> Iterator[_Card]:
+    """Entries of the bulk data, with their continuations."""
+    card: _Card | None = None
+    for file, number, line in _bulk(deck, root):
+        name, fields = _fields(line)
+        if name and name[0] not in "+*":
+            if card is not None:
+                yield card
+            # meshio writes CTETRA_ for ten nodes
+            card = _Card(name.rstrip("*_ ").upper(), fields, file, number)
+        elif card is not None:
+            card.fields += fields
+    if card is not None:
+        yield card
+
+
+def _fields(line: str) -> tuple[str, list[str]]:
+    """First field of a line, and its data: eight, or four large ones."""
+    if "," in line:
+        words = [word.strip() for word in line.split(",")]
+        name, data = words[0], words[1:]
+        count = 4 if name.endswith("*") or name.startswith("*") else 8
+        # the field behind the data names the continuation
+        return name, (data + [""] * count)[: max(count, len(data) if len(data) > count + 1 else 0)]
+    name = line[:8].strip()
+    width, count = (16, 4) if name.endswith("*") or name.startswith("*") else (8, 8)
+    return name, [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
+
+
+def _bulk(deck: Path, root: Path) -> Iterator[tuple[Path, int, str]]:
+    """Lines of the bulk data."""
+    lines = list(_lines(deck, deck, root, ()))
+    begin = next(
+        (k + 1 for k, (*_, line) in enumerate(lines) if re.match(r"\s*BEGIN\b", line, re.IGNORECASE)), 0
+    )
+    for file, number, line in lines[begin:]:
+        if re.match(r"ENDDATA\b", line, re.IGNORECASE):
+            return
+        yield file, number, line
+
+
+def _lines(file: Path, deck: Path, root: Path, above: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
+    """Lines that say something, with files included in place."""
+    for number, raw in enumerate(deck_text(file), start=1):
+        line = raw.partition("$")[0].expandtabs(8).rstrip()
+        if not line:
+            continue
+        match = re.match(r"""\s*INCLUDE\s+['"]?([^'"]+)""", line, re.IGNORECASE)
+        if match:
+            target = included_file(match[1].strip(), deck, root, file, number)
+            if target in (*above, file.resolve()):
+                raise InputError(
+                    f"INCLUDE: {match[1]!r} includes itself",
+                    source=file,
+                    key=f"line {number}",
+                    expected="files that do not include each other in a circle",
+                )
+            yield from _lines(target, deck, root, (*above, file.resolve()))
+        else:
+            yield file, number, line
+
+
+# ---- elements ----
+
+
+_SOLIDS = {"CHEXA": (8, 20), "CPENTA": (6, 15), "CPYRAM": (5, 13), "CPYRA": (5, 13), "CTETRA": (4, 10)}
+_KIND_OF = {("CHEXA", 8): "hex8", ("CHEXA", 20): "hex20", ("CTETRA", 10): "tet10"}
+# middle nodes: bottom, upright, top; in VTK upright ones come last
+_HEX20 = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]
+_WORDS = {
+    "CHEXA": "bricks",
+    "CPENTA": "wedges",
+    "CPYRAM": "pyramids",
+    "CPYRA": "pyramids",
+    "CTETRA": "tetrahedra",
+}
+_REMEDY = "solids: bricks of 8 or 20 nodes (CHEXA) or 10-node tetrahedra (CTETRA); write the mesh with these"
+_TET_REMEDY = "10-node tetrahedra (CTETRA): 4-node ones lock; write the mesh with quadratic elements"
+_OTHERS = (
+    (r"C(QUAD[48R]?|TRIA[36R]?|SHEAR|QUADX?\d?)$", "shell elements", False),
+    (r"C(BAR|BEAM3?|BEND|TUBE)$", "beam elements", False),
+    (r"(CROD|CONROD)$", "truss elements", False),
+    (r"C(TRIAX\d?|TRAX\d|QUADX\d|TRIAR?X)$", "plane or axisymmetric elements", False),
+    (r"(CONM[12]|CMASS\d)$", "point masses", True),
+    (r"C(ELAS\d|DAMP\d|BUSH\w*|GAP|VISC|FAST|WELD|SEAM)$", "springs, dashpots, gaps or couplings", True),
+)
+_CONSTRAINTS = re.compile(
+    r"(SPC|SPC1|SPCD|SPCADD|MPC|MPCADD|RBE1|RBE2|RBE3|RBAR|RROD|RSPLINE|RJOINT|BCONTACT|BCTSET|SUPORT)$"
+)
+_PROPERTIES = re.compile(r"P(SHELL|COMPG?|SHEAR|PLANE|BARL?|BEAML?|BCOMP|BEND|ROD|TUBE)$")
+# nodes behind number and property
+_NODES = {
+    "CTRIA3": 3,
+    "CTRIAR": 3,
+    "CTRIA6": 6,
+    "CQUAD4": 4,
+    "CQUADR": 4,
+    "CQUAD8": 8,
+    "CBAR": 2,
+    "CBEAM": 2,
+    "CROD": 2,
+}
+_FLAT = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
+_CELLS = {
+    ("CHEXA", 8): "hexahedron",
+    ("CHEXA", 20): "hexahedron20",
+    ("CTETRA", 4): "tetra",
+    ("CTETRA", 10): "tetra10",
+}
+_ANISOTROPIC = {
+    "MAT2": "of plates",
+    "MAT3": "orthotropic",
+    "MAT8": "orthotropic",
+    "MAT9": "anisotropic",
+    "MAT10": "a fluid",
+    "MAT11": "orthotropic",
+    "MATHE": "hyperelastic",
+    "MATHP": "hyperelastic",
+}
+_NONLINEAR = {
+    "MATS1": "nonlinear",
+    "MATT1": "temperature dependent",
+    "MATVE": "viscoelastic",
+    "MATEP": "plastic",
+}
+
+
+def read_nastran_deck(path: Path, root: Path | None = None) -> Deck:
+    """Read bulk data of Nastran; see the module for what is understood.
+
+    Parameters
+    ----------
+    path
+        The first file.
+    root
+        Folder that included files do not leave; by default that of the deck.
+
+    Raises
+    ------
+    InputError
+        A file that is no deck; a number, name or node that is wrong, with file and line; nodes in coordinate systems;
+        a file outside `root`.
+    """
+    reader = _Reader()
+    for card in _cards(path, root or path.parent):
+        reader.take(card)
+    if not reader.nodes and not reader.solids and not reader.others:
+        raise InputError("contains no GRID", source=path, expected="bulk data of Nastran")
+    return reader.deck(path)
+
+
+class _Reader:
+    """Takes one entry after the other."""
+
+    def __init__(self) -> None:
+        self.nodes: dict[int, tuple[list[float], _Card]] = {}
+        self.default_systems = [0, 0]
+        self.grid_set: _Card | None = None
+        self.solids: dict[int, tuple[str, int, list[int]]] = {}
+        self.others: dict[tuple[str, int], list[tuple[int, int, list[int]]]] = {}
+        self.other_properties: set[int] = set()
+        self.properties: dict[int, int] = {}
+        self.materials: dict[int, DeckMaterial] = {}
+        self.material_notes: dict[int, list[str]] = {}
+        self.refused: dict[int, str] = {}
+        self.groups: dict[str, list[tuple[int, int]]] = {}
+        self.constraints: Counter[str] = Counter()
+        self.weight = 1.0
+        self.verbs: dict[str, Callable[[_Card], None]] = {
+            "GRID": self._grid,
+            "GRDSET": self._grid_defaults,
+            "PSOLID": self._property,
+            "PLSOLID": self._property,
+            "MAT1": self._material,
+            "PARAM": self._parameter,
+            "SPC": self._spc,
+            "SPC1": self._spc1,
+            "SET1": self._set1,
+        }
+
+    def take(self, card: _Card) -> None:
+        """One entry."""
+        if _CONSTRAINTS.match(card.name):
+            self.constraints[card.name] += 1
+        if card.name in self.verbs:
+            self.verbs[card.name](card)
+        elif card.name in _SOLIDS:
+            self._solid(card)
+        elif card.name in _ANISOTROPIC:
+            self.refused[card.whole(0, "number of the material")] = f"{_ANISOTROPIC[card.name]} ({card.name})"
+        elif card.name in _NONLINEAR:
+            note = f"its {card.name} is left out: {_NONLINEAR[card.name]}"
+            self.material_notes.setdefault(card.whole(0, "number of the material"), []).append(note)
+        elif any(re.match(pattern, card.name) for pattern, *_ in _OTHERS):
+            self._other(card)
+        elif _PROPERTIES.match(card.name):
+            self.other_properties.add(card.whole(0, "number of the property"))
+
+    def _grid_defaults(self, card: _Card) -> None:
+        self.grid_set = card
+        self.default_systems = [card.whole(1, "coordinate system", 0), card.whole(5, "coordinate system", 0)]
+
+    def _grid(self, card: _Card) -> None:
+        label = card.whole(0, "number of the node")
+        x = [card.real(k, "a coordinate") or 0.0 for k in (2, 3, 4)]
+        self.nodes[label] = (x, card)
+
+    def _solid(self, card: _Card) -> None:
+        label = card.whole(0, "number of the element")
+        # blank fields are middle nodes that an element does not have
+        words = card.fields[2:]
+        while words and not words[-1]:
+            words = words[:-1]
+        corners, most = _SOLIDS[card.name]
+        nodes = [card.whole(2 + k, "a node") for k, word in enumerate(words[:most]) if word]
+        if len(nodes) < corners:
+            card.fail(f"element {label} has {len(nodes)} nodes", f"{corners} or {most} nodes")
+        known = self.solids.get(label)
+        property_id = card.whole(1, "a property", label)
+        if known is not None and known != (card.name, property_id, nodes):
+            card.fail(f"element {label} is defined twice", "every element once")
+        self.solids[label] = (card.name, property_id, nodes)
+
+    def _other(self, card: _Card) -> None:
+        """An element that is no solid, with its nodes if its name tells their number."""
+        label, count = card.whole(0, "number of the element"), _NODES.get(card.name, 0)
+        nodes = [card.whole(2 + k, "a node") for k in range(count)]
+        property_id = card.whole(1, "a property", label) if count else 0
+        self.others.setdefault((card.name, count), []).append((label, property_id, nodes))
+
+    def _property(self, card: _Card) -> None:
+        self.properties[card.whole(0, "number of the property")] = card.whole(1, "number of the material", 0)
+
+    def _material(self, card: _Card) -> None:
+        label = card.whole(0, "number of the material")
+        E, G, nu, rho = (card.real(k, "a constant of the material") for k in (1, 2, 3, 4))
+        if E is None and G is not None and nu is not None:
+            E = 2.0 * G * (1.0 + nu)
+        elif nu is None and E is not None and G is not None:
+            nu = E / (2.0 * G) - 1.0
+        self.materials[label] = DeckMaterial(f"MAT1 {label}", E, nu, rho)
+
+    def _parameter(self, card: _Card) -> None:
+        if card.word(0).upper() == "WTMASS":
+            self.weight = card.real(1, "a factor on masses") or 1.0
+
+    def _spc(self, card: _Card) -> None:
+        name = f"SPC {card.word(0)}"
+        for k in (1, 4):
+            if card.word(k):
+                label = card.whole(k, "a node")
+                self.groups.setdefault(name, []).append((label, label))
+
+    def _spc1(self, card: _Card) -> None:
+        self._ranges(card, f"SPC {card.word(0)}", 2)
+
+    def _set1(self, card: _Card) -> None:
+        self._ranges(card, f"SET1 {card.word(0)}", 1)
+
+    def _ranges(self, card: _Card, name: str, first: int) -> None:
+        """Numbers from a field on, with ``a THRU b``."""
+        found = self.groups.setdefault(name, [])
+        places = [k for k in range(first, len(card.fields)) if card.fields[k]]
+        through = False
+        for k in places:
+            if card.fields[k].upper() == "THRU":
+                through = True
+                continue
+            label = card.whole(k, "a node, or THRU")
+            if through and found:
+                found[-1] = (found[-1][0], label)
+            else:
+                found.append((label, label))
+            through = False
+
+    # -- everything together --
+
+    def deck(self, path: Path) -> Deck:
+        """One numbering of nodes and elements."""
+        self._check_systems()
+        row = {label: k for k, label in enumerate(self.nodes)}
+        blocks, sets, index = self._blocks(path, row)
+        node_sets = {}
+        for name, ranges in self.groups.items():
+            members = [row[label] for label in row if any(a <= label <= b for a, b in ranges)]
+            if members:
+                node_sets[name] = np.array(sorted(members), dtype=np.int64)
+        nodes_of = [nodes for block in blocks for nodes in block.nodes]
+        for name, elements in sets.items():
+            node_sets[name] = np.unique(np.concatenate([nodes_of[k] for k in elements])).astype(np.int64)
+        materials, number = self._materials(set(index))
+        notes = []
+        if self.constraints:
+            words = ", ".join(f"{n} {key}" for key, n in self.constraints.items())
+            notes.append(f"constraints and contacts of the file are left out, the case has its own: {words}")
+        if self.weight != 1.0:
+            notes.append(f"densities are multiplied by WTMASS = {self.weight:g}")
+        points = np.array([x for x, _ in self.nodes.values()], dtype=np.float64).reshape(-1, 3)
+        material_index = np.array([number.get(key, -1) for key in index], dtype=np.int64)
+        return Deck(
+            path,
+            points,
+            blocks,
+            node_sets,
+            {name: members for name, members in sets.items() if members.size},
+            material_index,
+            materials,
+            tuple(notes),
+        )
+
+    def _check_systems(self) -> None:
+        for label, (_, card) in self.nodes.items():
+            for place, key, default in (
+                (1, "CP", self.default_systems[0]),
+                (5, "CD", self.default_systems[1]),
+            ):
+                given = card.whole(place, "a coordinate system", default)
+                if given not in {0, -1}:
+                    card.fail(
+                        f"node {label} has {key} = {given}, a coordinate system",
+                        "nodes in basic coordinates, CP and CD 0; write the deck so",
+                    )
+
+    def _blocks(
+        self, path: Path, row: dict[int, int]
+    ) -> tuple[list[ElementBlock], dict[str, NDArray[np.int64]], list[int]]:
+        """Elements by type, the sets of properties, and the material of every element."""
+        by_type: dict[tuple[str, int], list[int]] = {}
+        for label, (name, _, nodes) in self.solids.items():
+            by_type.setdefault((name, len(nodes)), []).append(label)
+        blocks: list[ElementBlock] = []
+        index: list[int] = []
+        sets: dict[str, list[int]] = {}
+        for (name, count), labels in by_type.items():
+            kind = _KIND_OF.get((name, count), "")
+            cells = []
+            for label in labels:
+                _, property_id, nodes = self.solids[label]
+                sets.setdefault(f"PSOLID {property_id}", []).append(len(index))
+                index.append(self.properties.get(property_id, 0))
+                if kind or count == 4:
+                    cells.append(self._rows(path, row, nodes, f"element {label} ({name})"))
+            marks = np.array(labels)
+            if kind == "hex20":
+                cells = [[cell[k] for k in _HEX20] for cell in cells]
+            table = np.array(cells, dtype=np.int64).reshape(len(labels), -1)
+            remedy = _TET_REMEDY if (name, count) == ("CTETRA", 4) else _REMEDY
+            words = f"{count}-node {_WORDS[name]}"
+            shape = _CELLS.get((name, count), "")
+            blocks.append(ElementBlock(name, kind, marks, table, words, remedy, shape=shape))
+        for (name, count), members in self.others.items():
+            words, harmless = next((w, h) for pattern, w, h in _OTHERS if re.match(pattern, name))
+            family = "PBAR" if words.startswith("beam") else "PROD" if words.startswith("truss") else "PSHELL"
+            if count and not any(property_id in self.other_properties for _, property_id, _ in members):
+                words, harmless = f"{words} without property", True  # meshers write groups so
+            cells = []
+            for label, property_id, nodes in members:
+                if count:
+                    sets.setdefault(f"{family} {property_id}", []).append(len(index))
+                index.append(0)
+                cells.append(self._rows(path, row, nodes, f"element {label} ({name})"))
+            marks = np.array([label for label, *_ in members])
+            table = np.array(cells, dtype=np.int64).reshape(len(members), -1)
+            shape = _FLAT.get(count, "") if words.startswith("shell") else ""
+            blocks.append(ElementBlock(name, "", marks, table, words, _REMEDY, harmless, shape))
+        return blocks, {name: np.array(members, dtype=np.int64) for name, members in sets.items()}, index
+
+    @staticmethod
+    def _rows(path: Path, row: dict[int, int], nodes: list[int], key: str) -> list[int]:
+        """Rows of the nodes of an element."""
+        missing = next((node for node in nodes if node not in row), None)
+        if missing is not None:
+            raise InputError(
+                f"node {missing} does not exist", source=path, key=key, expected="nodes that the deck defines"
+            )
+        return [row[node] for node in nodes]
+
+    def _materials(self, used: set[int]) -> tuple[list[DeckMaterial], dict[int, int]]:
+        """Materials of properties, and their place by number."""
+        found: list[DeckMaterial] = []
+        number: dict[int, int] = {}
+        for label in sorted(used & (self.materials.keys() | self.refused.keys())):
+            one = self.materials.get(label, DeckMaterial(f"material {label}"))
+            density = None if one.density is None else self.weight * one.density
+            notes = tuple(f"{one.name}: {note}" for note in self.material_notes.get(label, []))
+            number[label] = len(found)
+            found.append(
+                DeckMaterial(
+                    one.name,
+                    one.young_modulus,
+                    one.poisson_ratio,
+                    density,
+                    self.refused.get(label, ""),
+                    notes,
+                )
+            )
+        return found, number
