@@ -22,6 +22,8 @@ from heavylift.pipeline.commands.command_line import (
     Force,
     Json,
     KindNames,
+    NewFolder,
+    NewKind,
     Out,
     Quiet,
     Set,
@@ -65,6 +67,31 @@ def main() -> None:
     except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(141)
+
+
+@app.command
+def new(
+    kind: NewKind = "",
+    folder: NewFolder = None,
+    /,
+    *,
+    quiet: Quiet = False,
+) -> int:
+    """Write a commented case to begin with; without a kind, say which there are."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.new_case import new_case, template_kinds
+
+        if not kind:
+            print_lines([f"{name:14} {title}" for name, title in template_kinds().items()])
+            return 0
+        written = new_case(kind, folder or Path(kind))
+        for file in written:
+            log.say(f"new: {file}")
+        log.say(f"new: next: heavylift run {written[0].parent}")
+        return 0
+
+    return guarded(command, quiet=quiet, json=False)
 
 
 @app.command

@@ -244,10 +244,12 @@ def run_case(
         reuse=tuple(OutputFolder(path) for path in reuse),
     )
     done: list[StageReport] = []
+    seconds: dict[str, float] = {}
     with locked(folder.root):
         for name in STAGES:
             if name not in stages or (name == "simulate" and case.simulate is None):
                 continue
+            begin = time.perf_counter()
             try:
                 done.append(runners[name](work))
             except StopError as error:
@@ -260,10 +262,15 @@ def run_case(
                     StageReport(name, Outcome.BAD_INPUT, skipped=False, cpu_s=0.0, message=str(error))
                 )
             last = done[-1]
+            if not last.skipped:
+                seconds[name] = time.perf_counter() - begin
             if last.outcome is not Outcome.COMPLETED and not (
                 name == "simulate" and last.outcome in REPORTED
             ):
                 break
+    if len(seconds) > 1:
+        spent = ", ".join(f"{name} {value:.1f} s" for name, value in seconds.items())
+        work.log.say(f"run: {sum(seconds.values()):.1f} s: {spent}")
     return RunReport(folder, tuple(done))
 
 
