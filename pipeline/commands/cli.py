@@ -232,14 +232,27 @@ for _command in SEA_COMMANDS:
 
 
 @app.command
-def schema(*, tables: bool = False) -> int:
-    """Print the JSON Schema of case.toml, for editors.
+def schema(section: str = "", /, *, tables: bool = False) -> int:
+    """Print the keys of a section of case.toml; without one, the JSON Schema for editors.
 
     Parameters
     ----------
+    section
+        As ropes, joints.hinge, bodies.geometry; case lists the sections.
     tables
         Tables of all keys in Markdown instead, as in docs/case_keys.md.
     """
+    if section:
+
+        def command(_log: "Log") -> int:
+            from shutil import get_terminal_size
+
+            from heavylift.pipeline.case.schema import section_tables
+
+            print_lines([section_tables(section, max(72, min(get_terminal_size((110, 24)).columns, 140)))])
+            return 0
+
+        return guarded(command, quiet=True, json=False)
     if tables:
         from heavylift.pipeline.case.schema import key_tables
 
