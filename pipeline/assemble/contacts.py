@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["assemble_contacts", "assemble_contours", "contour_nodes"]
+__all__ = ["assemble_contact", "assemble_contacts", "assemble_contours", "contour_nodes"]
 
 CIRCLE_POINTS = 48
 """Points of a circle on a rigid body, if the case says no number."""
@@ -338,20 +338,23 @@ def assemble_contacts(case: Case, sides: Mapping[str, Side]) -> tuple[c.Contact,
     found = []
     for index, contact in enumerate(case.contacts):
         with located(case, f"contacts.{index}"):
-            side = sides[contact.between[0]]
-            local = side.local(contact.point or (0.0, 0.0, 0.0))
-            found.append(
-                c.Contact(
-                    name=contact.name,
-                    contour=contact.between[1],
-                    body=contact.between[0],
-                    point=local if contact.at is None else side.from_world(contact.at),
-                    shape=_shape(contact.shape),
-                    law=_law(contact),
-                    **said_of(contact, c.Contact),
-                )
-            )
+            found.append(assemble_contact(contact, sides))
     return tuple(found)
+
+
+def assemble_contact(contact: Any, sides: Mapping[str, Side]) -> c.Contact:
+    """One of them, from its section."""
+    side = sides[contact.between[0]]
+    local = side.local(contact.point or (0.0, 0.0, 0.0))
+    return c.Contact(
+        name=contact.name,
+        contour=contact.between[1],
+        body=contact.between[0],
+        point=local if contact.at is None else side.from_world(contact.at),
+        shape=_shape(contact.shape),
+        law=_law(contact),
+        **said_of(contact, c.Contact),
+    )
 
 
 def _shape(shape: Shape) -> c.ContactShape:

@@ -20,6 +20,7 @@ from heavylift.numerics.quantity import quantity_schema
 from heavylift.numerics.units import KINDS
 from heavylift.pipeline.case.case_file import Case
 from heavylift.pipeline.case.channel_kinds import OF_THE_SCENE
+from heavylift.pipeline.case.fields import NoDefault
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.descriptions import described_fields
 
@@ -89,6 +90,8 @@ class _Described(GenerateJsonSchema):
             key = field.alias or name
             if docs.get(name) and key in found.get("properties", {}):
                 found["properties"][key]["description"] = docs[name]
+            if any(isinstance(mark, NoDefault) for mark in field.metadata):
+                found["properties"][key].pop("default", None)
         return found
 
 
@@ -202,7 +205,7 @@ def _chosen_path(section: _Found) -> str:
 def _terminal_table(section: _Found, titles: Mapping[str, str], width: int) -> Iterator[str]:
     """A section as columns: key, value with its default, sentence."""
     yield from ("", section.title.replace("case.toml", "case.toml, the file itself"))
-    yield from textwrap.wrap(_plain(_sentence(section.schema.get("description", ""))), width, **_INDENT)
+    yield from _wrapped(_plain(_sentence(section.schema.get("description", ""))), width)
     yield ""
     needed = set(section.schema.get("required", ()))
     rows = []
@@ -221,7 +224,7 @@ def _terminal_table(section: _Found, titles: Mapping[str, str], width: int) -> I
             yield f"  {key if index == 0 else '':{first}}  {value_part:{second}}  {words_part}".rstrip()
     names = [channel["name"] for channel in section.schema.get("channels", ())]
     if names:
-        yield from ("", *textwrap.wrap(f"Channels: {', '.join(names)}", width, **_INDENT))
+        yield from ("", *_wrapped(f"Channels: {', '.join(names)}", width))
 
 
 def _short_words(node: Mapping[str, Any], titles: Mapping[str, str]) -> str:
@@ -234,7 +237,9 @@ def _short_words(node: Mapping[str, Any], titles: Mapping[str, str]) -> str:
     return f"{holder}: {parts[0][0]}, {chosen[0][1]} {', '.join(found[2] for found in chosen)}"
 
 
-_INDENT = {"initial_indent": "  ", "subsequent_indent": "  "}
+def _wrapped(text: str, width: int) -> list[str]:
+    """Lines of a text, indented."""
+    return textwrap.wrap(text, width, initial_indent="  ", subsequent_indent="  ")
 
 
 def _plain(text: str) -> str:
