@@ -13,7 +13,7 @@ from heavylift.pipeline.case.geometry import BoxGroup, FaceGroup, PlaneGroup
 from heavylift.pipeline.results.storage import replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
@@ -36,14 +36,20 @@ __all__ = [
 ]
 
 
-def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
-    """Mesh a body and assemble its matrices, or read them."""
+def assemble_model(
+    case: Case, name: str, body: FlexibleBodySection, note: Callable[[str], None] | None = None
+) -> FEModel:
+    """Mesh a body and assemble its matrices, or read them; `note` is told what was found in files of matrices."""
     from heavylift.preprocess.finite_elements.elasticity import assemble
     from heavylift.preprocess.finite_elements.model import Material
 
     with in_body(case, name):
         if body.geometry.type == "four_files":
-            return four_files(case, body.geometry).model
+            data = four_files(case, body.geometry)
+            if note is not None:
+                for text in data.notes:
+                    note(text)
+            return data.model
         assert body.material is not None
         mesh = _mesh(case, name, body)
         if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":

@@ -32,6 +32,7 @@ __all__ = ["CASE_FILE", "Case", "load_case"]
 CASE_FILE = "case.toml"
 
 
+_NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
 _KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
 
@@ -197,12 +198,20 @@ class Case(SceneTables, _CaseHeading):
             if body.type != "flexible":
                 return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
             if quantity.family == "static":
+                asked = quantity.component.partition(".")[0]
+                if body.geometry.type == "four_files" and asked in {"stress", "von_mises"}:
+                    return _NO_ELEMENTS.format(quantity.owner)
                 cases = [one.name for one in body.static]
                 known = f"one of the static load cases of {quantity.owner!r}: {', '.join(cases) or 'there are none'}"
                 return "" if quantity.item in cases else known
             count = body.modes.vector_count
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"
+        if quantity.family == "stress":
+            owner = next((one.body for one in self.sensors if one.name == quantity.owner), quantity.owner)
+            body = self.bodies[owner]
+            if body.type == "flexible" and body.geometry.type == "four_files":
+                return _NO_ELEMENTS.format(owner)
         if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
             return f"a hull with a surface, and {quantity.owner!r} has none"
         return ""

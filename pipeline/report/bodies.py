@@ -12,6 +12,7 @@ from heavylift.pipeline.report.document import Facts, Figure, Section, Table, Te
 from heavylift.pipeline.report.inputs import body_input_rows, mesh_input_rows
 from heavylift.pipeline.results.model_io import read_model, read_reduced, read_states
 from heavylift.pipeline.results.signals import scaled_unit
+from heavylift.pipeline.results.storage import read_json
 from heavylift.pipeline.results.words import number_words, numbers_words
 
 if TYPE_CHECKING:
@@ -75,13 +76,16 @@ def body_sections(
         return [Section(title, (facts, Text(f"No finite-element model: {error}", warning=True)))]
     painter = _painter(case, model, renderer)
     marks = _marks(model, body)
-    items: list[Item] = [_model_facts(model, body)]
+    made = (read_json(stages.manifest("mesh")) or {}).get("items", {}).get(name, {})
+    notes = made.get("properties", {}).get("notes", [])
+    items: list[Item] = [_model_facts(model, body), *(Text(f"The files: {text}.") for text in notes)]
     if painter is not None:
         kind = _mesh_words(model)
         file = album.add(
-            f"{name}_mesh", painter.mesh(title=f"{name}: finite element mesh", note=kind, marks=marks)
+            f"{name}_mesh",
+            painter.mesh(title=f"{name}: {_MODEL[model.mesh is None]}", note=kind, marks=marks),
         )
-        caption = f"Mesh of {name}: {kind}."
+        caption = f"{_MODEL[model.mesh is None].capitalize()} of {name}: {kind}."
         items.append(Figure(file, caption + (f" Marked: {', '.join(marks)}." if marks else "")))
     sections = [Section(title, tuple(items))]
     try:
@@ -138,10 +142,14 @@ def _marks(model: FEModel, body: Any) -> dict[str, NDArray[np.int64]]:
     return marks
 
 
+_MODEL = {False: "finite element mesh", True: "nodes of the model"}
+"""What a picture shows, of a model with elements and of one that is matrices alone."""
+
+
 def _mesh_words(model: FEModel) -> str:
     nodes = f"{model.node_count} nodes, {3 * model.node_count} degrees of freedom"
     if model.mesh is None:
-        return f"nodes without connectivity, {nodes}"
+        return f"matrices without elements, {nodes}"
     return f"{model.mesh.element_count} {model.mesh.element_type} elements, {nodes}"
 
 

@@ -374,11 +374,14 @@ def mesh_stage(work: Work) -> StageReport:
         from heavylift.pipeline.assemble.finite_elements import assemble_model, model_properties, write_vtu
         from heavylift.pipeline.results.model_io import write_model
 
-        model = assemble_model(work.case, name, body)
+        notes: list[str] = []
+        model = assemble_model(work.case, name, body, notes.append)
+        for text in notes:
+            work.log.say(f"mesh: {name}: {text}")
         write_model(work.folder.model(name), model, header)
         write_vtu(work.folder.model(name).with_suffix(".vtu"), model)
         work.models[name] = model
-        return model_properties(model)
+        return model_properties(model) | ({"notes": notes} if notes else {})
 
     if work.case.meshes:
         names = list(work.case.meshes)
@@ -460,7 +463,9 @@ def _body_stage(
                 "properties": properties,
             }
             words = ", ".join(
-                f"{key} {_short(value)}" for key, value in properties.items() if value is not None
+                f"{key} {_short(value)}"
+                for key, value in properties.items()
+                if value is not None and key != "notes"
             )
             work.log.say(f"{stage}: {name}: {words}; {items[name]['cpu_s']:.2f} s CPU")
         write_json(

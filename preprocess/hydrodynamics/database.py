@@ -230,6 +230,10 @@ def check_database(database: HydrodynamicDatabase) -> None:
     _check_damping(database, damping)
 
 
+LID = "lid at z = 0"
+"""What the source of a database says that was computed with a lid."""
+
+
 class Fault(NamedTuple):
     """What is wrong with a matrix at a frequency.
 
@@ -455,8 +459,16 @@ def _check_symmetry(database: HydrodynamicDatabase, scaled: NDArray[np.float64],
             f"{worst.size:.1%} of the largest{where}{more}",
             source=database.source,
             key=key,
-            expected=f"a symmetric matrix within {UNSYMMETRIC:.0%} (finer panels, or a lid)",
+            expected=f"a symmetric matrix within {UNSYMMETRIC:.0%} ({_remedy(database)})",
         )
+
+
+def _remedy(database: HydrodynamicDatabase) -> str:
+    """What to compute otherwise; a lid only where the source does not say that there was one."""
+    panels = "finer panels, or without the frequencies at which the water between hulls resonates"
+    if LID in database.source:
+        return panels
+    return f"an irregular frequency, if it was computed without a lid on the water inside the hulls; else {panels}"
 
 
 def _unsymmetric(database: HydrodynamicDatabase, scaled: NDArray[np.float64], key: str) -> list[Fault]:
@@ -504,5 +516,5 @@ def _check_damping(database: HydrodynamicDatabase, scaled: NDArray[np.float64]) 
             f"{lowest[worst] / largest if largest > 0.0 else -1.0:.1%} of the largest",
             source=database.source,
             key="damping",
-            expected=f"none below -{NEGATIVE_DAMPING:.0%} (an irregular frequency: compute with a lid)",
+            expected=f"none below -{NEGATIVE_DAMPING:.0%} ({_remedy(database)})",
         )

@@ -54,7 +54,7 @@ duration = "1 s"
 [report]
 modes = [1, 2, 7]
 stress_times = ["100 ms"]
-channels = ["bar.modal_position", "bar.nonsense"]
+channels = ["bar.modal_position", "bar.reaction_moment"]
 [[check]]
 id = "first"
 quantity = "modes.bar.frequency.1"
@@ -217,7 +217,7 @@ def test_whole_report(case, tmp_path, drawn):
         "t = 100 ms",
     ):
         assert words in text, words
-    assert "Channel 'bar.nonsense' is not recorded" in text
+    assert "Channel 'bar.reaction_moment' is not recorded" in text
     # nothing loaded from elsewhere, no text turned into markup
     page = files["report.html"].read_text(encoding="utf-8")
     assert not re.search(r"(?:src|href)=[\"'](?!data:)", page)
