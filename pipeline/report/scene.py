@@ -127,7 +127,7 @@ def _legend(case: Case) -> list[str]:
     marked = ["joints"] * bool(case.joints) + ["centres of mass"] * bool(case.bodies)
     return [
         *["brown: ropes"] * bool(case.ropes),
-        *["green: springs"] * springs,
+        *["green: springs and tuggers"] * springs,
         f"dots: {' and '.join(marked)}",
         *["blue: still water"] * (case.sea is not None),
     ]
