@@ -22,7 +22,7 @@ from heavylift.pipeline.case.schema import case_schema
 from heavylift.pipeline.checks.quantities import evaluate_checks
 
 DOCS = ROOT / "docs"
-GUIDES = ("getting-started.md", "rigging.md", "editor.md")
+GUIDES = ("getting-started.md", "rigging.md", "editor.md", "benchmarks.md", "inside.md", "python.md")
 
 
 class Block(NamedTuple):
@@ -38,7 +38,7 @@ def blocks(page: Path) -> list[Block]:
     return [Block(*each) for each in found]
 
 
-@pytest.mark.parametrize("name", [*GUIDES, "../README.md"])
+@pytest.mark.parametrize("name", [*GUIDES, "../README.md", "../cases/README.md"])
 def test_links_of_a_page_lead_to_files_and_headings(name):
     page = DOCS / name
     text = page.read_text(encoding="utf-8")
@@ -50,6 +50,28 @@ def test_links_of_a_page_lead_to_files_and_headings(name):
         if anchor:
             headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
             assert anchor in {re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings}, link
+
+
+def test_every_case_and_every_page_is_linked():
+    listed = (ROOT / "cases" / "README.md").read_text(encoding="utf-8")
+    families = ("mbs_a", "flexible_pendulum", "zoo")  # of these some are linked
+    cases = {file.parent.name for file in (ROOT / "cases").glob("*/case.toml")}
+    missing = {name for name in cases if f"({name}/README.md)" not in listed}
+    assert {name for name in missing if not name.startswith(families)} == set()
+    front = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert {page.name for page in DOCS.glob("*.md")} == set(re.findall(r"\]\(docs/([\w-]+\.md)\)", front))
+    assert len(front.splitlines()) <= 120
+
+
+def test_the_front_page_has_the_sling_of_the_case_that_it_shows():
+    (block,) = [block.text for block in blocks(ROOT / "README.md") if block.language == "toml"]
+    shown = tomllib.loads(block)
+    case = tomllib.loads((ROOT / "pipeline" / "templates" / "lift" / "case.toml").read_text(encoding="utf-8"))
+    (rope,), (check,) = shown["ropes"], shown["check"]
+    own = next(each for each in case["ropes"] if each["name"] == rope["name"])
+    assert rope.items() <= own.items()
+    other = next(each for each in case["check"] if each["id"] == check["id"])
+    assert {key: check[key] for key in ("quantity", "reference", "tolerance")}.items() <= other.items()
 
 
 def shell(command: str, folder: Path) -> tuple[str, Path]:
