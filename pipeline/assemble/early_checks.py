@@ -20,12 +20,14 @@ from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.assemble.scene import assemble_rigid, motion_of, points_on, start_of_frame
 from heavylift.pipeline.assemble.sides import start_sides
 from heavylift.pipeline.case.bodies import FlexibleBodySection
-from heavylift.pipeline.case.places import located
+from heavylift.pipeline.case.fields import GROUND
+from heavylift.pipeline.case.places import in_case, located
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.scene.connections import EdgeJoint
+from heavylift.solver.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -97,8 +99,7 @@ def scene_errors(case: Case) -> list[InputError]:
     """Errors of a scene, each with its place in the case file; empty if nothing is wrong so far."""
     scene = _Scene(case)
     sides = scene.sides
-    for key in DESCRIBED:
-        scene.parts(key, lambda section: assemble(section, sides, case.folder))
+    made = {key: scene.parts(key, lambda section: assemble(section, sides, case.folder)) for key in DESCRIBED}
     joints = scene.parts("joints", lambda section: assemble_joint(case, section, sides))
     contacts: list[Any] = []
     if case.contacts:
@@ -117,6 +118,8 @@ def scene_errors(case: Case) -> list[InputError]:
 
         with scene.part("sea"):
             make_waves(case)
+    if not scene.errors and _takes_time(case):
+        _pack(scene, made, joints)
     return list({str(error): error for error in scene.errors}.values())
 
 
@@ -239,3 +242,45 @@ def _check_contours(scene: _Scene) -> None:
             alone = case.model_copy(update={"contours": {name: section}})
             with scene.part(f"contours.{name}"):
                 assemble_contours(alone, list(scene.bodies.values()), scene.sides, folder)
+
+
+def _takes_time(case: Case) -> bool:
+    """Whether there is much to compute before the solver sees the scene."""
+    return (
+        any(isinstance(body, FlexibleBodySection) for body in case.bodies.values())
+        or any(database.compute is not None for database in case.databases.values())
+        or any(surface.file is not None for surface in case.surfaces)
+    )
+
+
+def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> None:
+    """Refuse what the solver refuses of all that hangs on no solid, as axes that disagree or sides that cannot move."""
+    case = scene.case
+    bodies = [body for name, body in scene.bodies.items() if not scene.is_solid(name)]
+    names = {body.name for body in bodies} | {GROUND}
+
+    def known(key: str, entries: list[Any]) -> list[Any]:
+        pairs = zip(getattr(case, key), entries, strict=True)
+        return [entry for section, entry in pairs if entry is not None and _sides_of(section) <= names]
+
+    if not bodies:
+        return
+    held = known("joints", joints)
+    along = {joint.name for joint in held}
+    forces = [
+        force for force in known("forces", made["forces"]) if getattr(force, "joint", None) in {None, *along}
+    ]
+    from heavylift.solver.layout import pack_scene
+
+    with scene.part("case"), in_case(case):
+        pack_scene(
+            Scene(
+                tuple(bodies),
+                tuple(forces),
+                tuple(known("sensors", made["sensors"])),
+                joints=tuple(held),
+                ropes=tuple(known("ropes", made["ropes"])),
+            ),
+            "dele2",
+            0.0,
+        )

@@ -117,11 +117,9 @@ class Others:
         attached = [place for pair in pairs for place in pair]
         attached += [place for rope in self._ropes for place, _ in rope]
         self._rods = [
-            (_Place(name, body.centre_of_mass), place)
-            for name, body in self._bodies.items()
-            if isinstance(body, RigidBody)
+            (_Place(place.body, self._bodies[place.body].centre_of_mass), place)
             for place in attached
-            if place.body == name
+            if isinstance(self._bodies.get(place.body), RigidBody)
         ]
         self._centres = [
             _Place(name, body.centre_of_mass)

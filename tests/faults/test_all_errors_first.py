@@ -157,3 +157,27 @@ law = "rigid"
     assert result.code == 2
     assert "simulate.start: 'equilibrium' with collisions; expected 'check' or 'project'" in result.error
     assert not (small_case / "out").exists()
+
+
+def test_what_the_solver_refuses_of_rigid_parts_is_told_before_the_mesh(heavylift, small_case, edit):
+    """A hinge whose two sides cannot move is no matter of the mesh of another body."""
+    block = """
+[bodies.wall]
+type = "rigid"
+mass = 1.0
+inertia = [1, 1, 1]
+frame = { motion = "fixed" }
+
+[[joints]]
+name = "pin"
+type = "hinge"
+between = ["ground", "wall"]
+at = [0, 0, 0]
+axis = [0, 0, 1]
+"""
+    edit(small_case, ("[simulate]", f"{block}\n[simulate]"))
+    result = heavylift("run", small_case)
+    assert result.code == 2
+    (line,) = result.error.splitlines()
+    assert f"{small_case / 'case.toml'}: joints.0.between: neither 'ground' nor 'wall' can move" in line
+    assert not (small_case / "out").exists()

@@ -1,6 +1,10 @@
 """Cases to begin with: each is written, runs, passes its checks, and shows a picture; what is refused."""
 
+import os
 import re
+import resource
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -51,6 +55,31 @@ def test_a_new_case_runs_and_passes_and_shows_the_scene(
     if "no pictures" not in (folder / "out" / "report" / "report.md").read_text().lower():
         picture = "beam_stress_mode_1.png" if kind == "flexible-body" else "scene_end.png"
         assert (folder / "out" / "report" / picture).stat().st_size > 5000
+
+
+@pytest.mark.slow
+def test_a_first_lift_compiles_what_it_needs_and_no_more(tmp_path: Path) -> None:
+    """With an empty cache: the kinds of the scene, in less than a minute of one processor."""
+    environment = {**os.environ, "HEAVYLIFT_CACHE_DIR": str(tmp_path / "cache")}
+    main = "from heavylift.pipeline.commands.cli import main; main()"
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    for words in (("new", "lift", "demo"), ("run", "demo")):
+        command = [sys.executable, "-c", main, *words]
+        done = subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+        )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    (compiled,) = re.findall(r"compiling \d+ parts that are used for the first time: (.*)", done.stdout)
+    assert set(compiled.split(", ")) == {
+        "RigidBodies",
+        "Ropes",
+        "RowSystem1",
+        "UniformGravity",
+        "the time loop",
+    }
+    assert "report: Passed: all 4 checks." in done.stdout
+    assert (tmp_path / "demo" / "out" / "report" / "scene_end.png").is_file()
+    assert after.ru_utime - before.ru_utime < 60.0
 
 
 def test_without_a_kind_there_is_a_list(capsys: pytest.CaptureFixture[str]) -> None:
