@@ -109,7 +109,13 @@ def scene_errors(case: Case) -> list[InputError]:
     if case.lines:
         from heavylift.pipeline.assemble.lines import assemble_line
 
-        scene.parts("lines", lambda section: assemble_line(case, section, sides))
+        deep = (
+            case.sea is None or case.sea.depth is None
+        )  # lines on a bottom that is not there are told of the case
+        scene.parts(
+            "lines",
+            lambda line: None if deep and line.on_seabed else assemble_line(case, line, sides),
+        )
     _check_points(scene, joints, contacts)
     _check_edges(scene, joints)
     _check_contours(scene)

@@ -282,7 +282,12 @@ def _yields(body: Body) -> bool:
     return isinstance(body, MeshBodySection) or body.frame.motion == "free"
 
 
-def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
+def load_case(
+    path: Path | str,
+    overrides: Sequence[str] = (),
+    *,
+    further: Callable[[Case], list[InputError]] | None = None,
+) -> Case:
     """Read and check a case.
 
     Parameters
@@ -292,6 +297,9 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     overrides
         Changes such as ``"simulate.step=0.1 us"``: dotted key, ``=``, a TOML value or plain text; without a value
         the key is removed.
+    further
+        What else can be wrong with a case whose tables are right by themselves; asked if they do not fit together, so
+        that all is told at once.
 
     Raises
     ------
@@ -307,6 +315,7 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     expansion = expand(document, file)
     names = declared(expansion.document)
     errors = [*expansion.errors, *group_errors(expansion.document, file)]
+    more: list[InputError] = []
     try:
         case = Case.model_validate(expansion.document, context=CaseContext(file.parent, names))
     except ValidationError as error:
@@ -318,10 +327,12 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
         case._names = names  # noqa: SLF001
         case._overrides = tuple(overrides)  # noqa: SLF001
         errors += case._misfits()  # noqa: SLF001
+        if errors and further is not None:
+            more = further(case)
     # what is wrong with a block or a parameter is told alone: the rest would follow from it
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
     if errors:
-        raise InputErrors(expansion.told(errors, changed))
+        raise InputErrors([*expansion.told(errors, changed), *more])
     return case
 
 

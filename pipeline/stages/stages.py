@@ -323,8 +323,13 @@ def load_changed_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     """
     from heavylift.pipeline.case.case_file import load_case
 
+    def further(case: Case) -> list[InputError]:
+        from heavylift.pipeline.assemble.early_checks import scene_errors
+
+        return scene_errors(case)
+
     try:
-        return load_case(path, overrides)
+        return load_case(path, overrides, further=further)
     except InputErrors as error:
         if not overrides or all(part.source.startswith("--set") for part in error.errors):
             raise

@@ -66,12 +66,13 @@ def test_every_command_that_computes_looks_first(heavylift, small_case, edit, co
 
 
 def test_tables_that_do_not_fit_are_told_together(heavylift, small_case, edit):
-    """A check of a mode that is not there, one of momentum, and a history that is too short."""
+    """A check of a mode that is not there, one of momentum, a history that is too short, and a sensor off its body."""
     (small_case / "tip.csv").write_text("time,x\n0,0\n0.01,1\n")
     edit(
         small_case,
         ("[report]", '[[reference]]\nname = "tip"\nchannel = "tip.position"\nfile = "tip.csv"\n\n[report]'),
         ('quantity = "ringdown.beam.1"', 'quantity = "ringdown.beam.7"'),
+        ('point = ["200 mm"', 'point = ["200 cm"'),
         (
             'quantity = "mesh.beam.mass"\nreference = "0.312 kg"',
             'quantity = "drift.momentum"\nreference = 0.1',
@@ -80,13 +81,14 @@ def test_tables_that_do_not_fit_are_told_together(heavylift, small_case, edit):
     result = heavylift("run", small_case)
     assert result.code == 2
     lines = result.error.splitlines()
-    assert len(lines) == 3
+    assert len(lines) == 4
     for line, words in zip(
         sorted(lines),
         (
             "check.0.quantity: 'drift.momentum': the fixed frame of 'beam' changes the momentum",
             "check.1.quantity: 'ringdown.beam.7' needs vector 7 of 3",
             "reference.0.file: tip.csv ends at 0.01 s, the simulation at 0.02 s",
+            "sensors.0.point: point (2000, 20, 10) mm is not on the body",
         ),
         strict=True,
     ):
@@ -181,3 +183,23 @@ axis = [0, 0, 1]
     (line,) = result.error.splitlines()
     assert f"{small_case / 'case.toml'}: joints.0.between: neither 'ground' nor 'wall' can move" in line
     assert not (small_case / "out").exists()
+
+
+def test_a_line_on_a_bottom_that_is_not_there(heavylift, small_case, edit):
+    """What does not fit and what cannot be put together therefore is one line."""
+    line = """
+[[lines]]
+name = "bow"
+between = ["ground", "beam"]
+points = [[100, 0, -100], [0, 0, 0]]
+on_seabed = true
+fairlead_tension = "10 kN"
+sections = [{ weight = "100 N/m" }]
+"""
+    for sea in ("", "[sea]\n"):
+        edit(small_case, ("[simulate]", f"{sea}{line}\n[simulate]"))
+        result = heavylift("run", small_case)
+        assert result.code == 2
+        (told,) = result.error.splitlines()
+        assert "lines.0.on_seabed" in told
+        edit(small_case, (f"{sea}{line}\n[simulate]", "[simulate]"))
