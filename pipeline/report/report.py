@@ -31,7 +31,7 @@ from heavylift.pipeline.report.run import (
     run_ending,
     run_section,
 )
-from heavylift.pipeline.report.scene import is_pictured, scene_sections
+from heavylift.pipeline.report.scene import is_pictured, scene_sections, still_sections
 from heavylift.pipeline.report.sea import sea_sections
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
@@ -80,6 +80,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     renderer, remedy = _renderer() if flexible or moved or touching or pictured else (None, "")
     sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
     try:
+        stills = still_sections(case, stages, results, renderer, album)
         for name, body in flexible.items():
             sections += body_sections(case, name, body, stages, results, renderer, album)
         sections += scene_sections(case, stages, results, renderer, album, log)
@@ -100,6 +101,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         sections=(
             Section("", (verdict, *warnings)),
             *([_check_section(checks, open_checks)] if case.check else []),
+            *stills,
             input_section(case),
             *run_section(case, stages, results),
             *surface_sections(case, stages),

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["is_pictured", "mesh_run", "scene_others", "scene_painter", "scene_sections"]
+__all__ = ["is_pictured", "mesh_run", "scene_others", "scene_painter", "scene_sections", "still_sections"]
 
 _STRESSES = {"frame": "axial_stress", "shell": "von_mises"}
 _SMALL = (800, 560)  # pixels of an animation
@@ -41,8 +41,6 @@ def scene_sections(
     log: Log | None = None,
 ) -> list[Section]:
     """Pictures of the frames and shells of a run: last record, largest recorded stress, or the times the case asks for.
-
-    A scene without any is pictured at its first and last record.
 
     Parameters
     ----------
@@ -59,9 +57,7 @@ def scene_sections(
     asked = animation is not None and animation.enabled
     if results is None or not results.meshes or not len(results.time):
         note = Text("No animation: there is no history of a frame or shell.", warning=True)
-        stills = [] if results is None else _stills(case, stages, results, renderer, album)
-        shown = Section("Scene", tuple(stills))
-        return [shown] * bool(stills) + [Section("Frames and shells in motion", (note,))] * asked
+        return [Section("Frames and shells in motion", (note,))] if asked else []
     if renderer is None:
         return []
     painter = scene_painter(case, stages, results, renderer)
@@ -88,11 +84,21 @@ def is_pictured(case: Case) -> bool:
     return bool(attached) and not case.meshes and not case.contacts
 
 
-def _stills(
-    case: Case, stages: OutputFolder, results: Results, renderer: Renderer | None, album: Album
-) -> list[Figure]:
-    """The scene as it began and as it ended; nothing if the case can no longer be put together."""
-    if renderer is None or not len(results.time) or not is_pictured(case):
+def still_sections(
+    case: Case, stages: OutputFolder, results: Results | None, renderer: Renderer | None, album: Album
+) -> list[Section]:
+    """A scene without frames and shells as it began and as it ended; nothing if it can no longer be put together.
+
+    Parameters
+    ----------
+    case, stages, results
+        The case, its output folder, and its time histories if there are any.
+    renderer
+        Draws; None on a machine that cannot.
+    album
+        Takes the pictures.
+    """
+    if renderer is None or results is None or not len(results.time) or not is_pictured(case):
         return []
     from heavylift.pipeline.pictures.contacts import touch_picture
 
@@ -118,7 +124,7 @@ def _stills(
         if content is not None:
             caption = f"The scene {words}, true to scale; {', '.join(_legend(case))}."
             found.append(Figure(album.add(name, content), caption))
-    return found
+    return [Section("Scene", tuple(found))] if found else []
 
 
 def _legend(case: Case) -> list[str]:
