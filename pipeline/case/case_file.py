@@ -347,7 +347,9 @@ def read_document(file: Path) -> dict[str, Any]:
         return tomllib.loads(file.read_bytes().decode("utf-8"))
     except FileNotFoundError:
         raise InputError(
-            "does not exist", source=file, expected=f"a case folder with a {CASE_FILE}"
+            "does not exist",
+            source=file,
+            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes one to begin with",
         ) from None
     except (IsADirectoryError, NotADirectoryError, PermissionError) as error:
         raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None
