@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
 
-__all__ = ["assemble_joints"]
+__all__ = ["assemble_joint", "assemble_joints"]
 
 COINCIDENT = 1e-9
 """Distance [m] below which two points are one."""
@@ -40,13 +40,17 @@ def assemble_joints(case: Case, sides: Mapping[str, Side]) -> tuple[c.Joint, ...
     found: list[c.Joint] = []
     for index, joint in enumerate(case.joints):
         with located(case, f"joints.{index}"):
-            if joint.DESCRIBED.PLACE is Place.EDGE:
-                from heavylift.pipeline.assemble.meshes import assemble_edge
-
-                found.append(assemble_edge(case, joint, sides))
-            else:
-                found.append(_joint(joint, sides))
+            found.append(assemble_joint(case, joint, sides))
     return tuple(found)
+
+
+def assemble_joint(case: Case, joint: Any, sides: Mapping[str, Side]) -> c.Joint:
+    """One of them, from its section."""
+    if joint.DESCRIBED.PLACE is Place.EDGE:
+        from heavylift.pipeline.assemble.meshes import assemble_edge
+
+        return assemble_edge(case, joint, sides)
+    return _joint(joint, sides)
 
 
 def _joint(joint: Any, sides: Mapping[str, Side]) -> c.Joint:

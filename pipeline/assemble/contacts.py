@@ -23,6 +23,7 @@ from heavylift.solver.scene.scene import FlexibleBody
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["assemble_contacts", "assemble_contours", "contour_nodes"]
+__all__ = ["assemble_contact", "assemble_contacts", "assemble_contours", "contour_nodes"]
 
 CIRCLE_POINTS = 48
 """Points of a circle on a rigid body, if the case says no number."""
@@ -336,20 +337,23 @@ def assemble_contacts(case: Case, sides: Mapping[str, Side]) -> tuple[c.Contact,
     found = []
     for index, contact in enumerate(case.contacts):
         with located(case, f"contacts.{index}"):
-            side = sides[contact.between[0]]
-            local = side.local(contact.point or (0.0, 0.0, 0.0))
-            found.append(
-                c.Contact(
-                    name=contact.name,
-                    contour=contact.between[1],
-                    body=contact.between[0],
-                    point=local if contact.at is None else side.from_world(contact.at),
-                    shape=assemble(contact.shape, sides, case.folder),
-                    law=_law(contact),
-                    **said_of(contact, c.Contact),
-                )
-            )
+            found.append(assemble_contact(contact, sides, case.folder))
     return tuple(found)
+
+
+def assemble_contact(contact: Any, sides: Mapping[str, Side], folder: Path) -> c.Contact:
+    """One of them, from its section; `folder` is that of the case."""
+    side = sides[contact.between[0]]
+    local = side.local(contact.point or (0.0, 0.0, 0.0))
+    return c.Contact(
+        name=contact.name,
+        contour=contact.between[1],
+        body=contact.between[0],
+        point=local if contact.at is None else side.from_world(contact.at),
+        shape=assemble(contact.shape, sides, folder),
+        law=_law(contact),
+        **said_of(contact, c.Contact),
+    )
 
 
 def _law(contact: Any) -> c.ContactLaw:

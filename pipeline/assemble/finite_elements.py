@@ -37,7 +37,7 @@ __all__ = [
 
 
 def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
-    """Mesh a body and assemble its matrices, or read them."""
+    """Mesh a body and assemble its matrices, or read them; its notes say what was found in files."""
     from heavylift.preprocess.finite_elements.elasticity import assemble
     from heavylift.preprocess.finite_elements.model import Material
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.described import assemble_list
+from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.case.places import located
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.moorings import LineSection
     from heavylift.solver.water.lines.mooring_lines import MooringLine
 
-__all__ = ["assemble_lines"]
+__all__ = ["assemble_line", "assemble_lines"]
 
 SLACKEST = 3.0
 """Of the distance of the ends: longest length that is tried for a tension."""
@@ -35,24 +35,26 @@ def assemble_lines(case: Case, sides: Mapping[str, Side]) -> tuple[MooringLine, 
         If no length gives the tension.
     """
     found: list[MooringLine] = []
-    for index, line in enumerate(assemble_list(case, "lines", sides)):
-        if line.on_seabed:
-            assert case.sea is not None
-            made = replace(line, on_seabed=False, seabed=case.sea.level - case.sea.water_depth)
-        else:
-            made = line
-        if made.fairlead_tension is not None:
-            anchor, fairlead = (
-                sides[body].to_world(point)
-                for body, point in ((made.body_a, made.point_a), (made.body_b, made.point_b))
-            )
-            span = fairlead - anchor
-            with located(case, f"lines.{index}"):
-                made = _with_tension(
-                    made, made.fairlead_tension, math.hypot(span[0], span[1]), float(span[2])
-                )
-        found.append(made)
+    for index, section in enumerate(case.lines):
+        with located(case, f"lines.{index}"):
+            found.append(assemble_line(case, section, sides))
     return tuple(found)
+
+
+def assemble_line(case: Case, section: Any, sides: Mapping[str, Side]) -> MooringLine:
+    """One of them, from its section."""
+    made: MooringLine = assemble(section, sides, case.folder)
+    if made.on_seabed:
+        assert case.sea is not None
+        made = replace(made, on_seabed=False, seabed=case.sea.level - case.sea.water_depth)
+    if made.fairlead_tension is None:
+        return made
+    anchor, fairlead = (
+        sides[body].to_world(point)
+        for body, point in ((made.body_a, made.point_a), (made.body_b, made.point_b))
+    )
+    span = fairlead - anchor
+    return _with_tension(made, made.fairlead_tension, math.hypot(span[0], span[1]), float(span[2]))
 
 
 def _with_tension(line: MooringLine, tension: float, x: float, z: float) -> MooringLine:

@@ -40,7 +40,14 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scene import AnyBody
     from heavylift.solver.scene.sea import Sea
 
-__all__ = ["assemble_rigid", "assemble_scene", "modal_coordinates", "start_of_frame"]
+__all__ = [
+    "assemble_rigid",
+    "assemble_scene",
+    "modal_coordinates",
+    "motion_of",
+    "points_on",
+    "start_of_frame",
+]
 
 
 def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
@@ -79,7 +86,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             s.FlexibleBody(
                 name=name,
                 reduced=reduced,
-                motion=_motion(body.frame),
+                motion=motion_of(body.frame),
                 modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
                 modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
                 damping_ratio=ratios + 0.5 * body.modes.stiffness_damping * frequencies,
@@ -93,7 +100,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     edges = _edges(case, joints, bodies)
     for made in bodies:
         if isinstance(made, s.FlexibleBody):
-            points = _points_on(case, joints, contacts, made.name, origins[made.name])
+            points = points_on(case, joints, contacts, made.name, origins[made.name])
             points += [
                 (place, part.frame_b.point + origins[made.name])
                 for place, part in edges
@@ -103,7 +110,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         elif isinstance(made, (FrameBody, ShellBody)):
             from heavylift.pipeline.assemble.meshes import check_on_mesh, check_pulleys
 
-            for key, point in _points_on(case, joints, contacts, made.name, origins[made.name]):
+            for key, point in points_on(case, joints, contacts, made.name, origins[made.name]):
                 check_on_mesh(made, point, case.file, key)
             if isinstance(made, FrameBody):
                 check_pulleys(case, made)
@@ -179,14 +186,24 @@ def _edges(case: Case, joints: Sequence[Joint], bodies: Sequence[AnyBody]) -> li
     return found
 
 
-def _points_on(
+def points_on(
     case: Case,
-    joints: Sequence[Joint],
-    contacts: Sequence[Contact],
+    joints: Sequence[Joint | None],
+    contacts: Sequence[Contact | None],
     name: str,
     origin: NDArray[np.float64],
 ) -> list[tuple[str, ArrayLike]]:
-    """Points of a case that a body carries: dotted keys, and places in coordinates of its geometry [m]."""
+    """Points of a case that a body carries: dotted keys, and places in coordinates of its geometry [m].
+
+    Parameters
+    ----------
+    case
+        The case.
+    joints, contacts
+        Its joints and contacts, in their order; None for one that could not be assembled.
+    name, origin
+        The body, and the origin of its frame in the coordinates of its geometry [m], shape (3,).
+    """
     found: list[tuple[str, str, ArrayLike]] = []
     for i, sensor in enumerate(case.sensors):
         found.append((f"sensors.{i}.point", sensor.body, sensor.point))
@@ -198,7 +215,7 @@ def _points_on(
             sides = zip(force.between, force.points, strict=True)
             found += [(f"forces.{i}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
     for i, joint in enumerate(joints):
-        if isinstance(joint, EdgeJoint):
+        if joint is None or isinstance(joint, EdgeJoint):
             continue
         at = getattr(case.joints[i], "at", None) is not None
         ends = ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
@@ -207,6 +224,8 @@ def _points_on(
     for i, rope in enumerate(case.ropes):
         found += [(f"ropes.{i}.path.{k}.point", stop.body, stop.point) for k, stop in enumerate(rope.path)]
     for i, contact in enumerate(contacts):
+        if contact is None:
+            continue
         key = "point" if case.contacts[i].at is None else "at"
         found.append((f"contacts.{i}.{key}", contact.body, contact.point + origin))
     return [(case.place(key), point) for key, owner, point in found if owner == name]
@@ -254,7 +273,7 @@ def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDAr
     """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
     centre = np.array(body.centre_of_mass)
     origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
-    given = {"name": name, "motion": _motion(body.frame), **start_of_frame(body.initial, origin)}
+    given = {"name": name, "motion": motion_of(body.frame), **start_of_frame(body.initial, origin)}
     rigid = assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given)
     return rigid, origin
 
@@ -277,6 +296,7 @@ def start_of_frame(
     }
 
 
-def _motion(frame: Any) -> s.Motion:
+def motion_of(frame: Any) -> s.Motion:
+    """How a frame moves."""
     made: s.Motion = assemble(frame, {}, Path())
     return made

@@ -3,12 +3,13 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import tomllib
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
+from pydantic import Field, PrivateAttr, ValidationError
+from pydantic_core import PydanticCustomError
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case.channel_kinds import Declared
@@ -31,6 +32,7 @@ __all__ = ["CASE_FILE", "Case", "load_case"]
 CASE_FILE = "case.toml"
 
 
+_NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
 _KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
 
@@ -67,21 +69,35 @@ class Case(SceneTables, _CaseHeading):
     _names: Declared = PrivateAttr(default_factory=Declared)
     _overrides: tuple[str, ...] = PrivateAttr(default=())
 
-    @model_validator(mode="after")
-    def _checks_can_be_computed(self, info: ValidationInfo) -> "Case":
-        """Modes and coordinates that checks name must exist, and a simulation if they need one."""
-        for index, check in enumerate(self.check):
-            texts = {f"check.{index}.quantity": check.quantity}
-            if isinstance(check.reference, QuantityReference):
-                texts[f"check.{index}.reference.quantity"] = check.reference.quantity
-            for key, text in texts.items():
-                quantity = self._parsed(text, info)
-                problem = self._missing_for(quantity)
-                if problem:
-                    reject(f"{text!r} needs {problem}", "a quantity that the case has", key=key)
-                if quantity.family == "drift" and quantity.item in {"momentum", "angular_momentum"}:
-                    self._conserves_momentum(text, key)
-        return self
+    def _misfits(self) -> Iterator[InputError]:
+        """Tables that are right by themselves and do not fit together: everything that is wrong with them."""
+        parts: list[Callable[[], None]] = [
+            *(partial(self._check_can_be_computed, *entry) for entry in enumerate(self.check)),
+            self._fits_the_sea,
+            *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
+            self._integrates_contacts,
+        ]
+        for part in parts:
+            try:
+                part()
+            except PydanticCustomError as error:
+                told = error.context or {}
+                yield InputError(
+                    told["problem"], source=self.file, key=told["key"] or "case", expected=told["expected"]
+                )
+
+    def _check_can_be_computed(self, index: int, check: CheckSection) -> None:
+        """Modes and coordinates that a check names must exist, and a simulation if it needs one."""
+        texts = {f"check.{index}.quantity": check.quantity}
+        if isinstance(check.reference, QuantityReference):
+            texts[f"check.{index}.reference.quantity"] = check.reference.quantity
+        for key, text in texts.items():
+            quantity = self.quantity(text)
+            problem = self._missing_for(quantity)
+            if problem:
+                reject(f"{text!r} needs {problem}", "a quantity that the case has", key=key)
+            if quantity.family == "drift" and quantity.item in {"momentum", "angular_momentum"}:
+                self._conserves_momentum(text, key)
 
     def _conserves_momentum(self, text: str, key: str) -> None:
         """The drift of a momentum is an error of the integration only if nothing outside acts on the scene."""
@@ -102,8 +118,7 @@ class Case(SceneTables, _CaseHeading):
                 key=key,
             )
 
-    @model_validator(mode="after")
-    def _fits_the_sea(self) -> "Case":
+    def _fits_the_sea(self) -> None:
         """What floats, blows and holds fits together."""
         check_sea(
             self.sea,
@@ -116,57 +131,55 @@ class Case(SceneTables, _CaseHeading):
             fluid_loads=self.fluid_loads,
             lines=self.lines,
         )
-        return self
 
-    @model_validator(mode="after")
-    def _references_fit(self, info: ValidationInfo) -> "Case":
-        """Reference files have the columns of their channels, and times that the simulation records."""
-        context = CaseContext.of(info)
-        for index, reference in enumerate(self.reference):
-            if context is None:
-                break
-            key = f"reference.{index}"
-            if self.simulate is None or not self.simulate.duration:
-                reject("needs a [simulate] section with a duration", "a history to compare with", key=key)
-            try:
-                times = read_reference(context.folder / reference.file, reference.components).times
-            except InputError as error:
-                where = f"{reference.file}: {error.key}: " if error.key else f"{reference.file}: "
-                reject(f"{where}{error.problem}", error.expected, key=f"{key}.file")
-            step, duration = self.simulate.output_interval, self.simulate.duration
-            end, what = duration, "the simulation at"
-            if reference.until is not None:
-                end, what = reference.until, "but 'until' is"
-            if end > duration + 0.5 * step:
-                reject(
-                    f"{end:.9g} s, the simulation ends at {duration:.9g} s",
-                    "a time within the simulation",
-                    key=f"{key}.until",
-                )
-            if abs(times[-1] - end) > 0.5 * step:
-                reject(
-                    f"{reference.file} ends at {times[-1]:.9g} s, {what} {end:.9g} s",
-                    "a history of the same duration, or 'until' for that of a part",
-                    key=f"{key}.file",
-                )
-            odd = next((t for t in times if t != 0.0 and multiple(abs(t), step) is None), None)
-            if odd is not None or times[0] < 0.0:
-                reject(
-                    f"{reference.file} has t = {times[0] if odd is None else odd:.9g} s, which is not recorded",
-                    f"times that are multiples of output_interval = {step:.9g} s",
-                    key=f"{key}.file",
-                )
-        return self
+    def _reference_fits(self, index: int, reference: ReferenceSection) -> None:
+        """A reference file has the columns of its channel, and times that the simulation records."""
+        key = f"reference.{index}"
+        if self.simulate is None or not self.simulate.duration:
+            reject("needs a [simulate] section with a duration", "a history to compare with", key=key)
+        try:
+            times = read_reference(self.folder / reference.file, reference.components).times
+        except InputError as error:
+            where = f"{reference.file}: {error.key}: " if error.key else f"{reference.file}: "
+            reject(f"{where}{error.problem}", error.expected, key=f"{key}.file")
+        step, duration = self.simulate.output_interval, self.simulate.duration
+        end, what = duration, "the simulation at"
+        if reference.until is not None:
+            end, what = reference.until, "but 'until' is"
+        if end > duration + 0.5 * step:
+            reject(
+                f"{end:.9g} s, the simulation ends at {duration:.9g} s",
+                "a time within the simulation",
+                key=f"{key}.until",
+            )
+        if abs(times[-1] - end) > 0.5 * step:
+            reject(
+                f"{reference.file} ends at {times[-1]:.9g} s, {what} {end:.9g} s",
+                "a history of the same duration, or 'until' for that of a part",
+                key=f"{key}.file",
+            )
+        odd = next((t for t in times if t != 0.0 and multiple(abs(t), step) is None), None)
+        if odd is not None or times[0] < 0.0:
+            reject(
+                f"{reference.file} has t = {times[0] if odd is None else odd:.9g} s, which is not recorded",
+                f"times that are multiples of output_interval = {step:.9g} s",
+                key=f"{key}.file",
+            )
 
-    @model_validator(mode="after")
-    def _integrates_contacts(self) -> "Case":
+    def _integrates_contacts(self) -> None:
         """Contacts and collisions need the integrator whose steps know impulses; some laws its step."""
         if self.simulate is None:
-            return self
+            return
         what = "contacts" if self.contacts else "collisions"
         if (self.contacts or self.collisions) and self.simulate.integrator not in {"dele2", "auto"}:
             reject(
                 f"{self.simulate.integrator!r} with {what}", "'dele2' or 'auto'", key="simulate.integrator"
+            )
+        if (self.contacts or self.collisions) and self.simulate.start in {"equilibrium", "relax"}:
+            reject(
+                f"{self.simulate.start!r} with {what}",
+                "'check' or 'project': contacts come to rest by themselves in time",
+                key="simulate.start",
             )
         for index, collision in enumerate(self.collisions):
             if collision.law == "thesis" and self.simulate.step is None:
@@ -175,7 +188,6 @@ class Case(SceneTables, _CaseHeading):
                     "'step' in [simulate], or law 'linear'",
                     key=f"collisions.{index}.law",
                 )
-        return self
 
     def _missing_for(self, quantity: QuantityName) -> str:
         """What a quantity needs and the case does not have; empty if nothing."""
@@ -186,20 +198,23 @@ class Case(SceneTables, _CaseHeading):
             if body.type != "flexible":
                 return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
             if quantity.family == "static":
+                asked = quantity.component.partition(".")[0]
+                if body.geometry.type == "four_files" and asked in {"stress", "von_mises"}:
+                    return _NO_ELEMENTS.format(quantity.owner)
                 cases = [one.name for one in body.static]
                 known = f"one of the static load cases of {quantity.owner!r}: {', '.join(cases) or 'there are none'}"
                 return "" if quantity.item in cases else known
             count = body.modes.vector_count
             if quantity.component and count is not None and int(quantity.component) > count:
                 return f"vector {quantity.component} of {count}"
+        if quantity.family == "stress":
+            owner = next((one.body for one in self.sensors if one.name == quantity.owner), quantity.owner)
+            body = self.bodies[owner]
+            if body.type == "flexible" and body.geometry.type == "four_files":
+                return _NO_ELEMENTS.format(owner)
         if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
             return f"a hull with a surface, and {quantity.owner!r} has none"
         return ""
-
-    @staticmethod
-    def _parsed(text: str, info: ValidationInfo) -> QuantityName:
-        context = CaseContext.of(info)
-        return parse_quantity_name(text, None if context is None else context.names)
 
     def quantity(self, text: str) -> QuantityName:
         """A quantity string taken apart, with the kind that it has in this case."""
@@ -267,7 +282,12 @@ def _yields(body: Body) -> bool:
     return isinstance(body, MeshBodySection) or body.frame.motion == "free"
 
 
-def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
+def load_case(
+    path: Path | str,
+    overrides: Sequence[str] = (),
+    *,
+    further: Callable[[Case], list[InputError]] | None = None,
+) -> Case:
     """Read and check a case.
 
     Parameters
@@ -277,6 +297,9 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     overrides
         Changes such as ``"simulate.step=0.1 us"``: dotted key, ``=``, a TOML value or plain text; without a value
         the key is removed.
+    further
+        What else can be wrong with a case whose tables are right by themselves; asked if they do not fit together, so
+        that all is told at once.
 
     Raises
     ------
@@ -292,19 +315,24 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     expansion = expand(document, file)
     names = declared(expansion.document)
     errors = [*expansion.errors, *group_errors(expansion.document, file)]
+    more: list[InputError] = []
     try:
         case = Case.model_validate(expansion.document, context=CaseContext(file.parent, names))
     except ValidationError as error:
         errors += input_errors(error, expansion.document, Case, file)
+    else:
+        case._file = file  # noqa: SLF001
+        case._document = document  # noqa: SLF001
+        case._expansion = expansion  # noqa: SLF001
+        case._names = names  # noqa: SLF001
+        case._overrides = tuple(overrides)  # noqa: SLF001
+        errors += case._misfits()  # noqa: SLF001
+        if errors and further is not None:
+            more = further(case)
     # what is wrong with a block or a parameter is told alone: the rest would follow from it
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
     if errors:
-        raise InputErrors(expansion.told(errors, changed))
-    case._file = file  # noqa: SLF001
-    case._document = document  # noqa: SLF001
-    case._expansion = expansion  # noqa: SLF001
-    case._names = names  # noqa: SLF001
-    case._overrides = tuple(overrides)  # noqa: SLF001
+        raise InputErrors([*expansion.told(errors, changed), *more])
     return case
 
 
@@ -319,7 +347,9 @@ def read_document(file: Path) -> dict[str, Any]:
         return tomllib.loads(file.read_bytes().decode("utf-8"))
     except FileNotFoundError:
         raise InputError(
-            "does not exist", source=file, expected=f"a case folder with a {CASE_FILE}"
+            "does not exist",
+            source=file,
+            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes one to begin with",
         ) from None
     except (IsADirectoryError, NotADirectoryError, PermissionError) as error:
         raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None

@@ -24,7 +24,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive, Quantity, quantity_schema
 from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.case.channel_kinds import RESERVED_NAMES, Declared
-from heavylift.pipeline.case.quantity_names import parse_quantity_name
+from heavylift.pipeline.case.quantity_names import channel_kind, parse_quantity_name
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -46,10 +46,12 @@ __all__ = [
     "KnownHull",
     "LengthVector",
     "Name",
+    "NoDefault",
     "NumberVector",
     "Positive",
     "Quantity",
     "QuantityString",
+    "RecordedChannel",
     "ReferenceName",
     "Section",
     "SideName",
@@ -277,6 +279,35 @@ def _quantity_string(text: str, info: ValidationInfo) -> str:
     return text
 
 
+def _recorded_channel(name: str, info: ValidationInfo) -> str:
+    """A channel that a simulation of the case records."""
+    context = CaseContext.of(info)
+    owner, dot, last = name.partition(".")
+    number = last.rpartition(".")[0]  # of a node of an edge, or a contact of a collision
+    if not dot or (number and not (number.isdecimal() or number.startswith("contact_"))):
+        reject(f"{name!r} is no channel", "OWNER.CHANNEL, e.g. 'tip.position'")
+    if context and owner not in {*context.names.names, *SCENE_OWNERS}:
+        near = get_close_matches(owner, context.names.names, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        reject(
+            f"{name!r} names {owner!r}, which does not exist{hint}",
+            f"one of: {', '.join(context.names.names)}",
+        )
+    try:
+        channel_kind(name, name, None if context is None else context.names)
+    except InputError as error:
+        reject(error.problem.replace("quantity", "channel"), error.expected)
+    return name
+
+
+class NoDefault:
+    """Annotation of a value that must be given where it counts; what stands for it elsewhere is shown nowhere."""
+
+
+SCENE_OWNERS = ("energy", "momentum", "monitor")
+"""First parts of the channels of the whole scene."""
+RecordedChannel = Annotated[str, AfterValidator(_recorded_channel)]
+"""Name of a recorded channel, ``OWNER.CHANNEL``."""
 UniqueName = Annotated[Name, AfterValidator(_unreserved)]
 """Name of a body, joint, rope, force, sensor, surface, collision, contour or contact that no other one has."""
 BodyName = Annotated[str, AfterValidator(_known_body)]

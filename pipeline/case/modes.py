@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
-from heavylift.pipeline.case.fields import LengthVector, Name, Positive, Quantity, Section, reject
+from heavylift.pipeline.case.fields import LengthVector, Name, NoDefault, Positive, Quantity, Section, reject
 
 __all__ = ["ContactPatchSection", "ModesSection"]
 
@@ -69,7 +69,7 @@ class ModesSection(Section):
     basis: Literal["eigenmodes", "craig_bampton", "krylov", "stored"] = "eigenmodes"
     """``eigenmodes``; ``craig_bampton``: constraint modes of `interface` and modes with it held; ``krylov``:
     moment-matching vectors of the static loads; ``stored``: the shapes of geometry ``four_files``."""
-    count: Annotated[int, Field(ge=0, strict=True)] = 0
+    count: Annotated[int, Field(ge=0, strict=True), NoDefault()] = 0
     """Number of eigenmodes: needed for ``eigenmodes``, with held interface for ``craig_bampton``."""
     clamp: tuple[Name, ...] = ()
     """Groups of nodes that are held; none gives the modes of the free body."""
@@ -102,7 +102,11 @@ class ModesSection(Section):
     @model_validator(mode="after")
     def _fits(self) -> "ModesSection":
         if self.basis == "eigenmodes" and self.count == 0:
-            reject("no 'count'", "the number of eigenmodes, 1 or more")
+            reject(
+                "is missing" if "count" not in self.model_fields_set else "0",
+                "1 or more eigenmodes",
+                key="count",
+            )
         if self.basis in {"eigenmodes", "craig_bampton"} and max(self.select, default=0) > self.count:
             reject(f"'select' asks for mode {max(self.select)}", f"numbers up to count = {self.count}")
         if len(set(self.select)) < len(self.select):

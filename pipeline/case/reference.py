@@ -16,6 +16,7 @@ from heavylift.pipeline.case.fields import (
     InFolder,
     Positive,
     Quantity,
+    RecordedChannel,
     ReferenceName,
     Section,
     quantity_schema,
@@ -31,7 +32,7 @@ class ReferenceSection(Section):
 
     name: ReferenceName
     """Its name."""
-    channel: str
+    channel: RecordedChannel
     """The channel it is of, e.g. ``"tip.position"``."""
     file: Annotated[str, InFolder()]
     """Its file in the case folder, SI: comma-separated with the header ``time`` and names of components, as in
@@ -47,22 +48,10 @@ class ReferenceSection(Section):
 
     @field_validator("channel")
     @classmethod
-    def _is_recorded(cls, name: str, info: ValidationInfo) -> str:
+    def _is_of_one_point(cls, name: str, info: ValidationInfo) -> str:
         context = CaseContext.of(info)
-        owner, dot, last = name.partition(".")
-        number = last.rpartition(".")[0]  # of a node of an edge
-        if not dot or (number and not number.isdecimal()):
-            reject(f"{name!r} is no channel", "OWNER.CHANNEL, e.g. 'tip.position'")
-        try:
-            channel_kind(name, name, None if context is None else context.names)
-        except InputError as error:
-            reject(error.problem.replace("quantity", "channel"), error.expected)
-        if context and owner in context.names.meshes:
+        if context and name.partition(".")[0] in context.names.meshes:
             reject(f"{name!r} has columns for every node or element", "the position of a sensor on the body")
-        if context and owner not in {*context.names.names, "energy", "momentum", "monitor"}:
-            reject(
-                f"{name!r} names {owner!r}, which does not exist", f"one of: {', '.join(context.names.names)}"
-            )
         return name
 
     @field_validator("scale", mode="before")

@@ -6,16 +6,21 @@ import ast
 import importlib
 import inspect
 import json
+import re
 import textwrap
+from difflib import get_close_matches
+from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic.json_schema import GenerateJsonSchema
 
+from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import quantity_schema
 from heavylift.numerics.units import KINDS
 from heavylift.pipeline.case.case_file import Case
 from heavylift.pipeline.case.channel_kinds import OF_THE_SCENE
+from heavylift.pipeline.case.fields import NoDefault
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.descriptions import described_fields
 
@@ -31,6 +36,7 @@ __all__ = [
     "case_schema",
     "channel_schema",
     "key_tables",
+    "section_tables",
 ]
 
 
@@ -84,6 +90,8 @@ class _Described(GenerateJsonSchema):
             key = field.alias or name
             if docs.get(name) and key in found.get("properties", {}):
                 found["properties"][key]["description"] = docs[name]
+            if any(isinstance(mark, NoDefault) for mark in field.metadata):
+                found["properties"][key].pop("default", None)
         return found
 
 
@@ -131,6 +139,117 @@ class _Found(NamedTuple):
 
 def key_tables() -> str:
     """One table a section, in the order in which they are met."""
+    order, titles = _sections()
+    scene = (channel_schema(owner, channels) for owner, channels in OF_THE_SCENE.items())
+    last = ["\n## Channels of the whole scene\n", *_channels(chain.from_iterable(scene))]
+    return "\n".join([HEAD, *(_table(section, titles) for section in order), *last])
+
+
+def section_tables(name: str, width: int) -> str:
+    """Keys of the tables of one name, for a terminal.
+
+    Parameters
+    ----------
+    name
+        ``"ropes"``, a table below it as ``"ropes.winch"``, one of several as ``"joints.hinge"``; ``"case"`` is the
+        file itself. ``NAME`` in a path may be left out.
+    width
+        Characters of a line.
+
+    Raises
+    ------
+    InputError
+        If there is no such section.
+    """
+    order, titles = _sections()
+    wanted = name.removesuffix(".toml").replace(".NAME", "").strip(".[]")
+    own = [section for section in order if wanted in (_short_path(section), _chosen_path(section))]
+    if not own:
+        tops = list(dict.fromkeys(path for path in map(_short_path, order) if "." not in path))
+        near = get_close_matches(wanted, [*tops, *map(_chosen_path, order)], 1)
+        raise InputError(
+            f"{name!r}{f', perhaps {near[0]!r}' if near else ''}",
+            source="schema",
+            key="section",
+            expected=f"one of {', '.join(tops)}",
+        )
+    top = {_short_path(section) for section in own}
+    parts = [section for section in order if any(_short_path(section).startswith(f"{path}.") for path in top)]
+    if wanted == "case":
+        parts = []
+    further: list[str] = []
+    if len(own) + len(parts) > _SHOWN:
+        further = list(dict.fromkeys(_short_path(section) for section in parts))
+        parts = []
+    lines = [line for section in (*own, *parts) for line in _terminal_table(section, titles, width)]
+    if further:
+        lines += textwrap.wrap(f"Tables below: {', '.join(further)}", width)
+    return "\n".join(lines).strip("\n")
+
+
+_SHOWN = 8
+"""Tables that are shown together at most."""
+
+
+def _short_path(section: _Found) -> str:
+    """Path of a section as a user calls it."""
+    return section.path.removesuffix(".toml").replace(".NAME", "")
+
+
+def _chosen_path(section: _Found) -> str:
+    """Path of a section with the word that chooses it, as in ``joints.hinge``."""
+    word = re.search(r'= "([^"]+)"$', section.choice)
+    return f"{_short_path(section)}.{word[1]}" if word else ""
+
+
+def _terminal_table(section: _Found, titles: Mapping[str, str], width: int) -> Iterator[str]:
+    """A section as columns: key, value with its default, sentence."""
+    yield from ("", section.title.replace("case.toml", "case.toml, the file itself"))
+    yield from _wrapped(_plain(_sentence(section.schema.get("description", ""))), width)
+    yield ""
+    needed = set(section.schema.get("required", ()))
+    rows = []
+    for key, node in section.schema.get("properties", {}).items():
+        default = _default(node)
+        default = "needed" if key in needed else "" if default == "none" else f"default {default}"
+        value = "; ".join(filter(None, (_short_words(node, titles), default)))
+        rows.append((key, _plain(value), _plain(_sentence(node.get("description", "")))))
+    first = max((len(key) for key, _, _ in rows), default=0)
+    second = min(max((len(value) for _, value, _ in rows), default=0), max(24, (width - first - 4) // 3))
+    for key, value, words in rows:
+        left = textwrap.wrap(value, second) or [""]
+        right = textwrap.wrap(words, max(24, width - first - second - 6)) or [""]
+        for index in range(max(len(left), len(right))):
+            value_part, words_part = (part[index] if index < len(part) else "" for part in (left, right))
+            yield f"  {key if index == 0 else '':{first}}  {value_part:{second}}  {words_part}".rstrip()
+    names = [channel["name"] for channel in section.schema.get("channels", ())]
+    if names:
+        yield from ("", *_wrapped(f"Channels: {', '.join(names)}", width))
+
+
+def _short_words(node: Mapping[str, Any], titles: Mapping[str, str]) -> str:
+    """What a value may be; of several sections in one place only the words that choose them."""
+    parts = [titles[name].partition(", ") for name in dict.fromkeys(name for name, _ in _references(node))]
+    chosen = [found for _, _, choice in parts if (found := re.search(r'^(\w+) = "([^"]+)"$', choice))]
+    if len(parts) < 2 or len({path for path, _, _ in parts}) > 1 or len(chosen) < len(parts):
+        return _words(node, titles)
+    holder = _words(node, titles).partition(":")[0]
+    return f"{holder}: {parts[0][0]}, {chosen[0][1]} {', '.join(found[2] for found in chosen)}"
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Lines of a text, indented."""
+    return textwrap.wrap(text, width, initial_indent="  ", subsequent_indent="  ")
+
+
+def _plain(text: str) -> str:
+    """Markdown without its marks."""
+    return re.sub(r"\[([^\]]*)\]\(#[^)]*\)", r"\1", text).replace("`", "")
+
+
+@cache
+def _sections() -> tuple[list[_Found], dict[str, str]]:
+    """All sections in the order in which they are met, and their titles by the names of their definitions."""
     schema = case_schema()
     definitions = schema["$defs"]
     found = {"": _Found("case.toml", "", schema)}
@@ -152,10 +271,7 @@ def key_tables() -> str:
                     found[reference] = made
                     below.append(reference)
         waiting = below + waiting
-    titles = {name: section.title for name, section in found.items()}
-    scene = (channel_schema(owner, channels) for owner, channels in OF_THE_SCENE.items())
-    last = ["\n## Channels of the whole scene\n", *_channels(chain.from_iterable(scene))]
-    return "\n".join([HEAD, *(_table(section, titles) for section in order), *last])
+    return order, {name: section.title for name, section in found.items()}
 
 
 def _choice(definition: Mapping[str, Any]) -> str:

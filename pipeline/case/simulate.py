@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, ValidationInfo, field_validator, model_validator
 
-from heavylift.pipeline.case.fields import Positive, Quantity, Section, reject
+from heavylift.pipeline.case.fields import NoDefault, Positive, Quantity, Section, reject
 from heavylift.solver.scene.scene import Start
 
 __all__ = ["DEFAULT_TOLERANCES", "SimulateSection"]
@@ -42,8 +42,8 @@ class SimulateSection(Section):
     tolerance: Annotated[float, Positive("length")] | None = None
     """Error of the displacements in a step [m], by which the integrator chooses its steps: for ``dele2`` and ``auto``
     without a step; 1e-7 m for ``accurate``, 1e-5 m for ``auto`` if absent."""
-    output_interval: Annotated[float, Positive("time")] = 1.0
-    """Time between recorded states [s], a multiple of a fixed step; not needed without a duration."""
+    output_interval: Annotated[float, Positive("time"), NoDefault()] = 1.0
+    """Time between recorded states [s], a multiple of a fixed step; needed with a duration."""
     duration: Annotated[float, Quantity("time", minimum=0.0, closed=True)]
     """Simulated time [s], a multiple of the output interval; with 0 only the start is computed and recorded."""
     start: Start = "check"
@@ -51,15 +51,10 @@ class SimulateSection(Section):
     ``equilibrium``: and then to where they are in equilibrium, at rest; ``relax``: the same by damped motion, for
     scenes whose equilibrium is hard to find."""
 
-    @field_validator("output_interval", "duration")
+    @field_validator("output_interval")
     @classmethod
     def _is_a_multiple(cls, value: float, info: ValidationInfo) -> float:
-        key = "step" if info.field_name == "output_interval" else "output_interval"
-        unit = info.data.get(key)
-        if unit is not None and value and multiple(value, unit) is None:
-            reject(
-                f"{value:.12g} s is {value / unit:.9g} times {key} = {unit:.12g} s", f"a multiple of {key}"
-            )
+        _refuse_a_part(value, "step", info.data.get("step"))
         return value
 
     @model_validator(mode="after")
@@ -84,6 +79,7 @@ class SimulateSection(Section):
             return self
         if "output_interval" not in self.model_fields_set:
             reject("is missing", "a value", key="output_interval")
+        _refuse_a_part(self.duration, "output_interval", self.output_interval, key="duration")
         if self.step is None and self.tolerance is None and self.integrator == "dele2":
             reject("neither 'step' nor 'tolerance'", "'step' (fixed) or 'tolerance' (adaptive)")
         return self
@@ -109,6 +105,13 @@ class SimulateSection(Section):
     def interval_count(self) -> int:
         """Output intervals of the whole simulation."""
         return multiple(self.duration, self.output_interval) or 0
+
+
+def _refuse_a_part(value: float, name: str, unit: float | None, *, key: str = "") -> None:
+    """Refuse a time that is no multiple of another one."""
+    if unit is not None and multiple(value, unit) is None:
+        problem = f"{value:.12g} s is {value / unit:.9g} times {name} = {unit:.12g} s"
+        reject(problem, f"a multiple of {name}", key=key)
 
 
 def multiple(value: float, unit: float) -> int | None:

@@ -22,6 +22,8 @@ from heavylift.pipeline.commands.command_line import (
     Force,
     Json,
     KindNames,
+    NewFolder,
+    NewKind,
     Out,
     Quiet,
     Set,
@@ -65,6 +67,31 @@ def main() -> None:
     except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(141)
+
+
+@app.command
+def new(
+    kind: NewKind = "",
+    folder: NewFolder = None,
+    /,
+    *,
+    quiet: Quiet = False,
+) -> int:
+    """Write a commented case to begin with; without a kind, say which there are."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.new_case import new_case, template_kinds
+
+        if not kind:
+            print_lines([f"{name:14} {title}" for name, title in template_kinds().items()])
+            return 0
+        written = new_case(kind, folder or Path(kind))
+        for file in written:
+            log.say(f"new: {file}")
+        log.say(f"new: next: heavylift run {written[0].parent}")
+        return 0
+
+    return guarded(command, quiet=quiet, json=False)
 
 
 @app.command
@@ -205,14 +232,27 @@ for _command in SEA_COMMANDS:
 
 
 @app.command
-def schema(*, tables: bool = False) -> int:
-    """Print the JSON Schema of case.toml, for editors.
+def schema(section: str = "", /, *, tables: bool = False) -> int:
+    """Print the keys of a section of case.toml; without one, the JSON Schema for editors.
 
     Parameters
     ----------
+    section
+        As ropes, joints.hinge, bodies.geometry; case lists the sections.
     tables
         Tables of all keys in Markdown instead, as in docs/case_keys.md.
     """
+    if section:
+
+        def command(_log: "Log") -> int:
+            from shutil import get_terminal_size
+
+            from heavylift.pipeline.case.schema import section_tables
+
+            print_lines([section_tables(section, max(72, min(get_terminal_size((110, 24)).columns, 140)))])
+            return 0
+
+        return guarded(command, quiet=True, json=False)
     if tables:
         from heavylift.pipeline.case.schema import key_tables
 

@@ -22,6 +22,8 @@ __all__ = [
     "Force",
     "Json",
     "KindNames",
+    "NewFolder",
+    "NewKind",
     "Out",
     "Quiet",
     "Set",
@@ -56,6 +58,13 @@ Animate = Annotated[
 ]
 Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]
 KindNames = Annotated[str, Parameter(help="Kinds and loops; all if none is named.", show_default=False)]
+NewKind = Annotated[str, Parameter(help="What the case is about; a list if absent.", show_default=False)]
+NewFolder = Annotated[
+    Path | None,
+    Parameter(
+        help="Where it is written: a new or empty folder; named as the kind if absent.", show_default=False
+    ),
+]
 Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]
 Json = Annotated[
     bool, Parameter(name="--json", help="Print one JSON document on standard output.", negative="")

@@ -11,6 +11,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.contacts import ContactParts
 from heavylift.pipeline.pictures.render import Lines, Patch, Points
 from heavylift.pipeline.pictures.triangles import drawn_triangles
+from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.scene.connections import (
     GROUND,
@@ -36,7 +37,7 @@ __all__ = ["Others", "Seen", "rope_line"]
 _ROPE, _SPRING, _RIGID, _JOINT = "#7a4a12", "#2e7d32", "#5b6b7c", "#1d2733"
 _CIRCLE = 32  # corners of a pulley
 _TANGENTS = 12  # repetitions until tangents between pulleys are found
-_FLOOR = 2.0  # surfaces of the ground are drawn up to so many times the size of the scene
+_FLOOR = 2.0  # surfaces of the ground are drawn up to so many times the size of the scene and its travel
 
 
 class Seen(NamedTuple):
@@ -83,6 +84,8 @@ class Others:
         Largest force of any contact in the run [N], whose arrow is the longest one.
     size
         Of the scene [m], by which arrows are measured.
+    travel
+        How far bodies get from where they start [m]; surfaces of the ground are drawn up to twice size and travel.
     """
 
     def __init__(
@@ -95,6 +98,7 @@ class Others:
         *,
         peak: float = 0.0,
         size: float = 1.0,
+        travel: float = 0.0,
     ) -> None:
         self._skins, self._coordinates, self._channel = skins, coordinates, channel
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
@@ -113,11 +117,9 @@ class Others:
         attached = [place for pair in pairs for place in pair]
         attached += [place for rope in self._ropes for place, _ in rope]
         self._rods = [
-            (_Place(name, body.centre_of_mass), place)
-            for name, body in self._bodies.items()
-            if isinstance(body, RigidBody)
+            (_Place(place.body, self._bodies[place.body].centre_of_mass), place)
             for place in attached
-            if place.body == name
+            if isinstance(self._bodies.get(place.body), RigidBody)
         ]
         self._centres = [
             _Place(name, body.centre_of_mass)
@@ -130,7 +132,16 @@ class Others:
             (part.body, *drawn_triangles(part.surface)[:2])
             for part in scene.surfaces
             if part.surface is not None
-            and (part.body != GROUND or np.linalg.norm(np.ptp(part.surface.bounds, axis=0)) <= _FLOOR * size)
+            and (
+                part.body != GROUND
+                or np.linalg.norm(np.ptp(part.surface.bounds, axis=0)) <= _FLOOR * (size + travel)
+            )
+        ]
+        drawn = {part.body for part in scene.surfaces}
+        self._solids += [
+            (hull.body, *drawn_triangles(hull.restoring)[:2])
+            for hull in (() if scene.sea is None else scene.sea.hulls)
+            if isinstance(hull.restoring, TriangleSurface) and hull.body not in drawn
         ]
         self._contacts = None
         if scene.contours:

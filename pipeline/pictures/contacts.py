@@ -11,7 +11,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.annotations import GREY, add_scale_bar, add_triad, emptiest_corner
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
 from heavylift.pipeline.pictures.drawings import INK, round_down
-from heavylift.pipeline.pictures.outer_surface import Surface
+from heavylift.pipeline.pictures.outer_surface import Surface, feature_edges
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points
 from heavylift.solver.scene import contacts as c
@@ -322,11 +322,18 @@ def force_arrow(start: NDArray[np.float64], arrow: NDArray[np.float64]) -> Lines
 
 _DPI = 100
 _HEAD, _FOOT = 84, 48  # pixels above and below the image
+_KINK = np.radians(30.0)  # between two triangles whose edge is drawn
+_EDGES = 60_000  # triangles up to which edges are drawn
 
 
 def _rgb(colour: str) -> NDArray[np.uint8]:
     """Red, green and blue of ``"#rrggbb"``."""
     return np.frombuffer(bytes.fromhex(colour[1:]), dtype=np.uint8)
+
+
+def _kinks(part: Patch) -> Lines:
+    """Edges at which a surface has corners, or ends."""
+    return Lines(part.points, feature_edges(part.points, part.triangles, _KINK, wound=False), INK, 0.8, 0.6)
 
 
 def touch_picture(
@@ -335,10 +342,11 @@ def touch_picture(
     *,
     title: str,
     note: str = "",
+    words: str = "violet: contours · ochre: what touches · red: force on it",
     up: ArrayLike | None = None,
     size: tuple[int, int] = (1200, 760),
 ) -> bytes | None:
-    """All that is seen at one record, true to scale, as PNG; None if nothing of it is a surface.
+    """All that is seen at one record, true to scale, as PNG; None if it is neither surface nor line.
 
     Parameters
     ----------
@@ -348,6 +356,8 @@ def touch_picture(
         From `heavylift.pipeline.pictures.attached.Others`, lengths in metres.
     title, note
         First and second line of the heading.
+    words
+        What the colours are.
     up
         Direction against gravity, shape (3,), if there is gravity.
     size
@@ -355,15 +365,20 @@ def touch_picture(
     """
     from matplotlib.figure import Figure
 
-    if not seen.patches:
+    if not (seen.patches or seen.lines):
         return None
-    starts = np.cumsum([0, *(len(part.points) for part in seen.patches)])
-    solid = np.concatenate([part.points for part in seen.patches])
+    opaque = [part for part in seen.patches if part.opacity == 1.0]
+    starts = np.cumsum([0, *(len(part.points) for part in opaque)])
+    solid = np.concatenate([np.empty((0, 3)), *(part.points for part in opaque)])
     triangles = np.concatenate(
-        [part.triangles + start for part, start in zip(seen.patches, starts[:-1], strict=True)]
+        [
+            np.empty((0, 3), dtype=np.int64),
+            *(part.triangles + start for part, start in zip(opaque, starts[:-1], strict=True)),
+        ]
     )
+    lines = [*seen.lines, *(_kinks(part) for part in opaque if len(part.triangles) <= _EDGES)]
     nodes, edges = [solid], [np.empty((0, 2), dtype=np.int64)]
-    for line in seen.lines:
+    for line in lines:
         edges.append(line.ends + sum(len(part) for part in nodes))
         nodes.append(line.points)
     together = np.concatenate(nodes)
@@ -373,9 +388,14 @@ def touch_picture(
     width, height = size
     image = (width, height - _HEAD - _FOOT)
     camera = fit_camera(view, seen.points, image[0] / image[1], margin=0.06)
-    hues = [np.tile(_rgb(part.colour), (len(part.triangles), 1)) for part in seen.patches]
+    hues = [np.tile(_rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
     drawing = Drawing(
-        solid, triangles, triangle_colours=np.concatenate(hues), lines=seen.lines, marks=seen.marks
+        solid if len(solid) else seen.points[:1],  # without a surface points are drawn: one, beneath a line
+        triangles,
+        triangle_colours=np.concatenate([np.empty((0, 3), dtype=np.uint8), *hues]),
+        lines=tuple(lines),
+        marks=seen.marks,
+        patches=tuple(part for part in seen.patches if part.opacity < 1.0),
     )
     pixels = renderer.render(drawing, camera, image)
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
@@ -397,6 +417,5 @@ def touch_picture(
     length = round_down(0.2 * image[0] / per_metre)
     unit, factor = ("mm", 1.0e3) if length < 0.1 else ("m", 1.0)
     add_scale_bar(foot, length * factor, length * per_metre, unit)
-    words = "violet: contours · ochre: what touches · red: force on it"
     foot.text(width - 18, 16, words, fontsize=11, color=GREY, ha="right", va="center", parse_math=False)
     return figure_png(figure)

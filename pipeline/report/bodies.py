@@ -79,9 +79,10 @@ def body_sections(
     if painter is not None:
         kind = _mesh_words(model)
         file = album.add(
-            f"{name}_mesh", painter.mesh(title=f"{name}: finite element mesh", note=kind, marks=marks)
+            f"{name}_mesh",
+            painter.mesh(title=f"{name}: {_MODEL[model.mesh is None]}", note=kind, marks=marks),
         )
-        caption = f"Mesh of {name}: {kind}."
+        caption = f"{_MODEL[model.mesh is None].capitalize()} of {name}: {kind}."
         items.append(Figure(file, caption + (f" Marked: {', '.join(marks)}." if marks else "")))
     sections = [Section(title, tuple(items))]
     try:
@@ -138,10 +139,14 @@ def _marks(model: FEModel, body: Any) -> dict[str, NDArray[np.int64]]:
     return marks
 
 
+_MODEL = {False: "finite element mesh", True: "nodes of the model"}
+"""What a picture shows, of a model with elements and of one that is matrices alone."""
+
+
 def _mesh_words(model: FEModel) -> str:
     nodes = f"{model.node_count} nodes, {3 * model.node_count} degrees of freedom"
     if model.mesh is None:
-        return f"nodes without connectivity, {nodes}"
+        return f"matrices without elements, {nodes}"
     return f"{model.mesh.element_count} {model.mesh.element_type} elements, {nodes}"
 
 

@@ -31,7 +31,7 @@ from heavylift.pipeline.report.run import (
     run_ending,
     run_section,
 )
-from heavylift.pipeline.report.scene import scene_sections
+from heavylift.pipeline.report.scene import is_pictured, scene_sections, still_sections
 from heavylift.pipeline.report.sea import sea_sections
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
@@ -56,7 +56,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     out
         Output folder of the case, with a folder for each stage that has run.
     log
-        Told how far an animation is.
+        Told the verdict, and how far an animation is.
 
     Returns
     -------
@@ -76,9 +76,11 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
     moved = results is not None and bool(results.meshes) and len(results.time) > 0
     touching = results is not None and bool(case.contacts or case.collisions) and len(results.time) > 0
-    renderer, remedy = _renderer() if flexible or moved or touching else (None, "")
+    pictured = results is not None and len(results.time) > 0 and is_pictured(case)
+    renderer, remedy = _renderer() if flexible or moved or touching or pictured else (None, "")
     sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
     try:
+        stills = still_sections(case, stages, results, renderer, album)
         for name, body in flexible.items():
             sections += body_sections(case, name, body, stages, results, renderer, album)
         sections += scene_sections(case, stages, results, renderer, album, log)
@@ -99,6 +101,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         sections=(
             Section("", (verdict, *warnings)),
             *([_check_section(checks, open_checks)] if case.check else []),
+            *stills,
             input_section(case),
             *run_section(case, stages, results),
             *surface_sections(case, stages),
@@ -110,6 +113,8 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             *provenance_section(case, stages),
         ),
     )
+    if log is not None:
+        log.say(f"report: {verdict.text}")
     files = []
     for name, text in (
         ("report.html", to_html(document, album.pictures)),

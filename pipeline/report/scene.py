@@ -1,4 +1,4 @@
-"""Section of a report with pictures of frames and shells, and of all that is attached to them, in motion."""
+"""Section of a report with pictures of the scene of a run: frames and shells in motion, and all that is beside them."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.report import AnimationSection
     from heavylift.pipeline.pictures.attached import Others
     from heavylift.pipeline.pictures.meshes import MeshRun
-    from heavylift.pipeline.pictures.render import Renderer
+    from heavylift.pipeline.pictures.render import Patch, Renderer
     from heavylift.pipeline.pictures.scene import ScenePainter
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["mesh_run", "scene_others", "scene_painter", "scene_sections"]
+__all__ = ["is_pictured", "mesh_run", "scene_others", "scene_painter", "scene_sections", "still_sections"]
 
 _STRESSES = {"frame": "axial_stress", "shell": "von_mises"}
 _SMALL = (800, 560)  # pixels of an animation
@@ -78,6 +78,85 @@ def scene_sections(
     return [Section("Frames and shells in motion", tuple(items))]
 
 
+def is_pictured(case: Case) -> bool:
+    """Whether a scene without frames and shells has a picture of its own; that of contacts shows all of it."""
+    attached = case.joints or case.ropes or case.forces or case.surfaces
+    return bool(attached) and not case.meshes and not case.contacts
+
+
+def still_sections(
+    case: Case, stages: OutputFolder, results: Results | None, renderer: Renderer | None, album: Album
+) -> list[Section]:
+    """A scene without frames and shells as it began and as it ended; nothing if it can no longer be put together.
+
+    Parameters
+    ----------
+    case, stages, results
+        The case, its output folder, and its time histories if there are any.
+    renderer
+        Draws; None on a machine that cannot.
+    album
+        Takes the pictures.
+    """
+    if renderer is None or results is None or not len(results.time) or not is_pictured(case):
+        return []
+    from heavylift.pipeline.pictures.contacts import touch_picture
+
+    others = scene_others(case, stages, results, {}, {})
+    if others is None:
+        return []
+    found = []
+    last = len(results.time) - 1
+    for record, name, words in ((0, "scene_start", "at the start"), (last, "scene_end", "at the end"))[
+        : last + 1
+    ]:
+        seen = others.seen(record)
+        if case.sea is not None and seen.patches:
+            seen = seen._replace(patches=(*seen.patches, _water(seen.points, case.sea.level)))
+        content = touch_picture(
+            renderer,
+            seen,
+            title=case.title,
+            note=f"{words[:1].upper()}{words[1:]}, t = {number_words(float(results.time[record]), 's')}",
+            words=" · ".join(_legend(case)),
+            up=_up(case),
+        )
+        if content is not None:
+            caption = f"The scene {words}, true to scale; {', '.join(_legend(case))}."
+            found.append(Figure(album.add(name, content), caption))
+    return [Section("Scene", tuple(found))] if found else []
+
+
+def _legend(case: Case) -> list[str]:
+    """What the colours of a picture of the scene are, of those that occur."""
+    springs = any(hasattr(force, "between") for force in case.forces)
+    marked = ["joints"] * bool(case.joints) + ["centres of mass"] * bool(case.bodies)
+    return [
+        *["brown: ropes"] * bool(case.ropes),
+        *["green: springs and tuggers"] * springs,
+        f"dots: {' and '.join(marked)}",
+        *["blue: still water"] * (case.sea is not None),
+    ]
+
+
+def _water(points: NDArray[np.float64], level: float) -> Patch:
+    """The still water around what is drawn, seen through."""
+    from heavylift.pipeline.pictures.render import Patch
+
+    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
+    margin = 0.25 * float(np.linalg.norm(high - low))
+    (x, y), (u, v) = low - margin, high + margin
+    corners = np.array([[x, y, level], [u, y, level], [u, v, level], [x, v, level]])
+    return Patch(corners, np.array([[0, 1, 2], [0, 2, 3]]), "#4d8fc4", 0.3)
+
+
+def _up(case: Case) -> NDArray[np.float64] | None:
+    """Direction against gravity; None without gravity."""
+    if case.gravity is None or not any(case.gravity.acceleration):
+        return None
+    return -np.array(case.gravity.acceleration)
+
+
 def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: Renderer) -> ScenePainter:
     """Painter of the frames and shells of a run, and of whatever else the case has."""
     from heavylift.pipeline.pictures.meshes import MeshSkin
@@ -86,15 +165,12 @@ def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: 
     side = case.report.shell_side
     runs = {name: mesh_run(shape, results) for name, shape in results.meshes.items()}
     skins = {name: MeshSkin(run.body, lengths=run.lengths, side=side) for name, run in runs.items()}
-    up = None
-    if case.gravity is not None and any(case.gravity.acceleration):
-        up = -np.array(case.gravity.acceleration)
     return ScenePainter(
         renderer,
         runs,
         results.time,
         others=scene_others(case, stages, results, runs, skins),
-        up=up,
+        up=_up(case),
         side=side,
         skins=skins,
     )
@@ -162,6 +238,17 @@ def scene_others(
             (float(np.linalg.norm(force.reshape(-1, 3), axis=1).max()) for force in forces), default=0.0
         ),
         size=scene_size(scene),
+        travel=max(
+            (
+                float(np.linalg.norm(moved - moved[0], axis=1).max())
+                for moved in (
+                    results[f"{body.name}.position"].reshape(len(results.time), -1)
+                    for body in scene.bodies
+                    if f"{body.name}.position" in results and body.name not in runs
+                )
+            ),
+            default=0.0,
+        ),
     )
 
 

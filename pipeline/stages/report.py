@@ -53,5 +53,5 @@ def report_stage(work: Work) -> StageReport:
             "files": files,
         },
     )
-    work.log.say(f"report: {len(files)} files in {folder}; {cpu_s:.2f} s CPU")
+    work.log.say(f"report: {paths[0]} and {len(files) - 1} files beside it; {cpu_s:.2f} s CPU")
     return StageReport("report", Outcome.COMPLETED, skipped=False, cpu_s=cpu_s, details={"files": files})

@@ -17,7 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.results.provenance import mesh_digest, modes_digest, source_digest, versions
+from heavylift.pipeline.results.provenance import (
+    mesh_digest,
+    modes_digest,
+    simulate_digest,
+    source_digest,
+    versions,
+)
 from heavylift.pipeline.results.storage import OutputFolder, StopError, read_json, write_json
 
 if TYPE_CHECKING:
@@ -243,11 +249,16 @@ def run_case(
         force=frozenset(force),
         reuse=tuple(OutputFolder(path) for path in reuse),
     )
+    sound = _check_scene(work, stages)
     done: list[StageReport] = []
+    seconds: dict[str, float] = {}
     with locked(folder.root):
+        if sound:
+            write_json(folder.manifest("check"), {"case": case.name, "digest": sound})
         for name in STAGES:
             if name not in stages or (name == "simulate" and case.simulate is None):
                 continue
+            begin = time.perf_counter()
             try:
                 done.append(runners[name](work))
             except StopError as error:
@@ -260,11 +271,34 @@ def run_case(
                     StageReport(name, Outcome.BAD_INPUT, skipped=False, cpu_s=0.0, message=str(error))
                 )
             last = done[-1]
+            if not last.skipped:
+                seconds[name] = time.perf_counter() - begin
             if last.outcome is not Outcome.COMPLETED and not (
                 name == "simulate" and last.outcome in REPORTED
             ):
                 break
+    if len(seconds) > 1:
+        spent = ", ".join(f"{name} {value:.1f} s" for name, value in seconds.items())
+        work.log.say(f"run: {sum(seconds.values()):.1f} s: {spent}")
     return RunReport(folder, tuple(done))
+
+
+def _check_scene(work: Work, stages: Sequence[str]) -> str:
+    """See that the scene fits together, before a stage takes its time; returns a digest of what was found sound.
+
+    Empty if that is known from an earlier run, or nothing is computed.
+    """
+    if not {"mesh", "modes", "simulate"} & set(stages):
+        return ""
+    digest = simulate_digest(work.case)
+    if (read_json(work.folder.manifest("check")) or {}).get("digest") == digest:
+        return ""
+    from heavylift.pipeline.assemble.early_checks import scene_errors
+
+    errors = scene_errors(work.case)
+    if errors:
+        raise errors[0] if len(errors) == 1 else InputErrors(errors)
+    return digest
 
 
 def _check_folder(root: Path) -> None:
@@ -289,8 +323,13 @@ def load_changed_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     """
     from heavylift.pipeline.case.case_file import load_case
 
+    def further(case: Case) -> list[InputError]:
+        from heavylift.pipeline.assemble.early_checks import scene_errors
+
+        return scene_errors(case)
+
     try:
-        return load_case(path, overrides)
+        return load_case(path, overrides, further=further)
     except InputErrors as error:
         if not overrides or all(part.source.startswith("--set") for part in error.errors):
             raise

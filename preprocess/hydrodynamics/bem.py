@@ -23,6 +23,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import (
     COORDINATES,
+    LID,
     HydrodynamicDatabase,
     at_frequencies,
     wave_numbers,
@@ -337,7 +338,7 @@ def compute_database(
         density=inputs.density,
         gravity=inputs.gravity,
         depth=inputs.depth,
-        source=f"Capytaine {capytaine.__version__}, {count} panels, lid {'at z = 0' if inputs.lid else 'none'}",
+        source=f"Capytaine {capytaine.__version__}, {count} panels, {LID if inputs.lid else 'no lid'}",
         symmetric=inputs.symmetric,
         volumes=np.array([each.volume for each in still]),
         centres_of_buoyancy=np.array([each.centre_of_buoyancy for each in still]),

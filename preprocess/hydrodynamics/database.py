@@ -292,6 +292,10 @@ def mass_scales(database: HydrodynamicDatabase) -> NDArray[np.float64]:
     return np.asarray(np.repeat(mass, 6) / length_scales(database) ** 2)
 
 
+LID = "lid at z = 0"
+"""What the source of a database says that was computed with a lid."""
+
+
 class Fault(NamedTuple):
     """What is wrong with a matrix at a frequency.
 
@@ -343,10 +347,11 @@ def fault_error(
     database: HydrodynamicDatabase,
     faults: Sequence[Fault],
     limits: Limits = PANEL_ACCURACY,
-    remedy: str = "finer panels, or a lid against irregular frequencies",
+    remedy: str = "",
 ) -> InputError:
-    """The worst of several faults as an error, with what may be done."""
+    """The worst of several faults as an error, with what may be done: if not told, what to compute otherwise."""
     worst = max(faults, key=lambda fault: abs(fault.size))
+    remedy = remedy or _remedy(database)
     more = f" (the worst of {len(faults)} frequencies)" if len(faults) > 1 else ""
     wanted = (
         f"no damping below -{limits.negative:.0%}"
@@ -356,6 +361,14 @@ def fault_error(
     return InputError(
         worst.words(database) + more, source=database.source, key=worst.key, expected=f"{wanted}: {remedy}"
     )
+
+
+def _remedy(database: HydrodynamicDatabase) -> str:
+    """What to compute otherwise; a lid only where the source does not say that there was one."""
+    panels = "finer panels, or without the frequencies at which the water between hulls resonates"
+    if LID in database.source:
+        return panels
+    return f"an irregular frequency, if it was computed without a lid on the water inside the hulls; else {panels}"
 
 
 def check_phase(database: HydrodynamicDatabase) -> None:

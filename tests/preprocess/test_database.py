@@ -164,6 +164,27 @@ def test_what_cannot_be_is_refused(kind):
     assert "long waves" in str(caught.value)
 
 
+@pytest.mark.parametrize("kind", ["negative damping", "not symmetric"])
+@pytest.mark.parametrize(
+    ("source", "proposed"),
+    [
+        ("Capytaine 3.0, 648 panels, lid at z = 0", False),
+        ("Capytaine 3.0, 648 panels, no lid", True),
+        ("barge.nc", True),
+    ],
+)
+def test_a_lid_is_proposed_only_where_there_may_be_none(kind, source, proposed):
+    changed = {
+        "negative damping": lambda d: {"damping": with_entry(d.damping, (3, 2, 2), -1e4)},
+        "not symmetric": lambda d: {"added_mass": with_entry(d.added_mass, (3, 0, 4), 5e6)},
+    }[kind]
+    database = replace(long_waves(), source=source)
+    with pytest.raises(InputError) as caught:
+        check_database(replace(database, **changed(database)))
+    assert ("lid" in caught.value.expected) == proposed
+    assert "finer panels" in caught.value.expected
+
+
 def test_conjugated_excitation_and_reversed_headings_are_refused():
     database = long_waves()
     check_phase(database)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import copy
 import functools
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from heavylift.pipeline.case.schema import case_schema, key_tables
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.schema import case_schema, key_tables, section_tables
 
 jsonschema = pytest.importorskip("jsonschema")
 
@@ -222,3 +224,49 @@ def test_channels_stand_below_what_records_them():
     beam = text[text.index('## bodies.NAME, type = "frame"') :].partition("\n## ")[0]
     assert "| `NAME.bending_moment` | N m | several | bending moment at both ends of every element |" in beam
     assert "| `energy.kinetic` | J |" in text
+
+
+SECTION = section_tables("ropes", 100)
+
+
+def test_a_section_shows_what_the_docs_say_of_its_keys():
+    """The terminal and docs/case_keys.md have the same keys, quantities, defaults and sentences."""
+    shown = " ".join(SECTION.split())
+    for text in (
+        'ropes, type = "wire" A wire rope through any number of points',
+        "axial_stiffness force [N] > 0; needed EA [N]: modulus times area.",
+        "length length [m] > 0 Unstretched length at the start [m]; as drawn if absent.",
+        "ropes.winch Speed of a winch",
+        "NAME.segment_tension",
+    ):
+        assert text in shown, text
+    table = key_tables()
+    for heading in ("## ropes.path", "## ropes.winch"):
+        keys = re.findall(r"^\| `(\w+)` ", table.partition(heading)[2].partition("\n## ")[0], re.MULTILINE)
+        assert keys
+        part = SECTION.partition(f"\n{heading[3:]}\n")[2]
+        assert [key for key in keys if not re.search(rf"^  {key} ", part, re.MULTILINE)] == []
+
+
+@pytest.mark.parametrize("width", [72, 100, 140])
+def test_a_section_fits_the_terminal(width):
+    for name in ("ropes", "bodies", "joints", "sea", "simulate", "case"):
+        assert max(map(len, section_tables(name, width).splitlines())) <= width, name
+
+
+def test_sections_are_found_by_short_and_by_full_names():
+    hinge = section_tables("joints.hinge", 100)
+    assert hinge.startswith('joints, type = "hinge"')
+    assert 'type = "slider"\n' not in hinge.partition("joints.limits")[0]
+    assert section_tables("bodies.NAME.mesh", 100) == section_tables("bodies.mesh", 100)
+    assert section_tables("case.toml", 100) == section_tables("case", 100)
+
+
+def test_an_unknown_section_is_one_line_with_all_of_them():
+    with pytest.raises(InputError) as caught:
+        section_tables("rops", 100)
+    line = str(caught.value)
+    assert "\n" not in line
+    assert line.startswith("schema: section: 'rops', perhaps 'ropes'; expected one of case, ")
+    tables = set(case_schema()["properties"]) - {"title", "sources", "parameters"}
+    assert tables <= set(line.partition("expected one of ")[2].split(", "))

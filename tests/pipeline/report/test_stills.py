@@ -1,0 +1,88 @@
+"""Pictures of scenes of rigid bodies: hulls where they float, ropes, the ground as far as it matters, outlines."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heavylift.pipeline.case.case_file import load_case
+from heavylift.pipeline.commands.new_case import new_case
+from heavylift.pipeline.pictures.attached import Seen
+from heavylift.pipeline.pictures.contacts import touch_picture
+from heavylift.pipeline.pictures.render import Drawing, Lines
+from heavylift.pipeline.report.scene import is_pictured, scene_others
+from heavylift.pipeline.results.storage import OutputFolder
+
+
+def seen(kind, tmp_path, results=None):
+    """What is drawn of a case to begin with, at its start."""
+    new_case(kind, tmp_path / kind)
+    case = load_case(tmp_path / kind)
+    assert is_pictured(case) == (kind != "flexible-body")
+    return scene_others(case, OutputFolder(case.output_folder), results or {}, {}, {}).seen(0)
+
+
+def sizes(patches):
+    return sorted(tuple(np.round(np.ptp(patch.points, axis=0), 9)) for patch in patches)
+
+
+def test_a_hull_is_seen_although_nothing_collides_with_it(tmp_path):
+    """Plating of 100 x 30 x 8 m, half a metre above where it floats, and its cargo on deck."""
+    patches = seen("barge", tmp_path).patches
+    assert sizes(patches) == [(10.0, 10.0, 4.0), (100.0, 30.0, 8.0)]
+    lowest = min(patch.points[:, 2].min() for patch in patches)
+    assert lowest == pytest.approx(0.5 - 4.0)
+
+
+def test_ropes_run_from_lug_to_hook(tmp_path):
+    """Four slings of sqrt(5^2 + 3^2 + 10^2) m and 26 m of hoist rope."""
+    found = seen("lift", tmp_path)
+    lengths = sorted(
+        float(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum())
+        for line in found.lines
+        if line.colour == "#7a4a12"
+    )
+    assert lengths == pytest.approx([np.sqrt(134.0)] * 4 + [26.0])
+    assert sizes(found.patches) == [(12.0, 8.0, 4.0)]
+
+
+def test_ground_is_seen_as_far_as_bodies_get(tmp_path):
+    """A ramp of 8 m is left out for a crate of 1 m that stays, and seen once it slides 3 m."""
+
+    class Slid(dict):
+        time = np.array([0.0, 2.0])
+
+    assert len(seen("contact", tmp_path).patches) == 1
+    (tmp_path / "again").mkdir()
+    moved = Slid({"crate.position": np.array([[-1.7, 0.0, 1.15], [1.14, 0.0, 0.12]])})
+    assert len(seen("contact", tmp_path / "again", moved).patches) == 2
+
+
+class Sketch:
+    """Takes what would be drawn."""
+
+    def __init__(self):
+        self.drawings: list[Drawing] = []
+
+    def render(self, drawing, _camera, size):
+        self.drawings.append(drawing)
+        return np.full((size[1], size[0], 3), 255, dtype=np.uint8)
+
+
+def test_a_mechanism_of_lines_alone_has_a_picture():
+    rod = Lines(np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 1]]), np.array([[0, 1], [1, 2]]))
+    sketch = Sketch()
+    assert touch_picture(sketch, Seen((rod,)), title="rods")[:8] == b"\x89PNG\r\n\x1a\n"
+    assert touch_picture(sketch, Seen(), title="nothing") is None
+    (drawing,) = sketch.drawings
+    assert len(drawing.points) == 1  # without triangles points are drawn: not every corner of a line
+
+
+def test_corners_of_a_box_are_outlined(tmp_path):
+    """Twelve edges of a box, and not the diagonals of its faces."""
+    sketch = Sketch()
+    patch = seen("lift", tmp_path).patches[0]
+    touch_picture(sketch, Seen(patches=(patch,)), title="box")
+    (outline,) = sketch.drawings[0].lines
+    lengths = np.linalg.norm(np.diff(outline.points[outline.ends], axis=1)[:, 0], axis=1)
+    assert sorted(np.round(lengths, 9)) == [4.0] * 4 + [8.0] * 4 + [12.0] * 4
