@@ -19,6 +19,5 @@ def check_word(word: str, words: Any, *, source: object, key: str) -> None:
     """
     known = get_args(words)
     if word not in known:
-        raise InputError(
-            repr(word), source=str(source), key=key, expected=" or ".join(repr(one) for one in known)
-        )
+        words_known = f"{', '.join(known[:-1])} or {known[-1]}"
+        raise InputError(repr(word), source=str(source), key=key, expected=words_known)

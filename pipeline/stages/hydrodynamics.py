@@ -13,8 +13,9 @@ from heavylift.pipeline.assemble.hulls import database_manifest, read_database_s
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import database_digest, memory_digest, source_digest, versions
 from heavylift.pipeline.results.storage import read_json, replacing, write_json
+from heavylift.pipeline.stages.surfaces import reused, taken
 from heavylift.preprocess.hydrodynamics.database import database_faults
-from heavylift.preprocess.hydrodynamics.memory_fit import fit_memory, write_memory
+from heavylift.preprocess.hydrodynamics.memory_fit import fit_memory, read_memory, write_memory
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest
 from heavylift.preprocess.hydrodynamics.repairs import remedies, repaired
 
@@ -51,6 +52,12 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
     for name, section in case.databases.items():
         file, digest = folder.database(name), database_digest(case, section)
         item = items.get(name, {})
+        if "mesh" not in work.force and item.get("digest") != digest:
+            found = reused(work, manifest_file, name, digest, file)
+            if found is not None:
+                item = items[name] = found
+                _take_memory(work, name)
+                _write_manifest(manifest_file, case, items)
         if "mesh" not in work.force and item.get("digest") == digest:
             if file.is_file() and file.stat().st_size == item["size"]:
                 if item.get("memory_of") == memory_digest(case, section) and (
@@ -83,6 +90,15 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
             log.say(f"mesh: {name}: REPAIRED: {sentence}")
         _write_manifest(manifest_file, case, items)
     return skipped, sum(item["cpu_s"] for item in items.values()), items
+
+
+def _take_memory(work: Work, name: str) -> None:
+    """Exponentials of the same memory from another output folder."""
+    key = memory_digest(work.case, work.case.databases[name])
+    for other in work.reuse:
+        if read_memory(other.memory(name), key) is not None:
+            taken(other.memory(name), work.folder.memory(name))
+            return
 
 
 def _write_manifest(file: Path, case: Case, items: dict[str, Any]) -> None:

@@ -216,7 +216,7 @@ def run_case(
     log
         Told what happens; quiet by default.
     reuse
-        Other output folders of the same case, whose meshes and modes are taken where their inputs agree.
+        Other output folders of the same case, whose meshes, databases and modes are taken where their inputs agree.
 
     Returns
     -------

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.stages.stages import Work
 
-__all__ = ["make_surfaces", "reused"]
+__all__ = ["make_surfaces", "reused", "taken"]
 
 
 def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
@@ -116,11 +116,16 @@ def reused(work: Work, manifest: Path, name: str, digest: str, file: Path) -> di
         source = other.root / file.relative_to(root)
         if item.get("digest") != digest or not source.is_file() or source.stat().st_size != item["size"]:
             continue
-        with replacing(file) as temporary:
-            try:
-                os.link(source, temporary)
-            except OSError:
-                shutil.copyfile(source, temporary)
+        taken(source, file)
         work.log.say(f"{file.parent.name}: {name}: unchanged, taken from {other.root}")
         return dict(item)
     return None
+
+
+def taken(source: Path, file: Path) -> None:
+    """The same file in another place: files are replaced, never changed, so they may be shared."""
+    with replacing(file) as temporary:
+        try:
+            os.link(source, temporary)
+        except OSError:
+            shutil.copyfile(source, temporary)

@@ -321,7 +321,7 @@ class Fault(NamedTuple):
         at = f"{self.omega:.4g} rad/s" if np.isfinite(self.omega) else "infinite frequency"
         names = [coordinate_name(database, i) for i in self.entries]
         if self.size < 0.0:
-            return f"{at}: damping drives {names[0]}, {self.size:.1%} of the largest"
+            return f"{at}: negative damping drives {names[0]}, {self.size:.1%} of the largest"
         return f"{at}: {self.key} of {names[0]} and {names[1]} differs by {self.size:.1%} of the largest"
 
 

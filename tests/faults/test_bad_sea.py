@@ -169,7 +169,7 @@ def test_negative_damping_in_a_database(folder):
     with h5py.File(folder / "still.nc", "r+") as file:
         file["radiation_damping"][11, 2, 2] *= -1.0
     error = _radiation(folder)
-    assert "negative damping at 1.2 rad/s" in error.problem
+    assert "1.2 rad/s: negative damping drives heave" in error.problem
     assert error.key == "damping"
     assert "still.nc" in str(error.source)
 

@@ -99,6 +99,23 @@ def test_mean_drift_where_it_is_given(tmp_path, truth):
     np.testing.assert_allclose(read_bemio(path).drift, truth["drift"], rtol=1e-12)
 
 
+def test_radiation_alone_serves_still_water(tmp_path, truth):
+    path = tmp_path / "rm3.h5"
+    write(path, truth)
+    with h5py.File(path, "r+") as file:
+        for b in (1, 2):
+            del file[f"body{b}/hydro_coeffs/excitation"]
+    database = read_bemio(path)
+    assert not database.has_excitation
+    assert database.repairs == ("no exciting forces: for motions in still water",)
+    np.testing.assert_allclose(database.added_mass, truth["mass"], rtol=1e-12)
+    with h5py.File(path, "r+") as file:
+        for b in (1, 2):
+            del file[f"body{b}/hydro_coeffs/added_mass/inf_freq"]
+    with pytest.raises(InputError, match="no added mass of infinite frequency"):  # numbers without a kernel
+        read_bemio(path)
+
+
 def test_other_reference_points_leave_the_restoring_out(tmp_path, truth):
     path = tmp_path / "rm3.h5"
     write(path, truth)

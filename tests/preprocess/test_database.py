@@ -149,7 +149,7 @@ BAD = {
         lambda d: {"added_mass_infinite": with_entry(d.added_mass_infinite, (2, 2), -1e5)},
     ),
     "negative damping": (
-        "0.8 rad/s: damping drives heave",
+        "0.8 rad/s: negative damping drives heave",
         lambda d: {"damping": with_entry(d.damping, (3, 2, 2), -1e4)},
     ),
 }

@@ -293,6 +293,20 @@ def test_the_fit_of_the_mesh_stage_is_what_the_simulation_takes(folder, monkeypa
     assert out.memory("still").is_file()
 
 
+def test_databases_and_fits_of_another_folder_are_reused(folder, tmp_path, monkeypatch):
+    """Runs of a study, each in a folder of its own."""
+    from heavylift.preprocess.hydrodynamics import memory_fit
+
+    first = run_case(load_case(folder, ["tanks="]), stages=("mesh",)).folder
+    monkeypatch.setattr("heavylift.pipeline.stages.hydrodynamics.fit_memory", None)
+    monkeypatch.setattr("heavylift.pipeline.stages.hydrodynamics.read_database_source", None)
+    monkeypatch.setattr(memory_fit, "fit_memory", None)
+    finer = load_case(folder, ["tanks=", "simulate.duration=1 s"])
+    run = run_case(finer, out=tmp_path / "finer", stages=("mesh", "simulate"), reuse=[first.root])
+    assert database_manifest(run.folder) == database_manifest(first)
+    assert run.folder.memory("still").samefile(first.memory("still"))
+
+
 def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
     """The method itself is another module's; here it is a function that counts its calls."""
     from heavylift.preprocess.hydrodynamics import bem
