@@ -21,7 +21,7 @@ Time = Annotated[float, Quantity("time", minimum=0.0, closed=True)]
 
 
 class AnimationSection(Section):
-    """A moving picture of the frames and shells of a run, and of what is attached to them."""
+    """A moving picture of a run: its bodies, and what is attached to them."""
 
     enabled: bool = True
     """Whether it is made."""

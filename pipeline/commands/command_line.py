@@ -52,7 +52,7 @@ Animate = Annotated[
     bool,
     Parameter(
         name="--animate",
-        help="Make the moving picture of frames and shells, even if the case has no [report.animation].",
+        help="Make the moving picture of the scene, even if the case has no [report.animation].",
         negative="",
     ),
 ]

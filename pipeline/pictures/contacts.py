@@ -23,19 +23,11 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.pipeline.pictures.attached import Seen
+    from heavylift.pipeline.pictures.camera import Camera
     from heavylift.pipeline.pictures.render import Renderer
 
-__all__ = [
-    "ContactParts",
-    "contour_parts",
-    "force_arrow",
-    "scene_size",
-    "shape_parts",
-    "touch_picture",
-]
-
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -45,7 +37,15 @@ if TYPE_CHECKING:
     Pose = Callable[[str, int], tuple[NDArray[np.float64], NDArray[np.float64]]]
     Channel = Callable[[str, int], NDArray[np.float64] | None]
 
-__all__ = ["ContactParts", "contour_parts", "force_arrow", "scene_size", "shape_parts"]
+__all__ = [
+    "ContactParts",
+    "contour_parts",
+    "force_arrow",
+    "scene_size",
+    "shape_parts",
+    "touch_camera",
+    "touch_picture",
+]
 
 _CONTOUR, _TOUCH, _FORCE, _GROUND = "#8e3b9c", "#c9a227", "#c62828", "#dfe4ea"
 _PIECES = 3  # samples of a polynomial piece of a contour
@@ -320,6 +320,8 @@ def force_arrow(start: NDArray[np.float64], arrow: NDArray[np.float64]) -> Lines
     return Lines(points, ends, _FORCE, 4.0)
 
 
+SIZE = (1200, 760)
+"""Width and height of a picture [pixels]."""
 _DPI = 100
 _HEAD, _FOOT = 84, 48  # pixels above and below the image
 _KINK = np.radians(30.0)  # between two triangles whose edge is drawn
@@ -336,6 +338,54 @@ def _kinks(part: Patch) -> Lines:
     return Lines(part.points, feature_edges(part.points, part.triangles, _KINK, wound=False), INK, 0.8, 0.6)
 
 
+class _Solid(NamedTuple):
+    """What is opaque of a scene: points, triangles and their colours, and all lines."""
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    hues: NDArray[np.uint8]
+    lines: tuple[Lines, ...]
+
+
+def _solid(seen: Seen) -> _Solid:
+    opaque = [part for part in seen.patches if part.opacity == 1.0]
+    starts = np.cumsum([0, *(len(part.points) for part in opaque)])
+    triangles = [part.triangles + start for part, start in zip(opaque, starts[:-1], strict=True)]
+    hues = [np.tile(_rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
+    kinks = (_kinks(part) for part in opaque if len(part.triangles) <= _EDGES)
+    return _Solid(
+        np.concatenate([np.empty((0, 3)), *(part.points for part in opaque)]),
+        np.concatenate([np.empty((0, 3), dtype=np.int64), *triangles]),
+        np.concatenate([np.empty((0, 3), dtype=np.uint8), *hues]),
+        (*seen.lines, *kinks),
+    )
+
+
+def touch_camera(
+    scenes: Sequence[Seen], *, up: ArrayLike | None = None, size: tuple[int, int] = SIZE
+) -> Camera:
+    """Camera that sees all of one or more records, from where most outlines of the last one are visible.
+
+    Parameters
+    ----------
+    scenes
+        From `heavylift.pipeline.pictures.attached.Others`, lengths in metres; not all empty.
+    up
+        Direction against gravity, shape (3,), if there is gravity.
+    size
+        Width and height of the picture [pixels].
+    """
+    solid = _solid(scenes[-1])
+    nodes, edges = [solid.points], [np.empty((0, 2), dtype=np.int64)]
+    for line in solid.lines:
+        edges.append(line.ends + sum(len(part) for part in nodes))
+        nodes.append(line.points)
+    together, outline = np.concatenate(nodes), np.concatenate(edges)
+    surface = Surface(together, np.arange(len(together)), solid.triangles, outline, outline)
+    points = np.concatenate([seen.points for seen in scenes])
+    return fit_camera(choose_view(surface, up=up), points, size[0] / (size[1] - _HEAD - _FOOT), margin=0.06)
+
+
 def touch_picture(
     renderer: Renderer,
     seen: Seen,
@@ -344,7 +394,9 @@ def touch_picture(
     note: str = "",
     words: str = "violet: contours · ochre: what touches · red: force on it",
     up: ArrayLike | None = None,
-    size: tuple[int, int] = (1200, 760),
+    size: tuple[int, int] = SIZE,
+    camera: Camera | None = None,
+    corner: tuple[int, int] | None = None,
 ) -> bytes | None:
     """All that is seen at one record, true to scale, as PNG; None if it is neither surface nor line.
 
@@ -362,38 +414,24 @@ def touch_picture(
         Direction against gravity, shape (3,), if there is gravity.
     size
         Width and height of the picture [pixels].
+    camera, corner
+        Of pictures that belong together: from `touch_camera`, and where the axes are drawn; chosen if absent.
     """
     from matplotlib.figure import Figure
 
     if not (seen.patches or seen.lines):
         return None
-    opaque = [part for part in seen.patches if part.opacity == 1.0]
-    starts = np.cumsum([0, *(len(part.points) for part in opaque)])
-    solid = np.concatenate([np.empty((0, 3)), *(part.points for part in opaque)])
-    triangles = np.concatenate(
-        [
-            np.empty((0, 3), dtype=np.int64),
-            *(part.triangles + start for part, start in zip(opaque, starts[:-1], strict=True)),
-        ]
-    )
-    lines = [*seen.lines, *(_kinks(part) for part in opaque if len(part.triangles) <= _EDGES)]
-    nodes, edges = [solid], [np.empty((0, 2), dtype=np.int64)]
-    for line in lines:
-        edges.append(line.ends + sum(len(part) for part in nodes))
-        nodes.append(line.points)
-    together = np.concatenate(nodes)
-    outline = np.concatenate(edges)
-    surface = Surface(together, np.arange(len(together)), triangles, outline, outline)
-    view = choose_view(surface, up=up)
+    solid = _solid(seen)
+    camera = camera or touch_camera([seen], up=up, size=size)
     width, height = size
     image = (width, height - _HEAD - _FOOT)
-    camera = fit_camera(view, seen.points, image[0] / image[1], margin=0.06)
-    hues = [np.tile(_rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
     drawing = Drawing(
-        solid if len(solid) else seen.points[:1],  # without a surface points are drawn: one, beneath a line
-        triangles,
-        triangle_colours=np.concatenate([np.empty((0, 3), dtype=np.uint8), *hues]),
-        lines=tuple(lines),
+        solid.points
+        if len(solid.points)
+        else seen.points[:1],  # without triangles points are drawn: one, on a line
+        solid.triangles,
+        triangle_colours=solid.hues,
+        lines=solid.lines,
         marks=seen.marks,
         patches=tuple(part for part in seen.patches if part.opacity < 1.0),
     )
@@ -407,12 +445,12 @@ def touch_picture(
     axes = figure.add_axes((0.0, _FOOT / height, 1.0, image[1] / height), facecolor="none", zorder=1)
     axes.set(xlim=(0, image[0]), ylim=(0, image[1]))
     axes.set_axis_off()
-    add_triad(axes, view, emptiest_corner(pixels))
+    add_triad(axes, camera.view, corner or emptiest_corner(pixels))
     foot = figure.add_axes((0.0, 0.0, 1.0, _FOOT / height), facecolor="none")
     foot.set(xlim=(0, width), ylim=(0, _FOOT))
     foot.set_axis_off()
-    middle = 0.5 * (together.min(axis=0) + together.max(axis=0))
-    ends = camera.project([middle, middle + view.matrix[0]])
+    middle = 0.5 * (seen.points.min(axis=0) + seen.points.max(axis=0))
+    ends = camera.project([middle, middle + camera.view.matrix[0]])
     per_metre = float(ends[1, 0] - ends[0, 0]) * image[0]
     length = round_down(0.2 * image[0] / per_metre)
     unit, factor = ("mm", 1.0e3) if length < 0.1 else ("m", 1.0)

@@ -1,4 +1,4 @@
-"""Pictures of scenes with frames and shells at any record: shape, stress, scale bar, time."""
+"""Pictures of scenes at any record: stress of frames and shells, or bodies that keep their shape; scale bar, time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from heavylift.pipeline.pictures.annotations import (
     emptiest_corner,
 )
 from heavylift.pipeline.pictures.attached import Others, Seen
-from heavylift.pipeline.pictures.camera import View, choose_view, fit_camera, plane_view
+from heavylift.pipeline.pictures.camera import Camera, View, choose_view, fit_camera, plane_view
+from heavylift.pipeline.pictures.contacts import SIZE, touch_camera, touch_picture
 from heavylift.pipeline.pictures.drawings import INK, deformation_scale, round_down, stress_unit
 from heavylift.pipeline.pictures.meshes import (
     Exaggeration,
@@ -30,7 +31,7 @@ from heavylift.pipeline.pictures.meshes import (
 )
 from heavylift.pipeline.pictures.outer_surface import Surface
 from heavylift.pipeline.pictures.plots import figure_png
-from heavylift.pipeline.pictures.render import Drawing, Lines
+from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
 from heavylift.pipeline.results.signals import scaled_unit
 
 if TYPE_CHECKING:
@@ -40,10 +41,11 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.pictures.render import Renderer
 
-__all__ = ["ScenePainter"]
+__all__ = ["ScenePainter", "SolidPainter"]
 
 _DPI = 100
 _HEAD, _FOOT, _BAR = 84, 34, 130  # pixels above, below and beside the image
+_LEFT = (80, 62)  # place of the axes in moving pictures [pixels], lower left
 _LOOKS = 24  # records that view, camera and widths of tubes are chosen by
 _THIN = 4.0e-3  # radius of a tube relative to the scene below which it is widened
 _SMALL = 1.0e-2  # displacement relative to the scene below which it is drawn larger
@@ -186,11 +188,7 @@ class ScenePainter:
 
     def when(self, record: int) -> str:
         """Time of a record in words, with as many decimals as the records need."""
-        unit = scaled_unit("s", [self._times])
-        steps = np.diff(self._times)
-        step = float(steps.min()) / unit.divisor if len(steps) else 0.0
-        digits = int(np.clip(np.ceil(-np.log10(step * 1.001)), 0, 6)) if step > 0.0 else 3
-        return f"t = {self._times[record] / unit.divisor:.{digits}f} {unit.text}"
+        return time_words(self._times, record)
 
     @property
     def _frames(self) -> list[str]:
@@ -395,3 +393,104 @@ class ScenePainter:
         length = round_down(0.2 * self._image[0] / per_metre)
         unit, factor = ("mm", 1.0e3) if length < 0.1 else ("m", 1.0)
         return length * factor, length * per_metre, unit
+
+
+def time_words(times: NDArray[np.float64], record: int) -> str:
+    """Time of one of some records, shape (nr,) [s], with as many decimals as all of them need."""
+    unit = scaled_unit("s", [times])
+    steps = np.diff(times)
+    step = float(steps.min()) / unit.divisor if len(steps) else 0.0
+    digits = int(np.clip(np.ceil(-np.log10(step * 1.001)), 0, 6)) if step > 0.0 else 3
+    return f"t = {times[record] / unit.divisor:.{digits}f} {unit.text}"
+
+
+class SolidPainter:
+    """Draws a run of a scene without frames and shells, always with the same camera.
+
+    Parameters
+    ----------
+    renderer
+        Draws the pixels.
+    others
+        What there is.
+    times
+        Of the records [s], shape (nr,).
+    words
+        What the colours are.
+    up
+        Direction against gravity, shape (3,), if there is gravity.
+    level
+        Height of still water [m], if there is any.
+    size
+        Width and height of a picture [pixels].
+    """
+
+    def __init__(
+        self,
+        renderer: Renderer,
+        others: Others,
+        times: NDArray[np.float64],
+        *,
+        words: str,
+        up: ArrayLike | None = None,
+        level: float | None = None,
+        size: tuple[int, int] = SIZE,
+    ) -> None:
+        self._renderer, self._others, self._times = renderer, others, times
+        self._words, self._up, self._level, self._size = words, up, level, size
+        looked = np.unique(np.linspace(0, len(times) - 1, min(_LOOKS, len(times))).round().astype(int))
+        seen = [self._others.seen(int(record)) for record in looked]
+        self.empty = not any(each.patches or each.lines for each in seen)
+        self._water = None
+        if level is not None and seen[-1].patches:
+            self._water = _water(np.concatenate([each.points for each in seen]), level)
+        self._seen = [self._with_water(each) for each in seen]
+        self._camera: Camera | None = None
+
+    @property
+    def details(self) -> str:
+        """What the colours are, for a caption."""
+        return self._words[:1].upper() + self._words[1:].replace(" · ", ", ")
+
+    def resized(self, width: int, height: int) -> SolidPainter:
+        """A painter of the same run for pictures of another size [pixels]."""
+        other = object.__new__(SolidPainter)
+        other.__dict__ |= {**self.__dict__, "_size": (width, height), "_camera": None}
+        return other
+
+    def picture(self, record: int, *, title: str, note: str = "") -> bytes:
+        """One record, as PNG."""
+        words = [note, time_words(self._times, record)]
+        return self._drawn(record, title, ", ".join(filter(None, words)), None)
+
+    def images(self, records: Sequence[int], *, title: str) -> Iterator[bytes]:
+        """Iterator of PNG pictures of some records."""
+        for record in records:
+            yield self._drawn(record, title, time_words(self._times, record), _LEFT)
+
+    def _drawn(self, record: int, title: str, note: str, corner: tuple[int, int] | None) -> bytes:
+        self._camera = self._camera or touch_camera(self._seen, up=self._up, size=self._size)
+        content = touch_picture(
+            self._renderer,
+            self._with_water(self._others.seen(record)),
+            title=title,
+            note=note,
+            words=self._words,
+            size=self._size,
+            camera=self._camera,
+            corner=corner,
+        )
+        assert content is not None
+        return content
+
+    def _with_water(self, seen: Seen) -> Seen:
+        return seen if self._water is None else seen._replace(patches=(*seen.patches, self._water))
+
+
+def _water(points: NDArray[np.float64], level: float) -> Patch:
+    """The still water around what is drawn, seen through."""
+    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
+    margin = 0.25 * float(np.linalg.norm(high - low))
+    (x, y), (u, v) = low - margin, high + margin
+    corners = np.array([[x, y, level], [u, y, level], [u, v, level], [x, v, level]])
+    return Patch(corners, np.array([[0, 1, 2], [0, 2, 3]]), "#4d8fc4", 0.3)

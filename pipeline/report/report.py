@@ -80,7 +80,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     renderer, remedy = _renderer() if flexible or moved or touching or pictured else (None, "")
     sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
     try:
-        stills = still_sections(case, stages, results, renderer, album)
+        stills = still_sections(case, stages, results, renderer, album, log)
         for name, body in flexible.items():
             sections += body_sections(case, name, body, stages, results, renderer, album)
         sections += scene_sections(case, stages, results, renderer, album, log)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.report import AnimationSection
     from heavylift.pipeline.pictures.attached import Others
     from heavylift.pipeline.pictures.meshes import MeshRun
-    from heavylift.pipeline.pictures.render import Patch, Renderer
-    from heavylift.pipeline.pictures.scene import ScenePainter
+    from heavylift.pipeline.pictures.render import Renderer
+    from heavylift.pipeline.pictures.scene import ScenePainter, SolidPainter
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
@@ -56,7 +56,9 @@ def scene_sections(
     animation = case.report.animation
     asked = animation is not None and animation.enabled
     if results is None or not results.meshes or not len(results.time):
-        note = Text("No animation: there is no history of a frame or shell.", warning=True)
+        if results is not None and len(results.time) and is_pictured(case):
+            return []  # see `still_sections`
+        note = Text("No animation: there is no history of what could be drawn.", warning=True)
         return [Section("Frames and shells in motion", (note,))] if asked else []
     if renderer is None:
         return []
@@ -85,7 +87,12 @@ def is_pictured(case: Case) -> bool:
 
 
 def still_sections(
-    case: Case, stages: OutputFolder, results: Results | None, renderer: Renderer | None, album: Album
+    case: Case,
+    stages: OutputFolder,
+    results: Results | None,
+    renderer: Renderer | None,
+    album: Album,
+    log: Log | None = None,
 ) -> list[Section]:
     """A scene without frames and shells as it began and as it ended; nothing if it can no longer be put together.
 
@@ -97,34 +104,32 @@ def still_sections(
         Draws; None on a machine that cannot.
     album
         Takes the pictures.
+    log
+        Told how far an animation is.
     """
     if renderer is None or results is None or not len(results.time) or not is_pictured(case):
         return []
-    from heavylift.pipeline.pictures.contacts import touch_picture
+    from heavylift.pipeline.pictures.scene import SolidPainter
 
     others = scene_others(case, stages, results, {}, {})
     if others is None:
         return []
-    found = []
+    words, level = " · ".join(_legend(case)), None if case.sea is None else case.sea.level
+    painter = SolidPainter(renderer, others, results.time, words=words, up=_up(case), level=level)
+    if painter.empty:
+        return []
+    found: list[Figure | Text] = []
     last = len(results.time) - 1
-    for record, name, words in ((0, "scene_start", "at the start"), (last, "scene_end", "at the end"))[
+    for record, name, when in ((0, "scene_start", "At the start"), (last, "scene_end", "At the end"))[
         : last + 1
     ]:
-        seen = others.seen(record)
-        if case.sea is not None and seen.patches:
-            seen = seen._replace(patches=(*seen.patches, _water(seen.points, case.sea.level)))
-        content = touch_picture(
-            renderer,
-            seen,
-            title=case.title,
-            note=f"{words[:1].upper()}{words[1:]}, t = {number_words(float(results.time[record]), 's')}",
-            words=" · ".join(_legend(case)),
-            up=_up(case),
+        content = painter.picture(record, title=case.title, note=when)
+        found.append(
+            Figure(album.add(name, content), f"The scene {when.lower()}, true to scale. {painter.details}.")
         )
-        if content is not None:
-            caption = f"The scene {words}, true to scale; {', '.join(_legend(case))}."
-            found.append(Figure(album.add(name, content), caption))
-    return [Section("Scene", tuple(found))] if found else []
+    if case.report.animation is not None and case.report.animation.enabled:
+        found += _animation(case, case.report.animation, painter, results, album, log or Log(quiet=True))
+    return [Section("Scene", tuple(found))]
 
 
 def _legend(case: Case) -> list[str]:
@@ -137,17 +142,6 @@ def _legend(case: Case) -> list[str]:
         f"dots: {' and '.join(marked)}",
         *["blue: still water"] * (case.sea is not None),
     ]
-
-
-def _water(points: NDArray[np.float64], level: float) -> Patch:
-    """The still water around what is drawn, seen through."""
-    from heavylift.pipeline.pictures.render import Patch
-
-    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
-    margin = 0.25 * float(np.linalg.norm(high - low))
-    (x, y), (u, v) = low - margin, high + margin
-    corners = np.array([[x, y, level], [u, y, level], [u, v, level], [x, v, level]])
-    return Patch(corners, np.array([[0, 1, 2], [0, 2, 3]]), "#4d8fc4", 0.3)
 
 
 def _up(case: Case) -> NDArray[np.float64] | None:
@@ -273,7 +267,7 @@ def _instants(case: Case, results: Results) -> list[tuple[int, str]]:
 def _animation(
     case: Case,
     wanted: AnimationSection,
-    painter: ScenePainter,
+    painter: ScenePainter | SolidPainter,
     results: Results,
     album: Album,
     log: Log,

@@ -545,7 +545,7 @@ def test_a_scene_of_rigid_bodies_only(tmp_path):
     write_report(case, out / "report", out)
     markdown = (out / "report" / "report.md").read_text().replace("\\_", "_")
     for text in (
-        "The scene at the end, true to scale; brown: ropes, dots: joints and centres of mass",
+        "The scene at the end, true to scale. Brown: ropes, dots: joints and centres of mass",
         "accurate: tolerance 1e-07, output interval 10 ms, duration 1 s",
         "| degrees of freedom | 1 |",
         "| redundant joints | joint 'pin_3' |",

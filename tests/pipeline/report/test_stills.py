@@ -10,6 +10,7 @@ from heavylift.pipeline.commands.new_case import new_case
 from heavylift.pipeline.pictures.attached import Seen
 from heavylift.pipeline.pictures.contacts import touch_picture
 from heavylift.pipeline.pictures.render import Drawing, Lines
+from heavylift.pipeline.pictures.scene import SolidPainter
 from heavylift.pipeline.report.scene import is_pictured, scene_others
 from heavylift.pipeline.results.storage import OutputFolder
 
@@ -86,3 +87,34 @@ def test_corners_of_a_box_are_outlined(tmp_path):
     (outline,) = sketch.drawings[0].lines
     lengths = np.linalg.norm(np.diff(outline.points[outline.ends], axis=1)[:, 0], axis=1)
     assert sorted(np.round(lengths, 9)) == [4.0] * 4 + [8.0] * 4 + [12.0] * 4
+
+
+def test_pictures_of_a_run_have_one_camera():
+    """A weight that falls 5 m stays within the picture and gets lower in it, and the view does not move."""
+    line = Lines(np.array([[0.0, 0, 0], [1, 0, 1]]), np.array([[0, 1]]))
+
+    class Falling:
+        def seen(self, record):
+            return Seen((Lines(line.points - [0.0, 0.0, 5.0 * record], line.ends),))
+
+    class Watching(Sketch):
+        def __init__(self):
+            super().__init__()
+            self.cameras = []
+
+        def render(self, drawing, camera, size):
+            self.cameras.append(camera)
+            return super().render(drawing, camera, size)
+
+    sketch = Watching()
+    painter = SolidPainter(sketch, Falling(), np.array([0.0, 1.0]), words="", up=(0.0, 0.0, 1.0))
+    assert not painter.empty
+    assert all(png[:4] == b"\x89PNG" for png in painter.resized(400, 300).images([0, 1], title="falls"))
+    first, second = (
+        camera.project(drawing.lines[0].points)
+        for camera, drawing in zip(sketch.cameras, sketch.drawings, strict=True)
+    )
+    assert np.all((first[:, :2] > 0.0) & (first[:, :2] < 1.0))
+    assert np.all((second[:, :2] > 0.0) & (second[:, :2] < 1.0))
+    assert second[0, 1] < first[0, 1]
+    assert sketch.cameras[0] is sketch.cameras[1]
