@@ -135,8 +135,10 @@ def test_schema_accepts_the_keys_of_the_cases(heavylift):
     assert schema["additionalProperties"] is False
     assert {"title", "bodies", "simulate", "check"} <= set(schema["properties"])
     density = schema["$defs"]["MaterialSection"]["properties"]["density"]
-    assert {"type": "number", "exclusiveMinimum": 0.0} in density["anyOf"]
-    assert any(option["type"] == "string" for option in density["anyOf"])
+    quantity, absent = density["anyOf"]
+    assert absent == {"type": "null"}
+    assert {"type": "number", "exclusiveMinimum": 0.0} in quantity["anyOf"]
+    assert any(option["type"] == "string" for option in quantity["anyOf"])
 
 
 def test_doctor_reports_what_is_there(heavylift):

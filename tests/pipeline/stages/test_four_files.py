@@ -109,7 +109,7 @@ def test_what_the_reader_found_in_the_files_is_said(written, capsys):
     said = capsys.readouterr().out
     assert re.search(r"mesh: beam: the body is 0\.2 x 0\.02 x 0\.01 m, 0\.312 kg, longitudinal waves", said)
     report = (written / "out" / "report" / "report.md").read_text()
-    assert "The files: the body is 0.2 x 0.02 x 0.01 m, 0.312 kg" in report
+    assert "| of the file | the body is 0.2 x 0.02 x 0.01 m, 0.312 kg" in report
     assert "Nodes of the model of beam: matrices without elements" in report
     assert "Mesh of beam" not in report
 
