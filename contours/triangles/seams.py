@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
 __all__ = ["Seams", "find_seams"]
@@ -28,6 +30,9 @@ plates that lie on each other are thicker."""
 
 CHUNK = 2_000_000
 """Pairs of boxes that are looked at together."""
+
+MOST_CELLS = 64
+"""In which a box is looked for."""
 
 
 class Seams(NamedTuple):
@@ -88,27 +93,104 @@ def _touching(
     face_lower: NDArray[np.float64],
     face_upper: NDArray[np.float64],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Pairs of boxes, and of boxes of faces, that meet."""
-    axis = int(np.argmax(np.ptp(face_lower, axis=0)))
-    order = np.argsort(face_lower[:, axis])
-    sorted_lower = face_lower[order, axis]
-    widest = float((face_upper[:, axis] - face_lower[:, axis]).max())
-    begin = np.searchsorted(sorted_lower, lower[:, axis] - widest, side="left")
-    end = np.searchsorted(sorted_lower, upper[:, axis], side="right")
+    """Pairs of boxes, and of boxes of faces, that meet.
+
+    Notes
+    -----
+    Faces of about one size stand in the cells of a grid of that size, eight each at most. A box that would be looked
+    for in many cells is compared with all faces between its ends along the longest axis.
+    """
+    extents = (face_upper - face_lower).max(axis=1)
+    level = np.ceil(np.log2(extents / extents.min())).astype(np.int64)
+    origin = np.minimum(face_lower.min(axis=0), lower.min(axis=0))
+    found = [
+        pairs
+        for faces in (np.flatnonzero(level == k) for k in np.unique(level))
+        for pairs in _touching_of_one_size(lower, upper, face_lower, face_upper, faces, origin)
+    ]
+    boxes, faces = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    order = np.lexsort((faces, boxes))  # whatever the cells are
+    return boxes[order], faces[order]
+
+
+def _touching_of_one_size(
+    lower: NDArray[np.float64],
+    upper: NDArray[np.float64],
+    face_lower: NDArray[np.float64],
+    face_upper: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    origin: NDArray[np.float64],
+) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    size = float((face_upper[faces] - face_lower[faces]).max())
+    counts = (
+        np.floor((np.maximum(face_upper.max(axis=0), upper.max(axis=0)) - origin) / size).astype(np.int64) + 1
+    )
+
+    def cell(place: NDArray[np.float64]) -> NDArray[np.int64]:
+        found: NDArray[np.int64] = np.floor((place - origin) / size).astype(np.int64)
+        return found
+
+    def number(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+        found: NDArray[np.int64] = (cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2]
+        return found
+
+    many = np.prod((cell(upper) - cell(lower) + 1).astype(np.float64), axis=1) > MOST_CELLS
+    few = np.flatnonzero(~many)
+    face, cells = _in_cells(faces, cell(face_lower[faces]), cell(face_upper[faces]))
+    box, wanted = _in_cells(few, cell(lower[few]), cell(upper[few]))
+    keys = number(cells)
+    order = np.argsort(keys, kind="stable")
+    keys, face = keys[order], face[order]
+    asked = number(wanted)
+    begin, end = np.searchsorted(keys, asked, side="left"), np.searchsorted(keys, asked, side="right")
+    found = []
+    for rows, places in _spread(begin, end):
+        one, other = box[rows], face[places]
+        meet = np.flatnonzero(
+            np.all((lower[one] <= face_upper[other]) & (upper[one] >= face_lower[other]), axis=1)
+        )
+        one, other, asked_in = one[meet], other[meet], wanted[rows[meet]]
+        # two boxes may share several cells, of which one has the lower corner of what they share
+        first = np.all(cell(np.maximum(lower[one], face_lower[other])) == asked_in, axis=1)
+        found.append((one[first], other[first]))
+    large = np.flatnonzero(many)
+    axis = int(np.argmax(np.ptp(face_lower[faces], axis=0)))
+    along = faces[np.argsort(face_lower[faces, axis])]
+    begin = np.searchsorted(face_lower[along, axis], lower[large, axis] - size, side="left")
+    end = np.searchsorted(face_lower[along, axis], upper[large, axis], side="right")
+    for rows, places in _spread(begin, end):
+        one, other = large[rows], along[places]
+        meet = np.all((lower[one] <= face_upper[other]) & (upper[one] >= face_lower[other]), axis=1)
+        found.append((one[meet], other[meet]))
+    return found
+
+
+def _in_cells(
+    things: NDArray[np.int64], first: NDArray[np.int64], last: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Things and the cells that they reach into, from their first to their last one; shape (m,) and (m, 3)."""
+    widths = last - first + 1
+    sizes = widths.prod(axis=1)
+    row = np.repeat(np.arange(len(things)), sizes)
+    within = np.arange(len(row)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    w = widths[row]
+    steps = np.column_stack([within // (w[:, 1] * w[:, 2]), within // w[:, 2] % w[:, 1], within % w[:, 2]])
+    return things[row], first[row] + steps
+
+
+def _spread(
+    begin: NDArray[np.int64], end: NDArray[np.int64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Rows, each with all its places from its begin on, `CHUNK` pairs at a time."""
     counts = end - begin
-    found: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
     sums = np.concatenate([[0], np.cumsum(counts)])
     start = 0
     while start < len(counts):
         stop = max(int(np.searchsorted(sums, sums[start] + CHUNK, side="right")) - 1, start + 1)
         part = counts[start:stop]
-        box = np.repeat(np.arange(start, stop), part)
         within = np.arange(int(part.sum())) - np.repeat(np.cumsum(part) - part, part)
-        face = order[np.repeat(begin[start:stop], part) + within]
-        meet = np.all((lower[box] <= face_upper[face]) & (upper[box] >= face_lower[face]), axis=1)
-        found.append((box[meet], face[meet]))
+        yield np.repeat(np.arange(start, stop), part), np.repeat(begin[start:stop], part) + within
         start = stop
-    return np.concatenate([box for box, _ in found]), np.concatenate([face for _, face in found])
 
 
 def _heights(
@@ -180,6 +262,17 @@ def _neighbours_of_edges(
     found_edges: list[int] = []
     found_points: list[int] = []
     order = np.argsort(edges, kind="stable")
+    # an edge in one face is covered on the sides on which this has corners, if it is from end to end
+    _, first_row, count = np.unique(edges[order], return_index=True, return_counts=True)
+    alone = order[first_row[count == 1]]
+    slack = 3.0 * tolerance / long[alone]
+    alone = alone[(low[alone] <= slack) & (high[alone] + slack >= 1.0)]
+    for sign in (1.0, -1.0):
+        reach = (sign * aside[alone]).max(axis=1)
+        side = alone[reach > tolerance]
+        found_edges += edges[side].tolist()
+        found_points += corners[faces[side], (sign * aside[side]).argmax(axis=1)].tolist()
+    order = order[np.repeat(count > 1, count)]
     for rows in np.split(order, np.flatnonzero(np.diff(edges[order])) + 1):
         if not len(rows):
             continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.contours.triangles.seams import find_seams
+from heavylift.contours.triangles.seams import _touching, find_seams
 from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
@@ -109,3 +109,21 @@ def test_a_sheet_on_a_large_deck_is_no_part_of_it():
     for size, height in ((100.0, 3e-4), (3000.0, 0.02)):
         packed = pack_surfaces([plate(-size, size, -size, size), plate(0.0, 1.0, z=height)], [0, 0])
         assert len(inward(packed, (0.0, -1.0, height), (0.0, 1.0, height))) == 1
+
+
+@pytest.mark.parametrize("spread", [0.0, 3.0])
+def test_boxes_that_meet_are_all_found_once(spread: float) -> None:
+    """Boxes of one size, and of sizes from 1 to a million, against every pair."""
+    rng = np.random.default_rng(5)
+
+    def boxes(count: int) -> tuple[np.ndarray, np.ndarray]:
+        size = 0.5 * 10.0 ** rng.uniform(-spread, spread, (count, 1)) * rng.uniform(0.0, 1.0, (count, 3))
+        middle = rng.uniform(-1.0, 1.0, (count, 3))
+        return middle - 0.5 * size, middle + 0.5 * size
+
+    lower, upper = boxes(300)
+    face_lower, face_upper = boxes(400)
+    found = np.column_stack(_touching(lower, upper, face_lower, face_upper))
+    meet = np.all((lower[:, None] <= face_upper) & (upper[:, None] >= face_lower), axis=2)
+    np.testing.assert_array_equal(found, np.argwhere(meet))
+    assert len(found) > 100
