@@ -93,7 +93,7 @@ class MeshSystem:
             masses.append(diags_array(rows.inertia[self.dofs]))
         self.mass = block_diag(masses, format="csc")
 
-        self.length = self._extent()
+        self.length, self.heaviest = self._extent(), 0.0
         self.positions, self.scale = self._scales()
         self._loads = tuple(kind for kind in layout.forces if type(kind).__name__ in LOADS)
         self._inner = tuple(kind for kind in layout.forces if type(kind).__name__ not in LOADS)

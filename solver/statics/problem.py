@@ -62,6 +62,9 @@ class StaticProblem(Protocol):
         Unknowns that are displacements [m].
     length
         Extent of the scene [m].
+    heaviest
+        Largest norm of internal forces and reactions seen so far: what stands for the loads where there are none, of
+        ropes and springs that pull at each other.
     """
 
     count: int
@@ -69,6 +72,7 @@ class StaticProblem(Protocol):
     scale: NDArray[np.float64]
     positions: NDArray[np.int64]
     length: float
+    heaviest: float
 
     def snapshot(self) -> Any:
         """Position, for `restore`."""
@@ -156,8 +160,9 @@ def measure(problem: StaticProblem, factor: float, multipliers: NDArray[np.float
         return float(np.sqrt(np.sum(inverse * values * values)))
 
     weight = max(abs(factor), LEAST_FACTOR) * norm(load)
+    problem.heaviest = max(problem.heaviest, norm(pull), norm(inner))
     if weight == 0.0:
-        weight = max(norm(pull), norm(inner))
+        weight = problem.heaviest
     residual = norm(force) / weight if weight > 0.0 else 0.0
     return Balance(
         force, load, G, gap, residual, float(np.abs(gap).max(initial=0.0)) / problem.length, weight

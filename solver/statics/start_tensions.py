@@ -26,6 +26,9 @@ FITTED = 1e-8
 
 SEARCHES = 60
 
+STALLED = 6
+"""Searches without a tenth less of the miss, after which nothing is expected of more."""
+
 LONGEST_CHANGE = 0.1
 """Of a length in one round, relative to it."""
 
@@ -67,8 +70,12 @@ def fit_start_tensions(rows: StartRows, search: Callable[[StartRows], Any], text
 
     found, slopes = tensions()
     inverse = np.diag(-1.0 / slopes)
-    for _ in range(SEARCHES):
+    least, since, searches = np.inf, 0, 0
+    while searches < SEARCHES and since < STALLED:
+        searches += 1
         miss = wanted - found
+        since = 0 if np.abs(miss).max() < 0.9 * least else since + 1
+        least = min(least, float(np.abs(miss).max()))
         if np.abs(miss).max() <= FITTED * wanted.max():
             words = ", ".join(f"{length:.6g} m" for length in lengths)
             return f"{text}; unstretched lengths of ropes with a given tension: {words}"
@@ -87,7 +94,7 @@ def fit_start_tensions(rows: StartRows, search: Callable[[StartRows], Any], text
     kind, number = ropes[worst]
     block = kind.table[number].block
     raise InputError(
-        f"{wanted[worst]:.6g} N is given, and {found[worst]:.6g} N is left at rest after {SEARCHES} searches",
+        f"{wanted[worst]:.6g} N is given, and {found[worst]:.6g} N is left at rest after {searches} searches",
         source=layout.block_names[block] if block >= 0 else "simulation",
         key="tension",
         expected="tensions of ropes that together carry the loads at rest; give one of them a 'length'",

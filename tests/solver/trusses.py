@@ -55,7 +55,7 @@ class Truss:
         self.links = np.array(links, dtype=int).reshape(-1, 2)
         self.distances = np.linalg.norm(np.diff(self.x[self.links], axis=1).reshape(-1, 2), axis=1)
         self.count = len(self.free)
-        self.length = float(np.ptp(self.x, axis=0).max())
+        self.length, self.heaviest = float(np.ptp(self.x, axis=0).max()), 0.0
         self.mass = diags_array(np.full(self.count, mass)).tocsc()
         every = np.concatenate([self.lengths, self.distances])
         self.scale = np.full(self.count, 0.3 * float(every.max()))
