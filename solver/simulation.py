@@ -8,6 +8,7 @@ import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.run_watch import RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
+from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.scene.scene import Gravity, Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
@@ -47,6 +49,9 @@ INTEGRATORS = {
 
 DEFAULT_TOLERANCES = {"dele2": 1e-5, "accurate": 1e-7}
 """[m]; of the displacement in a step."""
+
+SMALLEST_WEIGHT = 1e-3
+"""Weight times length [J] that a scene without gravity is taken for."""
 
 AT_REST = ("equilibrium", "relax")
 """Starts in static equilibrium."""
@@ -155,14 +160,22 @@ class Simulation:
         self._stiff = integrator == "dele2" and bool(stiff_part(scene, step * record_every))
         check_word(start, Start, source="simulation", key="start")
         self._touches = scene.touches
-        if self._touches and start in AT_REST:
+        if start in AT_REST and any(not isinstance(pair.law, RigidLaw) for pair in scene.collisions):
             raise InputError(
-                f"{start!r} with contacts",
+                f"{start!r} with compliant collisions, whose surfaces would cross each other at rest",
+                source="simulation",
+                key="start",
+                expected="law 'rigid' of collisions, compliant contacts with contours, or 'check'",
+            )
+        meshes = any("strain" in kind._fields for kind in self._layout.bodies)
+        if self._touches and start in AT_REST and (meshes or integrator != "dele2"):
+            raise InputError(
+                f"{start!r} with contacts" + (" and frames or shells" if meshes else f" and {integrator!r}"),
                 source="simulation",
                 key="start",
                 expected="'check' or 'project': contacts come to rest by themselves in time",
             )
-        self._start_mode = start
+        self._start_mode, self._scene = start, scene
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
         self.start_text = ""
         module = importlib.import_module(INTEGRATORS[integrator])
@@ -230,7 +243,10 @@ class Simulation:
         if self._touches:
             from heavylift.solver.contact.check_start import start_contacts
 
-            start_contacts(layout, self.step)
+            settled = self._start_mode in AT_REST
+            if settled:
+                self._settle_contacts()
+            start_contacts(layout, self.step, settled=settled)
         elif layout.block_names and self.integrator == "dele2":
             self._probe()
 
@@ -249,9 +265,10 @@ class Simulation:
             "relax": _relax,
         }
         begin = clock.thread_time()
+        settles = self._touches and self._start_mode in AT_REST  # after contacts have been met
         with compile_clock() as compiling:
-            self.start_text = ways[self._start_mode](rows).text
-            if self._fits_tensions:
+            self.start_text = ways["project" if settles else self._start_mode](rows).text
+            if self._fits_tensions and not settles:
                 from heavylift.solver.statics.start_tensions import fit_start_tensions
 
                 self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
@@ -264,6 +281,33 @@ class Simulation:
             self.diagnosis = diagnose(rows)
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
+
+    def _settle_contacts(self) -> None:
+        """Bring the scene to rest with what it touches."""
+        from heavylift.solver.contact.check_start import start_contacts
+        from heavylift.solver.start.rows import StartRows
+        from heavylift.solver.statics.contact_rest import settle_contacts
+
+        records = np.empty((0, self.column_count))
+
+        def advance() -> str:
+            if self._call(0, 1, 2, records) == 1:
+                return ""
+            return stop_message(self._layout, "the first step")
+
+        def search(rows: Any) -> SimpleNamespace:
+            start_contacts(self._layout, self.step, settled=bool(self.start_text))
+            return SimpleNamespace(text=settle_contacts(rows, self._arrays, advance, weight))
+
+        begin = clock.thread_time()
+        weight = max(self._weight(self._scene), SMALLEST_WEIGHT)
+        rows, self.start_text = StartRows(self._layout), ""
+        self.start_text = search(rows).text
+        if self._fits_tensions:
+            from heavylift.solver.statics.start_tensions import FITTED_WITH_CONTACTS, fit_start_tensions
+
+            self.start_text = fit_start_tensions(rows, search, self.start_text, FITTED_WITH_CONTACTS)
+        self.start_seconds += clock.thread_time() - begin
 
     def _straighten(self) -> None:
         """Take midpoints along straight lines.

@@ -176,11 +176,7 @@ class Case(SceneTables, _CaseHeading):
                 f"{self.simulate.integrator!r} with {what}", "'dele2' or 'auto'", key="simulate.integrator"
             )
         if (self.contacts or self.collisions) and self.simulate.start in {"equilibrium", "relax"}:
-            reject(
-                f"{self.simulate.start!r} with {what}",
-                "'check' or 'project': contacts come to rest by themselves in time",
-                key="simulate.start",
-            )
+            self._rests_with_contacts(what)
         for index, collision in enumerate(self.collisions):
             if collision.law == "thesis" and self.simulate.step is None:
                 reject(
@@ -188,6 +184,24 @@ class Case(SceneTables, _CaseHeading):
                     "'step' in [simulate], or law 'linear'",
                     key=f"collisions.{index}.law",
                 )
+
+    def _rests_with_contacts(self, what: str) -> None:
+        """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""
+        assert self.simulate is not None
+        meshes = [name for name, body in self.bodies.items() if body.type in {"frame", "shell"}]
+        if meshes:
+            reject(
+                f"{self.simulate.start!r} with {what} and {meshes[0]!r}, a frame or shell",
+                "'check' or 'project': contacts come to rest by themselves in time",
+                key="simulate.start",
+            )
+        soft = next((i for i, collision in enumerate(self.collisions) if collision.law != "rigid"), None)
+        if soft is not None:
+            reject(
+                f"{self.simulate.start!r} with law {self.collisions[soft].law!r}, by which surfaces cross at rest",
+                "law 'rigid', or start 'check' or 'project'",
+                key=f"collisions.{soft}.law",
+            )
 
     def _missing_for(self, quantity: QuantityName) -> str:
         """What a quantity needs and the case does not have; empty if nothing."""

@@ -49,7 +49,8 @@ class SimulateSection(Section):
     start: Start = "check"
     """``check``: a start that violates joints is refused; ``project``: bodies are moved to close the joints first;
     ``equilibrium``: and then to where they are in equilibrium, at rest; ``relax``: the same by damped motion, for
-    scenes whose equilibrium is hard to find."""
+    scenes whose equilibrium is hard to find. With contacts both are a damped motion, and what lies on something lies
+    where its law carries it."""
 
     @field_validator("output_interval")
     @classmethod

@@ -30,7 +30,7 @@ DEEPEST = 0.05
 """Penetration relative to the size of a contour at which a point may start; a ball may by its radius."""
 
 
-def start_contacts(layout: Any, step: float) -> None:
+def start_contacts(layout: Any, step: float, *, settled: bool = False) -> None:
     """Find out where contacts touch, and what the impacts at the start leave of the velocities.
 
     Parameters
@@ -39,6 +39,8 @@ def start_contacts(layout: Any, step: float) -> None:
         Packed scene, started.
     step
         Of the simulation [s].
+    settled
+        The scene has come to rest with its contacts, as deep as their laws let it: nothing is refused.
 
     Raises
     ------
@@ -49,6 +51,8 @@ def start_contacts(layout: Any, step: float) -> None:
     first, count = contacts.counts.first_block, contacts.counts.of_contours
     run_start(contacts, layout.bodies, layout.joints, layout.systems, layout.work, step)
     _restore(contacts)
+    if settled:
+        return
     if contacts.meshes:
         from heavylift.solver.contact.triangles.start import check_overlaps
 

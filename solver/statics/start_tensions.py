@@ -19,21 +19,29 @@ from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.forces import STEP
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
-__all__ = ["fit_start_tensions"]
+__all__ = ["FITTED_WITH_CONTACTS", "fit_start_tensions"]
 
 FITTED = 1e-8
-"""Miss of a tension relative to the largest that counts as fitted."""
+FITTED_WITH_CONTACTS = 1e-4
+"""Miss of a tension relative to the largest that counts as fitted: contacts come to rest less exactly."""
 
 SEARCHES = 60
 
 STALLED = 6
 """Searches without a tenth less of the miss, after which nothing is expected of more."""
 
-LONGEST_CHANGE = 0.1
-"""Of a length in one round, relative to it."""
+LONGEST_CHANGE, GROWTH = 0.1, 3.0
+"""Of a length in one round, relative to it, and to the change before: a load that hangs free has its weight in the rope
+whatever the length, until it is set down."""
 
 
-def fit_start_tensions(rows: StartRows, search: Callable[[StartRows], Any], text: str) -> str:
+NO_RESPONSE = 1e-6
+"""Of tensions to a change of lengths, relative to that of ropes with ends that stand still: nothing is learnt."""
+
+
+def fit_start_tensions(
+    rows: StartRows, search: Callable[[StartRows], Any], text: str, fitted: float = FITTED
+) -> str:
     """Change the lengths of ropes until the equilibrium has the tensions that are given.
 
     Parameters
@@ -44,6 +52,8 @@ def fit_start_tensions(rows: StartRows, search: Callable[[StartRows], Any], text
         Finds the equilibrium from where the scene is.
     text
         What the first search said.
+    fitted
+        Miss of a tension relative to the largest that counts as fitted.
 
     Returns
     -------
@@ -70,17 +80,26 @@ def fit_start_tensions(rows: StartRows, search: Callable[[StartRows], Any], text
 
     found, slopes = tensions()
     inverse = np.diag(-1.0 / slopes)
-    least, since, searches = np.inf, 0, 0
+    least, since, searches, longest = np.inf, 0, 0, LONGEST_CHANGE
+    too_short, too_long = 0.0, np.inf  # of a single rope
     while searches < SEARCHES and since < STALLED:
         searches += 1
         miss = wanted - found
         since = 0 if np.abs(miss).max() < 0.9 * least else since + 1
         least = min(least, float(np.abs(miss).max()))
-        if np.abs(miss).max() <= FITTED * wanted.max():
+        if np.abs(miss).max() <= fitted * wanted.max():
             words = ", ".join(f"{length:.6g} m" for length in lengths)
             return f"{text}; unstretched lengths of ropes with a given tension: {words}"
+        if len(ropes) == 1:
+            too_short = max(too_short, lengths[0]) if miss[0] < 0.0 else too_short
+            too_long = min(too_long, lengths[0]) if miss[0] > 0.0 else too_long
         change = inverse @ miss
-        change *= min(1.0, LONGEST_CHANGE / float(np.abs(change / lengths).max()))
+        size = float(np.abs(change / lengths).max())
+        change *= min(1.0, longest / size) if size > 0.0 else 1.0
+        if len(ropes) == 1 and not too_short < lengths[0] + change[0] < too_long:
+            farther = lengths[0] * (1.0 + longest if miss[0] < 0.0 else 1.0 - longest)
+            change[0] = (0.5 * (too_short + too_long) if np.isfinite(too_long) else farther) - lengths[0]
+        longest = min(LONGEST_CHANGE, GROWTH * float(np.abs(change / lengths).max()))
         lengths = lengths + change
         for (kind, number), length in zip(ropes, lengths, strict=True):
             kind.put_length(number, float(length))
@@ -88,8 +107,10 @@ def fit_start_tensions(rows: StartRows, search: Callable[[StartRows], Any], text
         before, (found, _) = found, tensions()
         response = inverse @ (found - before)
         along = float(change @ response)
-        if along != 0.0:
+        if abs(along) > NO_RESPONSE * float(change @ change):
             inverse += np.outer(change - response, change @ inverse) / along
+        else:
+            inverse *= GROWTH
     worst = int(np.argmax(np.abs(wanted - found)))
     kind, number = ropes[worst]
     block = kind.table[number].block

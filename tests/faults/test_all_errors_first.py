@@ -152,12 +152,13 @@ shape = { type = "sphere", radius = "0.1 m" }
 [[collisions]]
 name = "bounce"
 between = ["floor", "skin"]
-law = "rigid"
+law = "linear"
+stiffness = "1 MN/m"
 """
     edit(small_case, ("[simulate]", block + '\n[simulate]\nstart = "equilibrium"'))
     result = heavylift("run", small_case)
     assert result.code == 2
-    assert "simulate.start: 'equilibrium' with collisions; expected 'check' or 'project'" in result.error
+    assert "collisions.0.law: 'equilibrium' with law 'linear', by which surfaces cross at rest" in result.error
     assert not (small_case / "out").exists()
 
 

@@ -221,6 +221,20 @@ class FloatingFrameBodies(FrameBodies):
         self.modal_position[:] += increment[self._modal_dofs()]
         self.frame["at_end"] = False
 
+    def poses(self) -> tuple[NDArray[np.float64], ...]:
+        """Frames, and modal coordinates."""
+        return (*super().poses(), np.array(self.modal_position))
+
+    def put_increment(
+        self,
+        start: tuple[NDArray[np.float64], ...],
+        end: tuple[NDArray[np.float64], ...],
+        increment: NDArray[np.float64],
+    ) -> None:
+        """Frames, and modes."""
+        super().put_increment(start, end, increment)
+        increment[self._modal_dofs()] = end[2] - start[2]
+
     def put_velocity(self, velocity: NDArray[np.float64]) -> None:
         """Of free frames, and of all modes."""
         super().put_velocity(velocity)

@@ -192,6 +192,25 @@ class FrameBodies(BodyKind):
         after = before * Rotation.from_rotvec(shift[:, 3:])
         self.frame["orientation"][free] = after.as_quat(scalar_first=True)
 
+    def poses(self) -> tuple[NDArray[np.float64], ...]:
+        """Positions [m] and quaternions, copied; and what else `move` changes."""
+        return np.array(self.frame["position"]), np.array(self.frame["orientation"])
+
+    def put_increment(
+        self,
+        start: tuple[NDArray[np.float64], ...],
+        end: tuple[NDArray[np.float64], ...],
+        increment: NDArray[np.float64],
+    ) -> None:
+        """Write what `move` takes from some poses to others."""
+        from scipy.spatial.transform import Rotation
+
+        free = self._free()
+        if free.size:
+            before, after = (Rotation.from_quat(q[1][free], scalar_first=True) for q in (start, end))
+            shift = np.column_stack([(end[0] - start[0])[free], (before.inv() * after).as_rotvec()])
+            increment[self._dofs()[free]] = shift
+
     def put_velocity(self, velocity: NDArray[np.float64]) -> None:
         """Of free frames."""
         free = self._free()

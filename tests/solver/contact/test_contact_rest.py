@@ -1,0 +1,116 @@
+"""Rest of scenes with contacts, before time starts: penetrations, ropes that take a part, what nothing holds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from heavylift.contours.splines.neutral import neutral_surface
+from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.connections import GROUND, RopePoint
+from heavylift.solver.scene.contacts import Contact, Contour, HertzLaw, LinearLaw, RigidLaw, SphereShape
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.simulation import Simulation
+
+G, MASS, RADIUS = 9.81, 100.0, 0.1
+WEIGHT = Gravity(np.array([0.0, 0.0, -G]))
+GRID = np.stack(
+    [*np.meshgrid(np.linspace(-2, 2, 5), np.linspace(-2, 2, 5), indexing="ij"), np.zeros((5, 5))], axis=2
+)
+FLOOR = Contour(name="floor", body="ground", neutral=neutral_surface(GRID))
+
+
+def ball(law: Any, **more: Any) -> Scene:
+    """A ball 20 mm over a floor."""
+    body = RigidBody("ball", MASS, 0.4 * MASS * RADIUS**2 * np.eye(3), position=np.array([0.0, 0.0, 0.12]))
+    touch = Contact(
+        name="touch", contour="floor", body="ball", shape=SphereShape(RADIUS), law=law, friction=0.3
+    )
+    return Scene(bodies=(body,), forces=(WEIGHT,), contours=(FLOOR,), contacts=(touch,), **more)
+
+
+def rest(scene: Scene, duration: float = 0.1) -> tuple[dict[str, np.ndarray], Simulation]:
+    simulation = Simulation(scene, 1e-3, record_every=1, start="equilibrium")
+    row = simulation.record()
+    rows = np.vstack([row, simulation.advance(round(duration / 1e-3))[1]])
+    return {channel.name: rows[:, channel.column :] for channel in simulation.channels}, simulation
+
+
+@pytest.mark.parametrize(
+    ("law", "depth"),
+    [
+        (LinearLaw(1e6, 1e2), MASS * G / 1e6),
+        (HertzLaw(1e8), (MASS * G / 1e8) ** (2.0 / 3.0)),
+        (RigidLaw(0.3), 0.0),
+    ],
+)
+def test_a_ball_rests_where_its_contact_carries_it(law: Any, depth: float) -> None:
+    """And stays there; nothing of the way down is in what it records."""
+    found, simulation = rest(ball(law))
+    np.testing.assert_allclose(found["ball.position"][:, 2], RADIUS - depth, atol=2e-8)
+    np.testing.assert_allclose(found["touch.normal_force"][1:, 0], MASS * G, rtol=1e-4)
+    assert np.abs(found["touch.dissipated"][:, 0]).max() < 1e-6
+    assert found["touch.impacts"][0, 0] == 0.0
+    assert np.ptp(found["energy.balance"][:, 0]) < 1e-6
+    assert "at rest with its contacts" in simulation.start_text
+    assert simulation.time == pytest.approx(0.1)
+
+
+def test_a_rope_takes_its_share_of_what_lies_on_the_floor() -> None:
+    """Tension given: the rest is on the contact, and the length of the rope follows."""
+    rope = Rope(
+        name="hoist",
+        path=(RopePoint(GROUND, np.array([0.0, 0.0, 10.12])), RopePoint("ball", np.zeros(3))),
+        axial_stiffness=1e6,
+        tension=0.4 * MASS * G,
+    )
+    found, _ = rest(ball(LinearLaw(1e6, 1e2), ropes=(rope,)))
+    np.testing.assert_allclose(found["hoist.tension"][:, 0], 0.4 * MASS * G, rtol=2e-4)
+    np.testing.assert_allclose(found["touch.normal_force"][:, 0], 0.6 * MASS * G, rtol=2e-4)
+    np.testing.assert_allclose(found["ball.position"][:, 2], RADIUS - 0.6 * MASS * G / 1e6, atol=1e-7)
+
+
+def box_on_plane(law: Any) -> Scene:
+    """Held 30 mm over a plane, tilted by 3 degrees."""
+    turn = np.array([np.cos(np.radians(1.5)), np.sin(np.radians(1.5)), 0.0, 0.0])
+    inertia = MASS / 12.0 * np.diag([0.29, 1.04, 1.25])
+    box = RigidBody("box", MASS, inertia, position=np.array([0.0, 0.0, 0.13]), orientation=turn)
+    surfaces = (
+        CollisionSurface(name="plane", body=GROUND, surface=plane_surface((4.0, 4.0))),
+        CollisionSurface(name="skin", body="box", surface=box_surface((1.0, 0.5, 0.2))),
+    )
+    pair = Collision(name="fall", surfaces=("plane", "skin"), law=law, friction=0.5)
+    return Scene(bodies=(box,), forces=(WEIGHT,), surfaces=surfaces, collisions=(pair,))
+
+
+def test_a_tilted_box_settles_on_a_plane_of_triangles() -> None:
+    """It lies flat, and its contacts bear its weight."""
+    found, _ = rest(box_on_plane(RigidLaw()))
+    np.testing.assert_allclose(found["fall.normal_force"][1:, 0], MASS * G, rtol=1e-6)
+    np.testing.assert_allclose(found["box.position"][:, 2], 0.1, atol=1e-8)
+    np.testing.assert_allclose(np.abs(found["box.orientation"][:, 0]), 1.0, atol=1e-9)
+    assert np.ptp(found["box.position"][:, :3], axis=0).max() < 1e-9
+
+
+def test_surfaces_that_would_cross_at_rest_are_refused() -> None:
+    """Nobody could tell afterwards which side of each other they are on."""
+    with pytest.raises(InputError, match=r"compliant collisions, .* law 'rigid'"):
+        Simulation(box_on_plane(LinearLaw(4e6, 1e3)), 1e-3, start="equilibrium")
+
+
+def test_what_nothing_holds_is_refused() -> None:
+    """A ball beside the floor falls for ever."""
+    scene = ball(LinearLaw(1e6))
+    body = RigidBody("ball", MASS, np.eye(3), position=np.array([5.0, 0.0, 0.12]))
+    simulation = Simulation(
+        Scene(bodies=(body,), forces=(WEIGHT,), contours=(FLOOR,), contacts=scene.contacts),
+        1e-3,
+        start="equilibrium",
+    )
+    with pytest.raises(InputError, match="does not come to rest with its contacts"):
+        simulation.record()
