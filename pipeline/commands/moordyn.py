@@ -29,9 +29,11 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import check_sections
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.water.lines.bottom import BottomState, solve_lines_over_bottom
 from heavylift.solver.water.lines.catenary import LineEnds, LineState, solve_lines
-from heavylift.solver.water.lines.catenary_line import line_profile, pack_sections
+from heavylift.solver.water.lines.catenary_line import over_bottom, pack_sections
 from heavylift.solver.water.lines.mooring_lines import MooringState
+from heavylift.solver.water.lines.placed_line import hang_line, plane_of_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -107,15 +109,22 @@ def quasi_static_force(
     rows, lines = pack_sections(
         line.sections, line.clumps, on_seabed=line.seabed is not None, friction=line.friction
     )
-    states, ends = records(LineState, 1), records(LineEnds, 1)
+    ends = records(LineEnds, 1)
+    planes = [plane_of_line(line, *pair) for pair in zip(anchors, fairleads, strict=True)]
+    over = any(over_bottom(plane.slope, plane.clearance) for plane in planes)
+    states: Any = records(BottomState if over else LineState, 1)
     state = states[0]
-    r = fairleads - anchors
-    places = np.column_stack([np.hypot(r[:, 0], r[:, 1]), r[:, 2]])
-    forces = np.empty((len(r), 3))
-    for i in range(len(r)):
-        solve_lines(rows, lines, places[i : i + 1], states, ends)
-        share = state.horizontal / max(places[i, 0], 1e-9)
-        forces[i] = -share * r[i, 0], -share * r[i, 1], -state.vertical
+    forces = np.empty((len(planes), 3))
+    for i, (x, z, slope, clearance) in enumerate(planes):
+        if over:
+            above = -1.0 if clearance is None else max(clearance, 0.0)
+            place = np.array([[x, z, slope, above]])
+            solve_lines_over_bottom(rows, lines, place, states, ends, np.empty((0, 3)))
+        else:
+            solve_lines(rows, lines, np.array([[x, z]]), states, ends)
+        r = fairleads[i] - anchors[i]
+        share = state.horizontal / max(x, 1e-9)
+        forces[i] = -share * r[0], -share * r[1], -state.vertical
     return forces
 
 
@@ -162,6 +171,13 @@ def moordyn_input(
             source=line.name,
             key="masses",
             expected="one mass a length [kg/m] a section",
+        )
+    if line.seabed_slope is not None:
+        raise InputError(
+            "the seabed slopes",
+            source=line.name,
+            key="seabed_slope",
+            expected="a level seabed, for --moordyn",
         )
     types, points, lines = [], [], []
     step = np.inf
@@ -244,11 +260,7 @@ def _joints(
     """Where the catenary has the joints of the sections, world [m]."""
     r = np.asarray(fairlead) - np.asarray(anchor)
     span = float(np.hypot(r[0], r[1]))
-    force = quasi_static_force(line, np.asarray(anchor)[None], np.asarray(fairlead)[None])[0]
-    H, V = float(np.hypot(force[0], force[1])), float(-force[2])
-    profile = line_profile(
-        line.sections, H, V, seabed=line.seabed is not None, friction=line.friction, clumps=line.clumps
-    )
+    _, profile = hang_line(line, np.asarray(anchor), np.asarray(fairlead))
     at = np.cumsum([section.length for section in line.sections])[:-1]
     x = np.interp(at, profile.s, profile.x) * (span / max(profile.x[-1], 1e-9))
     z = np.interp(at, profile.s, profile.z)

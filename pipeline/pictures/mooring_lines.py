@@ -10,7 +10,7 @@ import numpy as np
 from heavylift.pipeline.pictures.plots import few_colours, figure_png
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.solver.water.lines.catenary import SLACK
-from heavylift.solver.water.lines.catenary_line import line_profile, solve_catenary
+from heavylift.solver.water.lines.placed_line import hang_line, line_bottom
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from heavylift.solver.water.lines.catenary_line import Catenary, LineProfile
     from heavylift.solver.water.lines.mooring_lines import MooringLine
+    from heavylift.solver.water.lines.placed_line import LineBottom
 
 __all__ = ["DrawnLine", "draw_line", "profile_picture"]
 
@@ -46,6 +47,8 @@ class DrawnLine:
         The same in the world [m], shape (n, 3): a polyline.
     joints
         Points of the profile that are joints of sections, numbers.
+    bottom
+        What is below it, in the world.
     """
 
     line: MooringLine
@@ -53,6 +56,7 @@ class DrawnLine:
     profile: LineProfile
     points: NDArray[np.float64]
     joints: NDArray[np.int64]
+    bottom: LineBottom | None
 
 
 def draw_line(
@@ -68,34 +72,16 @@ def draw_line(
         Its ends, world [m], shape (3,).
     points
         On each section, at least.
-
-    Notes
-    -----
-    A slack line is longer than it needs to be; what lies on the seabed is drawn straight, and shortened.
     """
     anchor, fairlead = np.asarray(anchor, dtype=np.float64), np.asarray(fairlead, dtype=np.float64)
-    seabed = line.seabed is not None
     r = fairlead - anchor
     span = float(np.hypot(r[0], r[1]))
-    found = solve_catenary(
-        line.sections, span, float(r[2]), seabed=seabed, friction=line.friction, clumps=line.clumps
-    )
-    profile = line_profile(
-        line.sections,
-        found.horizontal,
-        found.vertical,
-        seabed=seabed,
-        friction=line.friction,
-        clumps=line.clumps,
-        points=points,
-    )
-    if found.branch == SLACK and profile.x[-1] > 0.0:
-        profile = type(profile)(profile.s, profile.x * (span / profile.x[-1]), profile.z, profile.tension)
+    found, profile = hang_line(line, anchor, fairlead, points=points)
     e = np.array([r[0], r[1], 0.0]) / span if span > 0.0 else np.array([1.0, 0.0, 0.0])
     places = anchor + profile.x[:, None] * e + profile.z[:, None] * np.array([0.0, 0.0, 1.0])
     ends = np.cumsum([section.length for section in line.sections])[:-1]
     joints = np.array([int(np.argmin(np.abs(profile.s - at))) for at in ends], dtype=np.int64)
-    return DrawnLine(line, found, profile, places, joints)
+    return DrawnLine(line, found, profile, places, joints, line_bottom(line, anchor))
 
 
 def profile_picture(
@@ -171,9 +157,14 @@ def _surroundings(axes: Any, drawn: DrawnLine, level: float | None) -> None:
     above = max(float(z.max()), level if level is not None else -np.inf)
     rise = max(above - float(z.min()), 1e-3)
     bottom, top = float(z.min()) - 0.15 * rise, above + 0.12 * rise
-    if drawn.line.seabed is not None:
-        axes.axhspan(bottom, drawn.line.seabed, color=_SAND, lw=0, zorder=0)
-        axes.axhline(drawn.line.seabed, color=_GREY, lw=0.8, zorder=1)
+    if drawn.bottom is not None:
+        feet = drawn.points[:, 2] - [drawn.bottom.below(place) for place in drawn.points]
+        rise = (feet[-1] - feet[0]) / (x[-1] - x[0]) if x[-1] != x[0] else 0.0
+        ends = np.array([left, right])
+        floor = feet[0] + rise * (ends - x[0])
+        bottom = min(bottom, float(floor.min()) - 0.05 * (top - bottom))
+        axes.fill_between(ends, bottom, floor, color=_SAND, lw=0, zorder=0)
+        axes.plot(ends, floor, color=_GREY, lw=0.8, zorder=1)
     if level is not None:
         axes.axhline(level, color=_WATER, lw=1.2, zorder=1)
     axes.set_xlim(left, right)

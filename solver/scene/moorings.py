@@ -7,15 +7,19 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import Absent, Positive, Quantity
+from heavylift.numerics.quantity import Absent, Positive, Quantity, Shape
 from heavylift.solver.scene.descriptions import Family
 
-__all__ = ["MOORINGS", "LineSection", "check_sections"]
+__all__ = ["MOORINGS", "LineSection", "SeabedSlope", "check_sections"]
 
 MOORINGS: Family[Any] = Family("table", "heavylift.solver.water.lines", typed=False)
 """Lines and fenders, by the lists of a case file in which they stand."""
+
+STEEPEST = math.pi / 3
+"""Angle of a bottom at most: lines do not lie on a wall."""
 
 
 @MOORINGS.part
@@ -29,6 +33,24 @@ class LineSection:
     """A length, in the fluid that it hangs in [N/m]: in water less its buoyancy; negative if it floats."""
     axial_stiffness: Annotated[float, Positive("force"), Absent(math.inf)]
     """EA [N]; without it the line does not stretch."""
+
+
+@MOORINGS.part
+@dataclass(frozen=True, eq=False)
+class SeabedSlope:
+    """A bottom that is an inclined plane. Of a line its slope in the vertical plane of the two ends counts."""
+
+    angle: Annotated[float, Quantity("angle", minimum=0.0, maximum=STEEPEST, closed=True)]
+    """Between the bottom and the horizontal."""
+    downhill: Annotated[float, Quantity("angle")] = 0.0
+    """Horizontal direction in which the bottom falls, from x towards y."""
+    point: Annotated[NDArray[np.float64] | None, Quantity("length"), Shape((2,))] = None
+    """x and y [m] in the world at which the bottom has its height; absent: those of the anchor at the start."""
+
+    def gradient(self) -> tuple[float, float]:
+        """Rise of the bottom a length along x and along y."""
+        rise = -math.tan(self.angle)
+        return rise * math.cos(self.downhill), rise * math.sin(self.downhill)
 
 
 def check_sections(

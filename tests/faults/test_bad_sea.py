@@ -252,19 +252,62 @@ def test_a_leaking_hull_and_one_that_is_inside_out(folder):
         assert problem in f"{caught.value.problem} {caught.value.expected}".lower()
 
 
-def test_a_line_shorter_than_its_span_is_refused_at_the_start(folder):
+SHORT = ["lines.0.fairlead_tension=", "lines.0.sections.0.length=150 m"]
+LONG = ["lines.0.fairlead_tension=", "lines.0.sections.0.length=400 m", "lines.0.on_seabed="]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key", "problem"),
+    [
+        (SHORT, "lines.0.sections", "the line of 150 m is shorter than its span of"),
+        ([*LONG, "lines.0.seabed=-40"], "lines.0.points", "the anchor at height -49.5 m is 9.5 m below the seabed"),
+        ([*LONG, "lines.0.seabed=8"], "lines.0.points", "the anchor at height -49.5 m is 57.5 m below the seabed"),
+        (
+            [*LONG, "lines.0.seabed=-49.5", "lines.0.seabed_slope={angle = '40 deg', downhill = '180 deg'}"],
+            "lines.0.points",
+            "m below the seabed",
+        ),
+        (
+            [*LONG, "lines.0.seabed=-60", "lines.0.sections.0.weight=-10"],
+            "lines.0.sections.0.weight",
+            "weight is -10 of a line that hangs over a seabed by both ends",
+        ),
+    ],
+)  # fmt: skip
+def test_a_line_that_cannot_hang_is_told_alike_of_a_case_and_of_a_scene(folder, overrides, key, problem):
+    """`heavylift lines` assembles lines, `heavylift simulate` packs them as well."""
+    from heavylift.pipeline.assemble.described import assemble
     from heavylift.pipeline.assemble.scene import assemble_rigid
     from heavylift.pipeline.assemble.sides import start_sides
     from heavylift.solver.water.lines.mooring_lines import pack_mooring_lines
 
-    case = load_case(folder, ["lines.0.fairlead_tension=", "lines.0.sections.0.length=150 m"])
+    case = load_case(folder, overrides)
     barge, origin = assemble_rigid("barge", case.bodies["barge"])
     sides = start_sides([barge], {"barge": origin})
-    lines = assemble_lines(case, sides)
-    ends = [(lines[0].point_a, barge.position + lines[0].point_b)]
-    with pytest.raises(InputError, match="bow") as caught:
-        pack_mooring_lines(lines, [(0, 1)], [0], ends)
-    assert "150" in caught.value.problem
+    with pytest.raises(InputError) as of_case:
+        assemble_lines(case, sides)
+    assert of_case.value.key == key
+    assert problem in of_case.value.problem
+    line = replace(assemble(case.lines[0], sides, case.folder), on_seabed=False)
+    if line.seabed is None:
+        line = replace(line, seabed=-49.5)
+    ends = [(line.point_a, barge.position + line.point_b)]
+    with pytest.raises(InputError) as of_scene:
+        pack_mooring_lines([line], [(0, 1)], [0], ends)
+    assert of_scene.value.source == "bow"
+    assert of_scene.value.problem == of_case.value.problem
+    assert of_scene.value.expected == of_case.value.expected
+
+
+def test_an_anchor_said_to_be_on_the_bottom_of_the_sea_is_there(folder):
+    from heavylift.pipeline.assemble.scene import assemble_rigid
+    from heavylift.pipeline.assemble.sides import start_sides
+
+    case = load_case(folder, [*LONG[:2], "sea.depth=80 m"])
+    barge, origin = assemble_rigid("barge", case.bodies["barge"])
+    with pytest.raises(InputError, match="above the bottom of the sea") as caught:
+        assemble_lines(case, start_sides([barge], {"barge": origin}))
+    assert caught.value.key == "lines.0.points"
 
 
 def test_a_tension_that_no_length_gives(folder):

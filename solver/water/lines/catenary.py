@@ -31,16 +31,24 @@ from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Record, Records
 
 __all__ = [
+    "CONVERGED_RESIDUAL",
+    "CONVERGED_STEP",
     "FAILED",
+    "MOST_STEPS",
     "RESTING",
     "SLACK",
+    "SMALLEST_RISE",
+    "SMALLEST_SPAN",
     "SUSPENDED",
     "UNKNOWN",
+    "HungPiece",
     "LineData",
     "LineEnds",
     "LineResponse",
     "LineState",
     "SectionData",
+    "first_guess",
+    "hung_piece",
     "line_energy",
     "line_response",
     "read_ends",
@@ -92,6 +100,60 @@ SERIES_LIMIT = 0.05
 """Of the argument of artanh: five terms are then exact to rounding."""
 
 
+class HungPiece(NamedTuple):
+    """What a piece of a section spans that hangs free: x, z [m], dx/dH, dx/dV = dz/dH, dz/dV [m/N]."""
+
+    x: float
+    z: float
+    x_h: float
+    x_v: float
+    z_v: float
+
+
+@kernel(inline=True, internal=True)
+def hung_piece(H: float, v: float, below: float, hung: float, w: float, c: float) -> HungPiece:
+    """Span and height of a piece of a section, with derivatives by the force on its upper end.
+
+    Parameters
+    ----------
+    H
+        Horizontal force [N], not zero where the piece has a horizontal tangent.
+    v, below
+        Vertical force on its upper end, and at its lower one [N].
+    hung
+        Unstretched length [m], positive.
+    w, c
+        Weight [N/m], flexibility [1/N].
+    """
+    t, t_below = math.sqrt(H * H + v * v), math.sqrt(H * H + below * below)
+    s, m = t + t_below, v + below
+    weight = w * hung
+    u = weight / s
+    if abs(u) < SERIES_LIMIT:
+        u2 = u * u
+        ratio = 2.0 * hung / s * (1.0 + u2 * (1 / 3 + u2 * (1 / 5 + u2 * (1 / 7 + u2 / 9))))
+    else:  # T - V as H^2 / (T + V): a slack line has both ends steep
+        sum_a = t + abs(v)
+        sum_b = t_below + abs(below)
+        less_a, less_b = H * H / sum_a, H * H / sum_b
+        upper = (sum_a if v > 0.0 else less_a) + (less_b if below > 0.0 else sum_b)
+        lower = (less_a if v > 0.0 else sum_a) + (sum_b if below > 0.0 else less_b)
+        ratio = math.log(upper / lower) / w
+    product = t * t_below
+    if v * below >= 0.0:
+        rise_v = H * H * hung * s / ((H * H + product + v * below) * product)
+    else:
+        rise_v = (v / t - below / t_below) / w
+    stretch = c * hung
+    return HungPiece(
+        H * (ratio + stretch),
+        m * (hung / s + 0.5 * stretch),
+        ratio - rise_v + stretch,
+        -(H * hung * m / (s * product)),
+        rise_v + stretch,
+    )
+
+
 @kernel(internal=True)
 def line_response(
     sections: Records[SectionData],
@@ -130,31 +192,12 @@ def line_response(
             hung = max(v, 0.0) / w
             below = 0.0
         if hung > 0.0:
-            t, t_below = math.sqrt(H * H + v * v), math.sqrt(H * H + below * below)
-            s, m = t + t_below, v + below
-            weight = w * hung
-            u = weight / s
-            if abs(u) < SERIES_LIMIT:
-                u2 = u * u
-                ratio = 2.0 * hung / s * (1.0 + u2 * (1 / 3 + u2 * (1 / 5 + u2 * (1 / 7 + u2 / 9))))
-            else:  # T - V as H^2 / (T + V): a slack line has both ends steep
-                sum_a = t + abs(v)
-                sum_b = t_below + abs(below)
-                less_a, less_b = H * H / sum_a, H * H / sum_b
-                upper = (sum_a if v > 0.0 else less_a) + (less_b if below > 0.0 else sum_b)
-                lower = (less_a if v > 0.0 else sum_a) + (sum_b if below > 0.0 else less_b)
-                ratio = math.log(upper / lower) / w
-            product = t * t_below
-            if v * below >= 0.0:
-                rise_v = H * H * hung * s / ((H * H + product + v * below) * product)
-            else:
-                rise_v = (v / t - below / t_below) / w
-            stretch = c * hung
-            x += H * (ratio + stretch)
-            z += m * (hung / s + 0.5 * stretch)
-            x_h += ratio - rise_v + stretch
-            x_v -= H * hung * m / (s * product)
-            z_v += rise_v + stretch
+            piece = hung_piece(H, v, below, hung, w, c)
+            x += piece.x
+            z += piece.z
+            x_h += piece.x_h
+            x_v += piece.x_v
+            z_v += piece.z_v
         if hung < length:
             rest = length - hung
             lying += rest
@@ -388,7 +431,7 @@ CONVERGED_RESIDUAL = 4e-16
 
 
 @kernel(internal=True)
-def _guess(line: LineData, x: float, z: float) -> tuple[float, float]:
+def first_guess(line: LineData, x: float, z: float) -> tuple[float, float]:
     """First guess of ``(H, V)``: the parabola of a uniform line, or the straight rubber of a taut one.
 
     Notes
@@ -459,7 +502,7 @@ def solve_line(sections: Records[SectionData], line: LineData, x: float, z: floa
         V = state.vertical + state.stiffness[1, 0] * dx + state.stiffness[1, 1] * dz
         warm = 0.2 * last < H < 5.0 * last and (V > 0.0 or not lifts)
     if not warm:
-        H, V = _guess(line, x, z)
+        H, V = first_guess(line, x, z)
     limit = CONVERGED_RESIDUAL * (length + x + abs(z))
     found = line_response(sections, first, count, tail, friction, H, V)
     for _ in range(MOST_STEPS):

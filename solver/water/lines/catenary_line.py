@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.solver.scene.moorings import LineSection, check_sections
+from heavylift.solver.water.lines.bottom import BottomState, solve_lines_over_bottom
 from heavylift.solver.water.lines.catenary import (
     FAILED,
     LineData,
@@ -28,10 +29,13 @@ if TYPE_CHECKING:
 __all__ = [
     "Catenary",
     "LineProfile",
+    "check_all_sinks",
     "inextensible_tension",
     "length_for_tension",
     "line_profile",
+    "over_bottom",
     "pack_sections",
+    "profile_over_bottom",
     "solve_catenary",
 ]
 
@@ -145,6 +149,8 @@ def solve_catenary(
     seabed: bool = True,
     friction: float = 0.0,
     clumps: Sequence[float] = (),
+    slope: float = 0.0,
+    clearance: float | None = None,
 ) -> Catenary:
     """A line between two given points.
 
@@ -154,16 +160,21 @@ def solve_catenary(
         From the lower end; clumps [N] at the joints.
     x, z
         Horizontal distance of the ends, height of the upper one over the lower one [m]; z may be negative
-        without a seabed.
+        without a seabed, or with a slope or a clearance.
     seabed
-        Whether the lower end lies on a flat seabed.
+        Whether there is a bottom below the line.
     friction
         Of the seabed.
+    slope
+        Rise of the seabed towards the upper end, a length.
+    clearance
+        Height of the lower end over the seabed [m]; None: it is held on it.
 
     Raises
     ------
     InputError
-        If the sections are no line, the ends are not finite, or no equilibrium was found.
+        If the sections are no line, the ends are not finite, a line whose lower end hangs over a seabed floats
+        somewhere, or no equilibrium was found.
     """
     check_sections(tuple(sections), tuple(clumps), friction=friction)
     if not (0.0 <= x < np.inf and np.isfinite(z)):
@@ -180,8 +191,16 @@ def solve_catenary(
             key="length",
             expected="a longer line, or a finite axial stiffness",
         )
-    states, ends = records(LineState, 1), records(LineEnds, 1)
-    solve_lines(rows, lines, np.array([[x, z]], dtype=float), states, ends)
+    ends = records(LineEnds, 1)
+    if seabed and over_bottom(slope, clearance):
+        if clearance is not None:
+            check_all_sinks(sections, clumps)
+        states: Records[BottomState] | Records[LineState] = records(BottomState, 1)
+        place = np.array([[x, z, slope, _clearance(clearance)]], dtype=float)
+        solve_lines_over_bottom(rows, lines, place, states, ends, np.empty((0, 3)))
+    else:
+        states = records(LineState, 1)
+        solve_lines(rows, lines, np.array([[x, z]], dtype=float), states, ends)
     state, end = states[0], ends[0]
     if state.branch == FAILED:
         raise InputError(
@@ -201,6 +220,44 @@ def solve_catenary(
     )
 
 
+def over_bottom(slope: float, clearance: float | None) -> bool:
+    """Whether a line is one of `heavylift.solver.water.lines.bottom`: not anchored on a level seabed."""
+    return slope != 0.0 or clearance is not None
+
+
+def _clearance(clearance: float | None) -> float:
+    """As kernels have it."""
+    return -1.0 if clearance is None else max(float(clearance), 0.0)
+
+
+def check_all_sinks(
+    sections: Sequence[LineSection], clumps: Sequence[float], *, source: str = "line"
+) -> None:
+    """Refuse sections that float, and buoys, of a line whose two ends hang over a bottom: it could touch that twice.
+
+    Raises
+    ------
+    InputError
+        If one does.
+    """
+    for number, section in enumerate(sections):
+        if not section.weight > 0.0:
+            raise InputError(
+                f"weight is {section.weight:g} of a line that hangs over a seabed by both ends",
+                source=source,
+                key=f"sections.{number}.weight",
+                expected="a section that sinks [N/m], or no seabed for this line",
+            )
+    for number, clump in enumerate(clumps):
+        if clump < 0.0:
+            raise InputError(
+                f"a buoy of {-clump:g} N on a line that hangs over a seabed by both ends",
+                source=source,
+                key=f"clumps.{number}",
+                expected="clumps that sink, or no seabed for this line",
+            )
+
+
 def length_for_tension(
     tension: float,
     weight: float,
@@ -210,6 +267,8 @@ def length_for_tension(
     *,
     seabed: bool = True,
     friction: float = 0.0,
+    slope: float = 0.0,
+    clearance: float | None = None,
 ) -> float:
     """Unstretched length [m] of a uniform line with a given tension at its upper end.
 
@@ -219,7 +278,7 @@ def length_for_tension(
         [N].
     weight, axial_stiffness
         As of a `LineSection`.
-    x, z, seabed, friction
+    x, z, seabed, friction, slope, clearance
         As in `solve_catenary`. Of two lengths that hang free with the same tension it is the shorter one.
 
     Raises
@@ -231,14 +290,15 @@ def length_for_tension(
 
     def excess(length: float) -> float:
         line = (LineSection(length, weight, axial_stiffness),)
-        return solve_catenary(line, x, z, seabed=seabed, friction=friction).tension - tension
+        found = solve_catenary(line, x, z, seabed=seabed, friction=friction, slope=slope, clearance=clearance)
+        return found.tension - tension
 
     chord = math.hypot(x, z)
     shortest = chord * (1.0 + 1e-12)
     if math.isfinite(axial_stiffness):
         shortest = chord / (1.0 + 1.001 * tension / axial_stiffness) * (1.0 - 1e-9)
     longest = x + abs(z) * (1.0 + weight * abs(z) / axial_stiffness)
-    if not seabed:
+    if not seabed or over_bottom(slope, clearance):
         best = minimize_scalar(excess, bounds=(shortest, 3.0 * longest), method="bounded")
         longest = float(best.x)
     if not excess(longest) <= 0.0:
@@ -321,6 +381,48 @@ def line_profile(
         (z_all - z_all[-1])[::-1],
         np.array(tensions)[::-1],
     )
+
+
+def profile_over_bottom(
+    sections: Sequence[LineSection],
+    x: float,
+    z: float,
+    *,
+    slope: float = 0.0,
+    clearance: float | None = None,
+    friction: float = 0.0,
+    clumps: Sequence[float] = (),
+    points: int = 40,
+) -> LineProfile:
+    """Shape and tension of a line over a seabed that slopes, or that both ends hang over, for pictures.
+
+    Parameters
+    ----------
+    sections, x, z, slope, clearance, friction, clumps
+        As in `solve_catenary`.
+    points
+        On each section.
+    """
+    pieces = [
+        replace(section, length=section.length / (points - 1))
+        for section in sections
+        for _ in range(points - 1)
+    ]
+    weights = np.zeros(len(pieces) - 1)
+    if clumps:
+        weights[points - 2 :: points - 1] = clumps
+    rows, lines = pack_sections(pieces, weights.tolist(), on_seabed=True, friction=friction)
+    nodes = np.empty((len(rows) + 1, 3))
+    solve_lines_over_bottom(
+        rows,
+        lines,
+        np.array([[x, z, slope, _clearance(clearance)]], dtype=float),
+        records(BottomState, 1),
+        records(LineEnds, 1),
+        nodes,
+    )
+    s = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
+    return LineProfile(s, nodes[::-1, 0].copy(), nodes[::-1, 1].copy(), nodes[::-1, 2].copy())
 
 
 def inextensible_tension(span: float, height: float, length: float, weight: float) -> float:

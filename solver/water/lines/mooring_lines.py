@@ -31,17 +31,18 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.connections import GROUND, Between
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.moorings import MOORINGS, LineSection, check_sections
+from heavylift.solver.scene.moorings import MOORINGS, LineSection, SeabedSlope
+from heavylift.solver.water.lines.bottom import BottomState, read_ends_over_bottom, solve_over_bottom
 from heavylift.solver.water.lines.catenary import (
     FAILED,
     LineData,
     LineEnds,
-    LineState,
     SectionData,
     read_ends,
     solve_line,
 )
 from heavylift.solver.water.lines.catenary_line import pack_sections
+from heavylift.solver.water.lines.placed_line import check_line, is_anchored, line_bottom, longest_span
 
 __all__ = [
     "LINE_OVERSTRETCHED",
@@ -61,7 +62,8 @@ class MooringLine(Between):
     """A line between an anchor and a fairlead, in equilibrium at every instant.
 
     A bottom holds the line from the anchor up to the first buoy or floating section; a bight beyond that would hang
-    through it.
+    through it. If the anchor is above the bottom, on the ground or on a body, both ends hang and what lies between them
+    is held; all of such a line sinks.
     """
 
     CHANNELS: ClassVar = (
@@ -86,7 +88,9 @@ class MooringLine(Between):
     on_seabed: bool = False
     """The anchor lies on the bottom of the sea, at the depth of [sea]."""
     seabed: Annotated[float | None, Quantity("length")] = None
-    """In place of `on_seabed`: height of a flat bottom in the world [m]."""
+    """In place of `on_seabed`: height of the bottom in the world [m], on which or above which the anchor is."""
+    seabed_slope: SeabedSlope | None = None
+    """Slope of the bottom; level without it."""
     friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0
     """Coefficient of the bottom along the line."""
     strain_limit: Annotated[float, Quantity("number", minimum=0.0)] = 0.1
@@ -124,34 +128,49 @@ class MooringLine(Between):
             )
         if said.on_seabed and said.seabed is not None:
             raise InputError("both 'on_seabed' and 'seabed'", key="seabed", expected="one of them")
-        if said.friction and not said.on_seabed and said.seabed is None:
-            raise InputError(
-                "'friction' without a bottom", key="friction", expected="'on_seabed' or 'seabed'"
-            )
+        for key in ("friction", "seabed_slope"):
+            if getattr(said, key) and not said.on_seabed and said.seabed is None:
+                raise InputError(f"{key!r} without a bottom", key=key, expected="'on_seabed' or 'seabed'")
 
 
 LINE_OVERSTRETCHED = int(Outcome.LINE_OVERSTRETCHED)
 """Outcome of a step in which a line is stretched beyond its limit, or has no equilibrium."""
 
-START_STRAIN = 0.05
-"""By which a line may be stretched at the start: more is most often a wrong length."""
-
-ANCHOR_TOLERANCE = 0.01
-"""Of the length: how far from the seabed an anchor may be given."""
 LEAST_SPAN = 1e-7
 """Of the length: horizontal distance of the ends below which a line hangs straight down."""
 
 
 class MooringData(LineData):
-    """Markers of anchor and fairlead, first record column, distance of the ends that is too much for it [m]."""
+    """A mooring line.
+
+    Attributes
+    ----------
+    anchor, fairlead
+        Markers.
+    column
+        First record column.
+    limit
+        Distance of the ends that is too much for it [m].
+    over_bottom
+        Whether the bottom below it is more than a level one with the anchor on it.
+    anchored
+        Whether the anchor is held on the bottom.
+    bottom, rise_x, rise_y
+        The bottom, as a `heavylift.solver.water.lines.placed_line.LineBottom`.
+    """
 
     anchor: int
     fairlead: int
     column: int
     limit: float
+    over_bottom: bool
+    anchored: bool
+    bottom: float
+    rise_x: float
+    rise_y: float
 
 
-class MooringState(LineState):
+class MooringState(BottomState):
     """Last solution of a mooring line, and what else it carries.
 
     Attributes
@@ -176,7 +195,7 @@ class MooringState(LineState):
 class MooringScratch(LineEnds):
     """Lower end of a mooring line for a record, the solution that the steps go on from, and the tension last found."""
 
-    solution: LineState
+    solution: BottomState
     tension: float
 
 
@@ -194,6 +213,8 @@ class MooringLines(Arrays):
         row by row, symmetric and positive semidefinite, at the last evaluation; shape (n, 9).
     scratch
         Of each line, for a record.
+    nodes
+        Without rows: where sections join is of no use in a run.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state",)
@@ -203,6 +224,7 @@ class MooringLines(Arrays):
     state: Records[MooringState]
     tangents: Floats2
     scratch: Records[MooringScratch]
+    nodes: Floats2
 
 
 def line_markers(book: MarkerBook, lines: Sequence[MooringLine]) -> list[tuple[int, int]]:
@@ -235,16 +257,15 @@ def pack_mooring_lines(
     Raises
     ------
     InputError
-        If a line is not a line, its anchor is not fixed to the seabed that it has, its fairlead is below that, or it
-        is shorter than its span at the start.
+        If a line is not a line, an end of it is below its seabed, both hang over that but not all of it sinks, or it is
+        shorter than its span at the start.
     """
     packed = records(MooringData, len(lines))
     sections: list[Any] = []
     for row, line, (a, b), column, (anchor, fairlead) in zip(
         packed, lines, markers, columns, places, strict=True
     ):
-        check_sections(line.sections, line.clumps, friction=line.friction, source=line.name)
-        _check_seabed(line, anchor, fairlead)
+        check_line(line, anchor, fairlead)
         rows, of_line = pack_sections(
             line.sections, line.clumps, on_seabed=line.seabed is not None, friction=line.friction
         )
@@ -252,7 +273,12 @@ def pack_mooring_lines(
             row[name] = of_line[0][name]
         row.first = len(sections)
         row.anchor, row.fairlead, row.column = a, b, column
-        row.limit = _check_span(line, float(row.length), float(row.stretch), anchor, fairlead)
+        row.limit = longest_span(line)
+        bottom = line_bottom(line, anchor)
+        if bottom is not None:
+            row.anchored = is_anchored(line, anchor, fairlead)
+            row.over_bottom = not row.anchored or bottom.rise_x != 0.0 or bottom.rise_y != 0.0
+            row.bottom, row.rise_x, row.rise_y = bottom
         sections.extend(rows)
     count = len(packed)
     return MooringLines(
@@ -261,64 +287,8 @@ def pack_mooring_lines(
         records(MooringState, count),
         np.zeros((count, 9)),
         records(MooringScratch, count),
+        np.zeros((0, 3)),
     )
-
-
-def _check_seabed(line: MooringLine, anchor: NDArray[np.float64], fairlead: NDArray[np.float64]) -> None:
-    """Refuse a seabed that the line does not begin on."""
-    for key in ("on_seabed", "fairlead_tension"):
-        if getattr(line, key):
-            raise InputError(
-                f"{key} = {getattr(line, key)} of a line that is not laid out",
-                source=line.name,
-                key=key,
-                expected="'seabed', and the lengths of all sections",
-            )
-    if line.seabed is None:
-        return
-    length = sum(section.length for section in line.sections)
-    if line.body_a != GROUND or abs(anchor[2] - line.seabed) > ANCHOR_TOLERANCE * length:
-        raise InputError(
-            f"the anchor is on {line.body_a!r} at height {anchor[2]:g} m, the seabed at {line.seabed:g} m",
-            source=line.name,
-            key="seabed",
-            expected="an anchor on the ground at the height of the seabed, or no seabed for this line",
-        )
-    if fairlead[2] < anchor[2]:
-        raise InputError(
-            f"the fairlead starts at height {fairlead[2]:g} m, below the anchor at {anchor[2]:g} m",
-            source=line.name,
-            key="point_b",
-            expected="a fairlead above the seabed",
-        )
-
-
-def _check_span(
-    line: MooringLine,
-    length: float,
-    stretch: float,
-    anchor: NDArray[np.float64],
-    fairlead: NDArray[np.float64],
-) -> float:
-    """Distance of the ends that is too much for the line; refuse a line that begins beyond it."""
-    if not line.strain_limit > 0.0:
-        raise InputError(
-            f"strain_limit is {line.strain_limit:g}",
-            source=line.name,
-            key="strain_limit",
-            expected="a positive strain, e.g. 0.1",
-        )
-    span = float(np.linalg.norm(np.asarray(fairlead) - np.asarray(anchor)))
-    limit = length * (1.0 + line.strain_limit) if stretch > 0.0 else length
-    if not span < min(limit, length * (1.0 + START_STRAIN)):
-        raise InputError(
-            f"the line of {length:g} m is shorter than its span of {span:g} m",
-            source=line.name,
-            key="sections",
-            expected=f"a length of {span:g} m or more, from the anchor to the fairlead; a stretch of"
-            f" {min(START_STRAIN, line.strain_limit):.3g} at the start is taken",
-        )
-    return limit
 
 
 @kernel(internal=True)
@@ -330,7 +300,13 @@ def _hang(kind: MooringLines, i: int, work: Workspace) -> tuple[float, float, fl
     y = work.markers[b].point[1] - work.markers[a].point[1]
     z = work.markers[b].point[2] - work.markers[a].point[2]
     span = math.sqrt(x * x + y * y)
-    solve_line(kind.sections, line, span, z, state)
+    if line.over_bottom:
+        slope = (line.rise_x * x + line.rise_y * y) / span if span > LEAST_SPAN * line.length else 0.0
+        foot = line.bottom + line.rise_x * work.markers[a].point[0] + line.rise_y * work.markers[a].point[1]
+        clearance = work.markers[a].point[2] - foot
+        solve_over_bottom(kind.sections, line, span, z, slope, clearance, line.anchored, state)
+    else:
+        solve_line(kind.sections, line, span, z, state)
     bad = not (span * span + z * z < line.limit * line.limit) or state.branch == FAILED
     if bad and work.status.outcome == 0:
         work.status.outcome, work.status.body = LINE_OVERSTRETCHED, i
@@ -371,7 +347,11 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
         work.markers[b].force[2] -= V
         for k in range(3):
             work.markers[b].force[k] += state.extra[k]
-        if line.tail == line.count:  # the lower end of a line on the seabed is an anchor in the ground
+        if line.over_bottom and not line.anchored:
+            work.markers[a].force[0] += state.lower_horizontal * ex
+            work.markers[a].force[1] += state.lower_horizontal * ey
+            work.markers[a].force[2] += state.lower_vertical
+        elif line.tail == line.count:  # the lower end of a line on the seabed is an anchor in the ground
             work.markers[a].force[0] += H * ex
             work.markers[a].force[1] += H * ey
             work.markers[a].force[2] += V - line.weight
@@ -391,13 +371,16 @@ def add_mooring_lines(kind: MooringLines, time: float, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def _copy_solution(given: LineState, out: LineState) -> None:
+def _copy_solution(given: BottomState, out: BottomState) -> None:
     out.horizontal, out.vertical = given.horizontal, given.vertical
     out.span, out.rise = given.span, given.rise
     for i in range(2):
         for j in range(2):
             out.stiffness[i, j] = given.stiffness[i, j]
     out.branch = given.branch
+    out.slope, out.clearance = given.slope, given.clearance
+    out.lower_horizontal, out.lower_vertical = given.lower_horizontal, given.lower_vertical
+    out.lying, out.lifted = given.lying, given.lifted
 
 
 @implement(watch_forces, MooringLines)
@@ -427,7 +410,10 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
     for i in range(kind.lines.shape[0]):
         line, state, ends = kind.lines[i], kind.state[i], kind.scratch[i]
         a, b, column = line.anchor, line.fairlead, line.column
-        read_ends(kind.sections, line, state, ends)
+        if line.over_bottom:
+            read_ends_over_bottom(kind.sections, line, state, kind.nodes, ends)
+        else:
+            read_ends(kind.sections, line, state, ends)
         low_h, low_v = ends.anchor_horizontal, ends.anchor_vertical
         x = work.markers[b].point[0] - work.markers[a].point[0]
         y = work.markers[b].point[1] - work.markers[a].point[1]

@@ -233,12 +233,12 @@ def test_an_overstretched_line_stops_the_simulation() -> None:
         (
             on_seabed(seabed=-50.0),
             np.zeros(3),
-            r"bow: seabed: the anchor is on 'ground' at height -60 m.*-50 m",
+            r"bow: points: the anchor at height -60 m is 10 m below the seabed",
         ),
         (
             on_seabed(),
             np.array([-20.0, 70.0, -61.0]),
-            r"the fairlead starts at height -61 m, below the anchor",
+            r"bow: points: the fairlead starts at height -61 m, 1 m below the seabed",
         ),
         (on_seabed(strain_limit=0.0), np.zeros(3), r"strain_limit is 0"),
         (on_seabed(friction=-1.0), np.zeros(3), r"bow: friction: friction is -1"),
