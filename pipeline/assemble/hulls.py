@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -19,18 +19,18 @@ from heavylift.pipeline.results.provenance import database_digest, memory_digest
 from heavylift.pipeline.results.storage import read_json
 from heavylift.preprocess.hydrodynamics.bem import BemInputs
 from heavylift.preprocess.hydrodynamics.hull_panels import (
-    HullPanels,
     box_panels,
+    cut_at_plane,
     hydrostatics,
     surface_panels,
 )
+from heavylift.preprocess.hydrodynamics.panel_mesh import PanelMesh, hull_panels
 from heavylift.preprocess.hydrodynamics.repairs import repaired
-from heavylift.preprocess.surfaces.refinement import refined_triangles
-from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+from heavylift.preprocess.hydrodynamics.water_planes import lid_panels, moonpools
 from heavylift.solver.scene import sea as seas
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.surfaces import SurfaceSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
-    from heavylift.preprocess.hydrodynamics.hull_panels import PanelHydrostatics
+    from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels, PanelHydrostatics
+    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.sea import Radiation
     from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
     from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
@@ -225,11 +226,18 @@ SAME_PLACE = 1e-6
 """Of the extent: how far the mirror image of a corner may be from another corner."""
 
 
-def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> BemInputs:
+def bem_inputs(
+    case: Case,
+    section: DatabaseSection,
+    folder: OutputFolder,
+    *,
+    say: Callable[[str], None] = lambda _text: None,
+) -> BemInputs:
     """What a database is computed from.
 
     The axes of the database are those of the first hull at the start, its origin above or below that of its frame.
     Every hull lies upright, where it is at the start, as deep as it floats with its tanks and what joints hold on it.
+    `say` is called with a sentence about the panels of each.
 
     Raises
     ------
@@ -242,7 +250,8 @@ def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> Be
     places = {name: _place(case, name) for name in section.hulls}
     origin, heading = places[section.hulls[0]]
     turn = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
-    hulls, references = [], []
+    hulls: list[HullPanels] = []
+    references, curved = [], 0.0
     for index, name in enumerate(section.hulls):
         place, own = places[name]
         off = math.remainder(own - heading, 2.0 * math.pi)
@@ -254,7 +263,10 @@ def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> Be
             )
         x, y = (float(value) for value in turn @ (place - origin))
         height = upright_position(case, name, folder).pose.height
-        hulls.append(_panels(case, name, compute, folder, height).translated(x, y, name=name))
+        mesh = _panels(case, name, compute, folder, height)
+        say(_panel_words(mesh, compute.panel_size))
+        hulls.append(mesh.hull.translated(x, y, name=name))
+        curved += mesh.curved * len(mesh.hull.panels)
         reference = np.array(case.hulls[name].reference) - frame_origin(case, name)
         references.append(reference + np.array([x, y, height]))
     if compute.symmetric:
@@ -271,6 +283,8 @@ def bem_inputs(case: Case, section: DatabaseSection, folder: OutputFolder) -> Be
         depth=water.depth,
         symmetric=compute.symmetric,
         lid=compute.lid,
+        lids=_lids(hulls, compute, say),
+        method=_method(hulls, curved),
         only_at_headings=bool(compute.headings),
     )
 
@@ -286,9 +300,7 @@ def _place(case: Case, name: str) -> tuple[NDArray[np.float64], float]:
     return rigid.position[:2], math.atan2(R[1, 0], R[0, 0])
 
 
-def _panels(
-    case: Case, name: str, compute: ComputeSection, folder: OutputFolder, height: float
-) -> HullPanels:
+def _panels(case: Case, name: str, compute: ComputeSection, folder: OutputFolder, height: float) -> PanelMesh:
     """Wetted panels of a hull whose frame is at a height above the water [m]."""
     surface = next(entry for entry in case.surfaces if entry.name == case.hulls[name].surface)
     origin = frame_origin(case, name)
@@ -297,44 +309,74 @@ def _panels(
         length, breadth, depth = size
         x, y, z = (float(value) for value in np.array(surface.at) - origin)
         draft = 0.5 * depth - z - height
-        return box_panels(length, breadth, draft, compute.panel_size, name=name).translated(x, y)
+        box = box_panels(length, breadth, draft, compute.panel_size, name=name).translated(x, y)
+        return PanelMesh(box, 1.0, 1.0, 1.0, 0.0)
     wetted = surface_panels(hull_surface(case, name, folder), level=-height, name=name)
     if compute.symmetric:
-        return _mirrored(wetted, compute.panel_size)
-    points, triangles = refined_triangles(wetted.points, wetted.triangles, compute.panel_size, name=name)
-    return _panels_of(points, triangles, name)
+        _check_halves(wetted)
+    return hull_panels(wetted, compute.panel_size, symmetric=compute.symmetric)
 
 
-def _mirrored(wetted: HullPanels, size: float) -> HullPanels:
-    """Refined panels of a hull that is symmetric about its plane y = 0: those of one half, and their mirror image."""
-    # the half of negative y: with y as the height, what is below the water
-    turned = TriangleSurface(
-        np.ascontiguousarray(wetted.points[:, [2, 0, 1]]), wetted.triangles, name=wetted.name
+def _check_halves(wetted: HullPanels) -> None:
+    """What is on both sides of y = 0 is equal."""
+    whole, half = (
+        hydrostatics(panels, 1.0, 1.0, np.zeros(3)) for panels in (wetted, cut_at_plane(wetted, 1))
     )
-    half = surface_panels(turned, name=wetted.name)
-    points, triangles = refined_triangles(half.points[:, [1, 2, 0]], half.triangles, size, name=wetted.name)
-    sides = [
-        hydrostatics(panels, 1.0, 1.0, np.zeros(3)) for panels in (wetted, _panels_of(points, triangles, ""))
-    ]
     extent = float(np.ptp(wetted.points, axis=0).max())
     if (
-        abs(2.0 * sides[1].volume - sides[0].volume) > SAME_PLACE * sides[0].volume
-        or abs(float(sides[0].centre_of_buoyancy[1])) > SAME_PLACE * extent
+        abs(2.0 * half.volume - whole.volume) > SAME_PLACE * whole.volume
+        or abs(float(whole.centre_of_buoyancy[1])) > SAME_PLACE * extent
     ):
         raise _not_symmetric(wetted.name, "unequal halves")
-    middle = np.abs(points[:, 1]) <= SAME_PLACE * extent
-    points[middle, 1] = 0.0
-    image = np.arange(len(points))
-    image[~middle] = len(points) + np.arange(np.count_nonzero(~middle))
-    others = points[~middle] * np.array([1.0, -1.0, 1.0])
-    both = np.concatenate(
-        [triangles, image[triangles[:, [1, 0, 2]]]]
-    )  # the last corner, which repeats, stays
-    return _panels_of(np.concatenate([points, others]), both, wetted.name)
 
 
-def _panels_of(points: NDArray[np.float64], triangles: NDArray[np.int64], name: str) -> HullPanels:
-    return HullPanels(points, np.column_stack([triangles, triangles[:, 2]]), name)
+def _panel_words(mesh: PanelMesh, size: float) -> str:
+    """What a user should know of the panels of a hull."""
+    words = f"{mesh.hull.name}: {len(mesh.hull.panels)} panels of {size:g} m"
+    if mesh.size < 1.0:
+        words += f", {mesh.size * size:.3g} m where it is round"
+    words += (
+        f"; volume {mesh.volume - 1.0:+.2%} and water plane {mesh.waterplane - 1.0:+.2%} against its surface"
+    )
+    if mesh.problem:
+        words += (
+            f"; WARNING: its triangles were halved instead of meshed anew ({mesh.problem}), "
+            "which takes several times as many panels"
+        )
+    return words
+
+
+def _lids(
+    hulls: list[HullPanels], compute: ComputeSection, say: Callable[[str], None]
+) -> tuple[HullPanels | None, ...]:
+    """Lids of hulls; none if a rim is not clear, for which Capytaine then lays rectangles."""
+    if not compute.lid:
+        return ()
+    try:
+        size = LID_SIZE * compute.panel_size
+        return tuple(lid_panels(hull, size, symmetric=compute.symmetric) for hull in hulls)
+    except InputError as error:
+        say(f"{error.source}: WARNING: no lid from rim to rim ({error.problem}); one of rectangles instead")
+        return ()
+
+
+def _method(hulls: list[HullPanels], curved: float) -> Literal["indirect", "direct"]:
+    """Unknowns of the integral equation: potentials for round hulls, and where water is enclosed.
+
+    Sources leave negative damping beyond the resonance of a moonpool, potentials do not.
+    """
+    if curved > ROUND * sum(len(hull.panels) for hull in hulls):
+        return "direct"
+    try:
+        return "direct" if any(moonpools(hull) for hull in hulls) else "indirect"
+    except InputError:
+        return "indirect"
+
+
+LID_SIZE = 1.5
+"""Of the panels of a lid relative to those of the hull: it is felt above the first irregular frequency alone."""
+ROUND = 0.5
+"""Share of curved surface from which on the unknowns are potentials."""
 
 
 def _not_symmetric(name: str, what: str) -> InputError:

@@ -126,18 +126,23 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
         _write(work.folder.database(name), read, "", checked=True)
         return read
     from heavylift.pipeline.assemble.hulls import bem_inputs
-    from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database
+    from heavylift.preprocess.hydrodynamics.bem import capytaine_version, compute_database, expected_seconds
     from heavylift.preprocess.hydrodynamics.bem import database_digest as inputs_digest
 
-    inputs = bem_inputs(work.case, section, work.folder)
+    inputs = bem_inputs(
+        work.case, section, work.folder, say=lambda text: work.log.say(f"mesh: {name}: {text}")
+    )
     digest = inputs_digest(inputs)
     refused = work.folder.refused_database(name)
     database = None if "mesh" in work.force else _computed_before(work, name, inputs)
     if database is None:
         capytaine_version()  # before anything is said: without it nothing can be done
         count = sum(len(hull.panels) for hull in inputs.hulls)
+        covers = sum(len(lid.panels) for lid in inputs.lids if lid is not None)
+        seconds = expected_seconds(inputs, section.compute.processes)
         work.log.say(
-            f"mesh: {name}: {count} panels, {len(inputs.omega)} frequencies, {len(inputs.headings)} headings"
+            f"mesh: {name}: {count} panels and {covers} of lids, {len(inputs.omega)} frequencies, "
+            f"{len(inputs.headings)} headings: {_duration(seconds)} by estimate"
         )
         found: list[HydrodynamicDatabase] = []
         with work.log.progress(f"mesh {name}", len(inputs.omega) + 1) as progress:
@@ -171,6 +176,14 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
         for file in (refused, refused.with_suffix(".json")):
             file.unlink(missing_ok=True)
     return database
+
+
+def _duration(seconds: float) -> str:
+    """An estimate to one digit, in the unit that suits it."""
+    for unit, length in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"about {seconds / length:.0f} {unit}"
+    return f"about {max(1.0, seconds):.0f} s"
 
 
 def _computed_before(work: Work, name: str, inputs: BemInputs) -> HydrodynamicDatabase | None:

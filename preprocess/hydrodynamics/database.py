@@ -292,8 +292,8 @@ def mass_scales(database: HydrodynamicDatabase) -> NDArray[np.float64]:
     return np.asarray(np.repeat(mass, 6) / length_scales(database) ** 2)
 
 
-LID = "lid at z = 0"
-"""What the source of a database says that was computed with a lid."""
+NO_LID = "no lid"
+"""What the source of a database says that was computed without a lid."""
 
 
 class Fault(NamedTuple):
@@ -366,7 +366,7 @@ def fault_error(
 def _remedy(database: HydrodynamicDatabase) -> str:
     """What to compute otherwise; a lid only where the source does not say that there was one."""
     panels = "finer panels, or without the frequencies at which the water between hulls resonates"
-    if LID in database.source:
+    if "lid" in database.source and NO_LID not in database.source:
         return panels
     return f"an irregular frequency, if it was computed without a lid on the water inside the hulls; else {panels}"
 

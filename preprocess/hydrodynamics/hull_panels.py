@@ -24,9 +24,12 @@ __all__ = [
     "HullPanels",
     "PanelHydrostatics",
     "box_panels",
+    "cut_at_plane",
     "hemisphere_panels",
     "hydrostatics",
+    "mirrored_panels",
     "surface_panels",
+    "triangle_panels",
 ]
 
 AT_LEVEL = 1e-9  # of the extent
@@ -170,6 +173,48 @@ def surface_panels(surface: TriangleSurface, *, level: float = 0.0, name: str = 
     return hull
 
 
+def triangle_panels(points: NDArray[np.float64], triangles: NDArray[np.int64], name: str) -> HullPanels:
+    """Panels of triangles (nt, 3); corners in one place get one number, triangles that collapse are left out."""
+    return _welded(points, np.column_stack([triangles, triangles[:, 2]]), name)
+
+
+def cut_at_plane(hull: HullPanels, axis: int, *, above: bool = False) -> HullPanels:
+    """Triangles of the part of a hull with a negative coordinate, or with a positive one.
+
+    Parameters
+    ----------
+    hull
+        Its panels; those that cross the plane through the origin are cut.
+    axis
+        0, 1 or 2: normal to the plane.
+    above
+        True: the part with a positive coordinate.
+    """
+    sign = -1.0 if above else 1.0
+    turn = [(axis + 1) % 3, (axis + 2) % 3, axis]
+    corners = hull.points[hull.triangles][:, :, turn] * np.array([1.0, 1.0, sign])
+    corners[np.abs(corners[:, :, 2]) < AT_LEVEL * float(np.ptp(hull.points, axis=0).max()), 2] = 0.0
+    rows = [(p[0], p[i], p[i + 1]) for p in map(_below, corners) for i in range(1, len(p) - 1)]
+    points = np.empty((3 * len(rows), 3))
+    points[:, turn] = np.array(rows).reshape(-1, 3) * np.array([1.0, 1.0, sign])
+    return triangle_panels(points, np.arange(len(points)).reshape(-1, 3), hull.name)
+
+
+def mirrored_panels(half: HullPanels) -> HullPanels:
+    """A hull whose half on one side of y = 0 is given; both halves share the corners in the plane."""
+    middle = np.abs(half.points[:, 1]) <= 1e-6 * float(np.ptp(half.points, axis=0).max())
+    points = half.points.copy()
+    points[middle, 1] = 0.0
+    image = np.arange(len(points))
+    image[~middle] = len(points) + np.arange(np.count_nonzero(~middle))
+    others = points[~middle] * np.array([1.0, -1.0, 1.0])
+    turned = half.panels[:, ::-1].copy()
+    three = half.panels[:, 2] == half.panels[:, 3]
+    turned[three] = half.panels[three][:, [1, 0, 2, 2]]
+    panels = np.concatenate([half.panels, image[turned]])
+    return HullPanels(np.concatenate([points, others]), panels, half.name)
+
+
 def hydrostatics(
     hull: HullPanels, density: float, gravity: float, reference: NDArray[np.float64]
 ) -> PanelHydrostatics:
@@ -256,6 +301,8 @@ def _below(triangle: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         if here[2] <= 0.0:
             polygon.append(here)
         if here[2] * there[2] < 0.0:
-            cut = here + here[2] / (here[2] - there[2]) * (there - here)
+            # from below, so that neighbours find the very same place
+            low, high = (here, there) if here[2] < 0.0 else (there, here)
+            cut = low + low[2] / (low[2] - high[2]) * (high - low)
             polygon.append(np.array([cut[0], cut[1], 0.0]))
     return polygon

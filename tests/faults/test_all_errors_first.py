@@ -158,7 +158,9 @@ stiffness = "1 MN/m"
     edit(small_case, ("[simulate]", block + '\n[simulate]\nstart = "equilibrium"'))
     result = heavylift("run", small_case)
     assert result.code == 2
-    assert "collisions.0.law: 'equilibrium' with law 'linear', by which surfaces cross at rest" in result.error
+    assert (
+        "collisions.0.law: 'equilibrium' with law 'linear', by which surfaces cross at rest" in result.error
+    )
     assert not (small_case / "out").exists()
 
 

@@ -28,6 +28,7 @@ from heavylift.pipeline.assemble.water import water_of
 from heavylift.pipeline.case.hulls import DatabaseSection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.checks.quantities import Quantities
+from heavylift.pipeline.log import Log
 from heavylift.pipeline.report.sea import sea_sections
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.preprocess.surfaces.refinement import refined_triangles
@@ -307,6 +308,17 @@ def test_databases_and_fits_of_another_folder_are_reused(folder, tmp_path, monke
     assert run.folder.memory("still").samefile(first.memory("still"))
 
 
+class Heard(Log):
+    """What was said."""
+
+    def __init__(self):
+        super().__init__(quiet=True)
+        self.lines = []
+
+    def say(self, text):
+        self.lines.append(text)
+
+
 def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
     """The method itself is another module's; here it is a function that counts its calls."""
     from heavylift.preprocess.hydrodynamics import bem
@@ -321,8 +333,12 @@ def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
     monkeypatch.setattr(bem, "capytaine_version", lambda: "0")
     compute = "databases.still.compute={panel_size = 5, frequencies = {first = 0.1, last = 1, count = 4}}"
     overrides = ["tanks=", "databases.still.file=", compute]
-    first = run_case(load_case(folder, overrides), stages=("mesh",))
+    log = Heard()
+    first = run_case(load_case(folder, overrides), stages=("mesh",), log=log)
     assert len(calls) == 1
+    (line,) = [line for line in log.lines if "headings: about" in line]
+    assert f"{calls[0]} panels and" in line
+    assert line.endswith("s by estimate")
     assert database_manifest(first.folder)["still"]["properties"]["source"] == "smooth functions"
     assert run_case(load_case(folder, overrides), stages=("mesh",)).stage("mesh").skipped
     # it starts elsewhere: the inputs of the case are others, those of the method are not
@@ -360,9 +376,20 @@ def test_panels_of_a_box_are_what_it_wets(folder):
             'surfaces.0.turned={axis = [0, 0, 1], angle = "0 deg"}',
         ],
     )
-    cut = bem_inputs(whole, whole.databases["still"], OutputFolder(folder / "out")).hulls[0]
+    said = []
+    again = bem_inputs(whole, whole.databases["still"], OutputFolder(folder / "out"), say=said.append)
+    cut = again.hulls[0]
     assert hydrostatics(cut, DENSITY, 9.81, np.zeros(3)).volume == pytest.approx(L * B * T, rel=1e-9)
     assert cut.longest_side <= 2.5 * (1.0 + 1e-9)
+    # as many panels as a grid has: 16 x 6 below, 16 or 6 x 1 on the sides
+    assert len(cut.panels) == 16 * 6 + 2 * 16 + 2 * 6
+    (sentence,) = said
+    assert sentence.startswith("barge: 140 panels of 2.5 m; volume +0.00% and water plane +0.00%")
+    assert "WARNING" not in sentence
+    (lid,) = again.lids
+    a, b, c = (lid.points[lid.triangles[:, i]] for i in range(3))
+    assert 0.5 * np.cross(b - a, c - a)[:, 2].sum() == pytest.approx(-L * B, rel=1e-9)
+    assert again.method == "indirect"
 
 
 def test_refined_triangles_keep_shape_winding_and_neighbours():

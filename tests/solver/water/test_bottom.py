@@ -445,7 +445,7 @@ def test_profile_and_energy_are_those_of_the_line(
         [line.anchor_tension, line.tension], abs=1e-6 * line.tension
     )
     assert (profile.z - m * profile.x + (clearance or 0.0)).min() > -1e-7
-    ds, mid = np.diff(profile.s), lambda a: (a[1:] + a[:-1]) / 2  # noqa: E731
+    ds, mid = np.diff(profile.s), lambda a: (a[1:] + a[:-1]) / 2
     w = np.repeat([section.weight for section in SOFT], 2000)
     EA = np.repeat([section.axial_stiffness for section in SOFT], 2000)
     energy = np.sum(w * mid(profile.z) * ds) + np.sum(mid(profile.tension**2) / (2 * EA) * ds)
