@@ -93,9 +93,10 @@ class Case(SceneTables, _CaseHeading):
             texts[f"check.{index}.reference.quantity"] = check.reference.quantity
         for key, text in texts.items():
             quantity = self.quantity(text)
-            problem = self._missing_for(quantity)
-            if problem:
-                reject(f"{text!r} needs {problem}", "a quantity that the case has", key=key)
+            for member in dict(quantity.members).values() or (text,):
+                problem = self._missing_for(self.quantity(member))
+                if problem:
+                    reject(f"{member!r} needs {problem}", "a quantity that the case has", key=key)
             if quantity.family == "drift" and quantity.item in {"momentum", "angular_momentum"}:
                 self._conserves_momentum(text, key)
 

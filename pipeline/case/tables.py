@@ -424,7 +424,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
         references={
             name: (str(row.get("channel")), row.get("scale") is not None) for name, row in references
         },
-        checks={name: str(row.get("quantity", "")) for name, row in checks},
+        checks={name: str(row.get("quantity", "")) for name, row in checks if "reference" in row},
         reference_names=Counter(name for name, _ in references),
         check_ids=Counter(name for name, _ in checks),
     )
