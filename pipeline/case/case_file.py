@@ -76,6 +76,7 @@ class Case(SceneTables, _CaseHeading):
             self._fits_the_sea,
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
+            *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
         for part in parts:
             try:
@@ -132,6 +133,16 @@ class Case(SceneTables, _CaseHeading):
             fluid_loads=self.fluid_loads,
             lines=self.lines,
         )
+
+    def _has_axes(self, index: int) -> None:
+        """A rotation is seen of what has three axes."""
+        for name in self.relative_motions[index].between:
+            if name in self.bodies and self.bodies[name].type == "frame":
+                reject(
+                    f"{name!r} is a frame, which has a tangent and no torsion",
+                    "bodies with three axes; sensors, and differences of their positions, on a frame",
+                    key=f"relative_motions.{index}.between",
+                )
 
     def _reference_fits(self, index: int, reference: ReferenceSection) -> None:
         """A reference file has the columns of its channel, and times that the simulation records."""

@@ -196,7 +196,7 @@ def _unreserved(name: str, info: ValidationInfo) -> str:
     if context and context.names.names[name] > 1:
         reject(
             f"{name!r} occurs {context.names.names[name]} times",
-            "one body, joint, rope, force, sensor, surface, collision, contour or contact a name",
+            "one body, joint, rope, force, sensor, relative motion, surface, collision, contour or contact a name",
             kind="repeated",
         )
     return name

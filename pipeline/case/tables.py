@@ -31,7 +31,7 @@ from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
-from heavylift.solver.scene.connections import FORCES, ROPES
+from heavylift.solver.scene.connections import FORCES, MEASURES, ROPES
 from heavylift.solver.scene.contacts import COLLISION_LAWS, CONTACT_LAWS, Contact
 from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
@@ -358,6 +358,11 @@ class SceneTables(Section):
         tuple[Annotated[Any, Chosen(SENSORS, word="sensors")], ...], Table("Sensors", "sensor")
     ] = ()
     """Material points whose motion is recorded."""
+    relative_motions: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="relative_motions")], ...],
+        Table("Relative motions", "relative motion", move=_move_sides),
+    ] = ()
+    """Motions of points of bodies in the axes of other bodies."""
 
 
 TABLES: Mapping[str, Table] = {
