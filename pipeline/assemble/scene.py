@@ -96,6 +96,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     sides = start_sides(bodies, origins)
     forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
     forces += assemble_list(case, "forces", sides)
+    forces += assemble_list(case, "relative_motions", sides)
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
@@ -208,12 +209,14 @@ def points_on(
     for i, sensor in enumerate(case.sensors):
         found.append((f"sensors.{i}.point", sensor.body, sensor.point))
     force: Any
-    for i, force in enumerate(case.forces):
+    both = [(f"forces.{i}", force) for i, force in enumerate(case.forces)]
+    both += [(f"relative_motions.{i}", motion) for i, motion in enumerate(case.relative_motions)]
+    for place, force in both:
         if hasattr(force, "point"):
-            found.append((f"forces.{i}.point", force.body, force.point))
+            found.append((f"{place}.point", force.body, force.point))
         elif hasattr(force, "points"):
             sides = zip(force.between, force.points, strict=True)
-            found += [(f"forces.{i}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
+            found += [(f"{place}.points.{k}", side, point) for k, (side, point) in enumerate(sides)]
     for i, joint in enumerate(joints):
         if joint is None or isinstance(joint, EdgeJoint):
             continue

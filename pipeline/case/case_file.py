@@ -76,6 +76,7 @@ class Case(SceneTables, _CaseHeading):
             self._fits_the_sea,
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
+            *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
         for part in parts:
             try:
@@ -93,9 +94,10 @@ class Case(SceneTables, _CaseHeading):
             texts[f"check.{index}.reference.quantity"] = check.reference.quantity
         for key, text in texts.items():
             quantity = self.quantity(text)
-            problem = self._missing_for(quantity)
-            if problem:
-                reject(f"{text!r} needs {problem}", "a quantity that the case has", key=key)
+            for member in dict(quantity.members).values() or (text,):
+                problem = self._missing_for(self.quantity(member))
+                if problem:
+                    reject(f"{member!r} needs {problem}", "a quantity that the case has", key=key)
             if quantity.family == "drift" and quantity.item in {"momentum", "angular_momentum"}:
                 self._conserves_momentum(text, key)
 
@@ -131,6 +133,16 @@ class Case(SceneTables, _CaseHeading):
             fluid_loads=self.fluid_loads,
             lines=self.lines,
         )
+
+    def _has_axes(self, index: int) -> None:
+        """A rotation is seen of what has three axes."""
+        for name in self.relative_motions[index].between:
+            if name in self.bodies and self.bodies[name].type == "frame":
+                reject(
+                    f"{name!r} is a frame, which has a tangent and no torsion",
+                    "bodies with three axes; sensors, and differences of their positions, on a frame",
+                    key=f"relative_motions.{index}.between",
+                )
 
     def _reference_fits(self, index: int, reference: ReferenceSection) -> None:
         """A reference file has the columns of its channel, and times that the simulation records."""

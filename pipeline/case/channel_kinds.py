@@ -114,7 +114,7 @@ class Declared:
     references
         Reference histories by name: the channel, and whether the deviation is scaled.
     checks
-        Quantities of the checks by id.
+        Quantities of the checks with a reference, by id.
     reference_names, check_ids
         How often each occurs.
     """

@@ -111,24 +111,48 @@ def _refuse_itself(quantity: str, reference: Any) -> None:
         )
 
 
+_LIMITS = ("maximum", "minimum")
+_WITH_REFERENCE = ("reference", "tolerance", "source")
+_Limit = Annotated[float, WithJsonSchema(quantity_schema(), mode="validation")]
+
+
 class CheckSection(Section):
-    """One number of the results against a reference."""
+    """One number of the results against a reference, or within limits; of a group the worst one counts."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "oneOf": [
+                {"required": list(_WITH_REFERENCE)},
+                {"anyOf": [{"required": [side]} for side in _LIMITS]},
+            ],
+            "dependentSchemas": {
+                side: {"not": {"anyOf": [{"required": [key]} for key in _WITH_REFERENCE[:2]]}}
+                for side in _LIMITS
+            },
+        }
+    )
 
     id: CheckId
     """Unique in the case."""
     quantity: QuantityString
-    """What is computed."""
-    reference: Reference
-    """Number in SI, string with a unit, or ``{ quantity = ... }``."""
-    tolerance: ToleranceSection
-    """Largest error that passes."""
-    source: Annotated[str, AfterValidator(_not_blank), Field(json_schema_extra={"pattern": r"\S"})]
-    """Where the reference comes from."""
+    """What is computed; with a pattern in place of an owner, of all that fit: ``channel.sling_*.tension.max``."""
+    reference: Reference | None = None
+    """Number in SI, string with a unit, or ``{ quantity = ... }``; of a group the member farthest from it counts."""
+    tolerance: ToleranceSection | None = None
+    """Largest error that passes; needed with a reference."""
+    maximum: _Limit | None = None
+    """In place of a reference: largest value that passes, in the unit of the quantity."""
+    minimum: _Limit | None = None
+    """In place of a reference, or beside `maximum`: smallest value that passes."""
+    source: Annotated[str, AfterValidator(_not_blank), Field(json_schema_extra={"pattern": r"\S"})] | None = (
+        None
+    )
+    """Where the reference or limit comes from; needed with a reference."""
 
     @field_validator("reference", mode="before")
     @classmethod
     def _has_the_unit_of_the_quantity(cls, value: Any, info: ValidationInfo) -> Any:
-        return value if isinstance(value, dict) else _in_unit(info, value)
+        return value if isinstance(value, dict) or value is None else _in_unit(info, value)
 
     @field_validator("tolerance", mode="before")
     @classmethod
@@ -137,12 +161,48 @@ class CheckSection(Section):
             return value | {"absolute": _in_unit(info, value["absolute"], 0.0)}
         return value
 
+    @field_validator("maximum", "minimum", mode="before")
+    @classmethod
+    def _limits_have_the_unit(cls, value: Any, info: ValidationInfo) -> Any:
+        return None if value is None else _in_unit(info, value)
+
+    @model_validator(mode="after")
+    def _a_reference_or_limits(self) -> "CheckSection":
+        limits = [side for side in _LIMITS if getattr(self, side) is not None]
+        given = [key for key in _WITH_REFERENCE[:2] if getattr(self, key) is not None]
+        if limits and given:
+            reject(
+                f"both {given[0]!r} and {limits[0]!r}",
+                "'reference' with 'tolerance', or 'maximum' or 'minimum'",
+                key=limits[0],
+            )
+        if not limits and not given:
+            expected = "'reference' with 'tolerance' and 'source', or 'maximum' or 'minimum'"
+            reject("has neither a reference nor a limit", expected)
+        if given:
+            missing = next((key for key in _WITH_REFERENCE if getattr(self, key) is None), None)
+            if missing is not None:
+                reject("is missing", "a value: needed with a reference", key=missing)
+        if self.maximum is not None and self.minimum is not None and self.minimum >= self.maximum:
+            reject(f"{self.minimum:g} is not below the maximum, {self.maximum:g}", "less", key="minimum")
+        return self
+
     @model_validator(mode="after")
     def _relative_to_something(self) -> "CheckSection":
-        if self.tolerance.relative is not None and self.reference == 0.0:
+        if self.tolerance is not None and self.tolerance.relative is not None and self.reference == 0.0:
             reject("a relative tolerance about a reference of 0", "tolerance = { absolute = ... }")
         _refuse_itself(self.quantity, self.reference)
         return self
+
+    @field_validator("reference")
+    @classmethod
+    def _is_one_number(cls, value: Any, info: ValidationInfo) -> Any:
+        context = CaseContext.of(info)
+        if isinstance(value, QuantityReference) and context is not None:
+            members = parse_quantity_name(value.quantity, context.names).members
+            if members:
+                reject(f"{value.quantity!r} is of {len(members)} things", "one number", key="quantity")
+        return value
 
 
 class SeriesSection(Section):

@@ -24,7 +24,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive, Quantity, quantity_schema
 from heavylift.numerics.units import KINDS, parse_quantity
 from heavylift.pipeline.case.channel_kinds import RESERVED_NAMES, Declared
-from heavylift.pipeline.case.quantity_names import channel_kind, parse_quantity_name
+from heavylift.pipeline.case.channel_names import is_pattern
+from heavylift.pipeline.case.quantity_names import channel_kind, channel_members, parse_quantity_name
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -52,6 +53,7 @@ __all__ = [
     "Quantity",
     "QuantityString",
     "RecordedChannel",
+    "RecordedChannels",
     "ReferenceName",
     "Section",
     "SideName",
@@ -194,7 +196,7 @@ def _unreserved(name: str, info: ValidationInfo) -> str:
     if context and context.names.names[name] > 1:
         reject(
             f"{name!r} occurs {context.names.names[name]} times",
-            "one body, joint, rope, force, sensor, surface, collision, contour or contact a name",
+            "one body, joint, rope, force, sensor, relative motion, surface, collision, contour or contact a name",
             kind="repeated",
         )
     return name
@@ -280,24 +282,49 @@ def _quantity_string(text: str, info: ValidationInfo) -> str:
 
 
 def _recorded_channel(name: str, info: ValidationInfo) -> str:
-    """A channel that a simulation of the case records."""
+    """A channel that a simulation of the case records, or a combination of such channels."""
     context = CaseContext.of(info)
-    owner, dot, last = name.partition(".")
-    number = last.rpartition(".")[0]  # of a node of an edge, or a contact of a collision
-    if not dot or (number and not (number.isdecimal() or number.startswith("contact_"))):
-        reject(f"{name!r} is no channel", "OWNER.CHANNEL, e.g. 'tip.position'")
-    if context and owner not in {*context.names.names, *SCENE_OWNERS}:
-        near = get_close_matches(owner, context.names.names, 1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        reject(
-            f"{name!r} names {owner!r}, which does not exist{hint}",
-            f"one of: {', '.join(context.names.names)}",
-        )
+    names = None if context is None else context.names
+    if "(" not in name:
+        owner, dot, last = name.partition(".")
+        number = last.rpartition(".")[0]  # of a node of an edge, or a contact of a collision
+        if not dot or (number and not (number.isdecimal() or number.startswith("contact_"))):
+            reject(f"{name!r} is no channel", "OWNER.CHANNEL, e.g. 'tip.position'")
+        if names is not None and owner not in {*names.names, *SCENE_OWNERS}:
+            near = get_close_matches(owner, names.names, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            reject(
+                f"{name!r} names {owner!r}, which does not exist{hint}",
+                f"one of: {', '.join(names.names)}",
+            )
     try:
-        channel_kind(name, name, None if context is None else context.names)
+        channel_kind(name, name, names)
     except InputError as error:
         reject(error.problem.replace("quantity", "channel"), error.expected)
     return name
+
+
+def _fitting_channels(name: str, info: ValidationInfo) -> str:
+    """A channel, or a pattern of channels."""
+    context = CaseContext.of(info)
+    if context is None or not is_pattern(name):
+        return _recorded_channel(name, info)
+    try:
+        members = channel_members(name, context.names)
+    except InputError as error:
+        reject(error.problem.replace("quantity", "channel"), error.expected)
+    for member in members:
+        _recorded_channel(member, info)
+    return name
+
+
+def _all_fitting(given: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+    """The channels that some names and patterns stand for, each once."""
+    context = CaseContext.of(info)
+    if context is None:
+        return given
+    names = context.names
+    return tuple(dict.fromkeys(one for name in given for one in channel_members(name, names)))
 
 
 class NoDefault:
@@ -307,7 +334,11 @@ class NoDefault:
 SCENE_OWNERS = ("energy", "momentum", "monitor")
 """First parts of the channels of the whole scene."""
 RecordedChannel = Annotated[str, AfterValidator(_recorded_channel)]
-"""Name of a recorded channel, ``OWNER.CHANNEL``."""
+"""Name of a recorded channel, ``OWNER.CHANNEL``, or a combination of channels."""
+RecordedChannels = Annotated[
+    tuple[Annotated[str, AfterValidator(_fitting_channels)], ...], AfterValidator(_all_fitting)
+]
+"""Names of recorded channels, and patterns; validates to all that they stand for."""
 UniqueName = Annotated[Name, AfterValidator(_unreserved)]
 """Name of a body, joint, rope, force, sensor, surface, collision, contour or contact that no other one has."""
 BodyName = Annotated[str, AfterValidator(_known_body)]

@@ -44,7 +44,8 @@ direction x; on a frame ``axial``, N/A, and ``largest``, N/A +- M c/I. Solids: a
 around, between them interpolated. Shells and frames: of one element at the point, not averaged.
 
 What channels there are depends on the owner: a hinge has an ``angle``, a rope a ``tension``; see
-`heavylift.pipeline.case.channel_kinds`.
+`heavylift.pipeline.case.channel_kinds`. In place of a channel there may be a combination of channels, and in place of
+an owner a pattern, which makes the quantity a group: see `heavylift.pipeline.case.channel_names`.
 """
 
 from __future__ import annotations
@@ -64,11 +65,20 @@ from heavylift.pipeline.case.channel_kinds import (
     all_channels,
     lies_along_edge,
 )
+from heavylift.pipeline.case.channel_names import (
+    combination_of,
+    combined_kind,
+    fitting,
+    is_pattern,
+    patterns_in,
+    split_name,
+    substituted,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
-__all__ = ["QuantityName", "channel_kind", "parse_quantity_name"]
+__all__ = ["QuantityName", "channel_kind", "channel_members", "parse_quantity_name"]
 
 MESH_QUANTITIES = {
     "node_count": "number",
@@ -130,7 +140,7 @@ class QuantityName(NamedTuple):
     """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``deviation``,
     ``lines``, ``hydrostatics`` or ``errors``."""
     owner: str
-    """Body, sensor, joint, rope or force; empty for quantities of the whole scene."""
+    """Body, sensor, joint, rope or force; empty for quantities of the whole scene, combinations and groups."""
     item: str
     """What of the owner, e.g. ``frequency`` or the channel name ``tip.position``; the name of a reference."""
     component: str
@@ -139,6 +149,8 @@ class QuantityName(NamedTuple):
     """Of a channel or a deviation."""
     kind: Kind
     """Its unit and dimension."""
+    members: tuple[tuple[str, str], ...] = ()
+    """Of a group: the names that fit its pattern, and their quantities."""
 
     @property
     def stage(self) -> str:
@@ -164,9 +176,14 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
     Raises
     ------
     InputError
-        If it is not one of the forms in the table above, or its owner has no such channel.
+        If it is not one of the forms in the table above, or its owner has no such channel; if no name fits a
+        pattern, or those that fit have quantities of several units.
     """
-    parts = text.split(".")
+    parts = split_name(text)
+    if names is not None and is_pattern(text):
+        members = _members(text, parts, names)
+        if members:
+            return _group(text, members, names)
     if parts[0] == "channel":
         return _channel(text, parts, names)
     if parts[0] == "frequency":
@@ -196,6 +213,62 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
         ]
         raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
     return readers[parts[0]](text, parts)
+
+
+def _members(text: str, parts: list[str], names: Declared) -> tuple[tuple[str, str], ...]:
+    """Names that fit the pattern of a quantity, and their quantities; none if it has no pattern of an owner."""
+    family, rest = parts[0], ".".join(parts[1:])
+    flexible = sorted(name for name, kind in names.body_types.items() if kind == "flexible")
+    owners = {
+        "channel": list(names.names),
+        "deviation": list(names.references),
+        "lines": sorted(names.lines),
+        "hydrostatics": sorted(names.hulls),
+    }
+    owners |= dict.fromkeys(("frequency", "stress"), owners["channel"])
+    owners |= dict.fromkeys(("mesh", "modes", "static", "ringdown"), flexible)
+    if family not in owners or not rest:
+        return ()
+    return _expanded(
+        rest, text, owners[family], lambda name: parse_quantity_name(f"{family}.{name}", names), f"{family}."
+    )
+
+
+def _expanded(
+    name: str, text: str, owners: list[str], check: Callable[[str], object], prefix: str = ""
+) -> tuple[tuple[str, str], ...]:
+    patterns = patterns_in(name)
+    if not patterns:
+        return ()
+    if len(patterns) > 1:
+        raise InputError(f"{text!r} has {len(patterns)} patterns", expected="one pattern, also several times")
+    (pattern,) = patterns
+    found = fitting(text, pattern, owners, lambda owner: check(substituted(name, pattern, owner)))
+    return tuple((owner, prefix + substituted(name, pattern, owner)) for owner in found)
+
+
+def _group(text: str, members: tuple[tuple[str, str], ...], names: Declared) -> QuantityName:
+    """A quantity of all members, which have one kind."""
+    parsed = [parse_quantity_name(member, names) for _, member in members]
+    odd = next((one for one in parsed if one.kind.dimension != parsed[0].kind.dimension), None)
+    if odd is not None:
+        raise InputError(
+            f"quantity {text!r}: {parsed[0].text!r} is in {parsed[0].kind.unit}, {odd.text!r} in {odd.kind.unit}",
+            expected="a pattern of quantities of one unit",
+        )
+    return parsed[0]._replace(text=text, owner="", item="", members=members)
+
+
+def channel_members(name: str, names: Declared) -> tuple[str, ...]:
+    """Channels that the name of a channel with a pattern stands for; the name itself if it has none.
+
+    Raises
+    ------
+    InputError
+        If no owner fits, or none that fits has such a channel.
+    """
+    found = _expanded(name, name, list(names.names), lambda one: channel_kind(one, one, names))
+    return tuple(channel for _, channel in found) or (name,)
 
 
 def _unknown(text: str, word: str, known: object) -> str:
@@ -263,7 +336,8 @@ def _drift(text: str, parts: list[str]) -> QuantityName:
 
 
 def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityName:
-    if len(parts) < 4 or "" in parts or parts[-1] not in STATISTICS:
+    least = 3 if "(" in text else 4
+    if len(parts) < least or "" in parts or parts[-1] not in STATISTICS:
         raise InputError(
             f"quantity {text!r} is unknown",
             expected="channel.OWNER.KIND.STATISTIC or channel.OWNER.KIND.COMPONENT.STATISTIC with STATISTIC one of "
@@ -281,7 +355,7 @@ def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityNam
 
 
 def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityName:
-    if len(parts) < 3 or "" in parts:
+    if len(parts) < (2 if "(" in text else 3) or "" in parts:
         raise InputError(
             f"quantity {text!r} is unknown",
             expected="frequency.OWNER.KIND or frequency.OWNER.KIND.COMPONENT",
@@ -321,7 +395,9 @@ def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName
 
 
 def _channel_parts(parts: list[str]) -> tuple[str, str, str]:
-    """Owner, channel and component of ``OWNER.KIND[.COMPONENT]``, split at the dots."""
+    """Owner, channel and component of ``OWNER.KIND[.COMPONENT]``, split at the dots; a combination has no owner."""
+    if "(" in parts[0]:
+        return "", parts[0], ".".join(parts[1:])
     # a node of an edge, or a contact of a collision, stands before the kind
     own = 3 if len(parts) > 2 and (parts[1].isdecimal() or _CONTACT.fullmatch(parts[1])) else 2
     return "" if parts[0] in RESERVED_NAMES else parts[0], ".".join(parts[:own]), ".".join(parts[own:])
@@ -329,6 +405,10 @@ def _channel_parts(parts: list[str]) -> tuple[str, str, str]:
 
 def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
     """Kind of a channel such as ``"tip.position"``; `text` is what a message says is unknown."""
+    combination = combination_of(name)
+    if combination is not None:
+        kinds = [_term_kind(term, text, names) for term in combination.terms]
+        return combined_kind(name, combination.function, kinds)
     owner, _, last = name.partition(".")
     scene = owner in RESERVED_NAMES
     known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()
@@ -350,6 +430,26 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
         whose = "a channel" if scene else f"a channel of {owner!r}"
         raise InputError(_unknown(text, key, known), expected=f"{whose}: {', '.join(known) or 'none'}")
     return KINDS[known[key]]
+
+
+def _term_kind(term: str, text: str, names: Declared | None) -> Kind:
+    """Kind of a term of a combination; of a pattern in a sum that of all that fit."""
+    if names is not None and patterns_in(term):
+        members = channel_members(term, names)
+        return combined_kind(text, "sum", [_term_kind(member, text, names) for member in members])
+    parts = split_name(term)
+    alone = "(" in parts[0]
+    if "" in parts or len(parts) < (1 if alone else 2):
+        raise InputError(f"{text!r}: {term!r} is no channel", expected="OWNER.CHANNEL, e.g. tip.position.z")
+    owner, name, _ = _channel_parts(parts)
+    if names is not None and owner and owner not in names.names:
+        near = get_close_matches(owner, names.names, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise InputError(
+            f"{text!r} names {owner!r}, which does not exist{hint}",
+            expected=f"one of: {', '.join(names.names)}",
+        )
+    return channel_kind(name, text, names)
 
 
 def _contact_channel(owner: str, contact: str, kind: str, text: str, names: Declared | None) -> str:

@@ -66,7 +66,9 @@ class ReferenceSection(Section):
 
     @property
     def components(self) -> tuple[str, ...] | None:
-        """Components the channel may have; None if only the scene tells."""
+        """Components the channel may have; None if only the scene tells, or the terms of a combination."""
+        if "(" in self.channel:
+            return None
         given = channel_components(self.channel.rpartition(".")[2])
         return ("value", *given) if given is not None and len(given) == 1 else given
 

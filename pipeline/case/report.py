@@ -9,7 +9,7 @@ from pydantic import Field
 from heavylift.pipeline.case.fields import (
     Positive,
     Quantity,
-    RecordedChannel,
+    RecordedChannels,
     Section,
 )
 from heavylift.solver.scene.meshes import ShellSide
@@ -51,7 +51,8 @@ class ReportSection(Section):
     """Times [s] at which colliding surfaces are pictured; if empty each collision at its largest force or impulse."""
     deformation: Annotated[float, Positive("number")] = 0.1
     """Largest displacement drawn in pictures of mode shapes, relative to the size of the body."""
-    channels: tuple[RecordedChannel, ...] = ()
-    """Channels plotted over time; a choice is made if empty."""
-    spectra: tuple[RecordedChannel, ...] = ()
-    """Channels whose amplitude spectra are plotted; the modal positions if empty."""
+    channels: RecordedChannels = ()
+    """Channels plotted over time, patterns as in ``"sling_*.tension"`` and combinations of channels; a choice is made
+    if empty."""
+    spectra: RecordedChannels = ()
+    """Channels whose amplitude spectra are plotted, named likewise; the modal positions if empty."""

@@ -31,7 +31,7 @@ from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
-from heavylift.solver.scene.connections import FORCES, ROPES
+from heavylift.solver.scene.connections import FORCES, MEASURES, ROPES
 from heavylift.solver.scene.contacts import COLLISION_LAWS, CONTACT_LAWS, Contact
 from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
@@ -358,6 +358,11 @@ class SceneTables(Section):
         tuple[Annotated[Any, Chosen(SENSORS, word="sensors")], ...], Table("Sensors", "sensor")
     ] = ()
     """Material points whose motion is recorded."""
+    relative_motions: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="relative_motions")], ...],
+        Table("Relative motions", "relative motion", move=_move_sides),
+    ] = ()
+    """Motions of points of bodies in the axes of other bodies."""
 
 
 TABLES: Mapping[str, Table] = {
@@ -424,7 +429,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
         references={
             name: (str(row.get("channel")), row.get("scale") is not None) for name, row in references
         },
-        checks={name: str(row.get("quantity", "")) for name, row in checks},
+        checks={name: str(row.get("quantity", "")) for name, row in checks if "reference" in row},
         reference_names=Counter(name for name, _ in references),
         check_ids=Counter(name for name, _ in checks),
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+import math
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -38,45 +39,88 @@ _SHOWN = 20  # components of a message at most
 
 @dataclass(frozen=True)
 class CheckResult:
-    """A quantity beside its reference.
+    """A quantity beside its reference, or within its limits.
 
     Attributes
     ----------
     id, quantity
         From the case.
-    value, reference
-        In `unit` (SI).
+    value
+        In `unit` (SI); of a group that of the worst member: with limits the least margin, else the largest error.
+    unit, source
+        Unit of value, reference and limits; where these come from.
+    passed
+        Whether ``error <= tolerance``, or the value is within the limits.
+    reference
+        None with limits, as are `error` and `tolerance`.
     error
         ``|value - reference|``, divided by ``|reference|`` if the tolerance is relative.
     tolerance
         Largest error that passes.
     relative
         Whether error and tolerance are relative.
-    unit, source
-        Unit of value and reference; where the reference comes from.
-    passed
-        Whether ``error <= tolerance``.
+    maximum, minimum
+        Limits; None if absent.
     seen
         Of a largest or smallest value: of what, e.g. ``"largest of 40,000 steps"``; else empty.
+    where
+        Name of the worst member of a group, and when an extreme was: ``"sling_3 at 12.4 s"``, ``"at 12.4 s"``. Of all
+        steps it is the record that ends the interval with the extreme.
     """
 
     id: str
     quantity: str
     value: float
-    reference: float
-    error: float
-    tolerance: float
-    relative: bool
     unit: str
     source: str
     passed: bool
+    reference: float | None = None
+    error: float | None = None
+    tolerance: float | None = None
+    relative: bool = False
+    maximum: float | None = None
+    minimum: float | None = None
     seen: str = ""
+    where: str = ""
+
+    @property
+    def has_limits(self) -> bool:
+        """Whether it has limits, not a reference."""
+        return self.reference is None
+
+    @property
+    def governing(self) -> tuple[str, float]:
+        """The limit to which the value is nearest: ``"maximum"`` or ``"minimum"``, and its value."""
+        limits = {"maximum": self.maximum, "minimum": self.minimum}
+        given = {side: limit for side, limit in limits.items() if limit is not None}
+        side = min(given, key=lambda one: _room(one, given[one], self.value))
+        return side, given[side]
+
+    @property
+    def margin(self) -> float | None:
+        """How far the value is within its limits, in `unit`; negative beyond them; None with a reference."""
+        return None if not self.has_limits else _room(*self.governing, self.value)
+
+    @property
+    def utilisation(self) -> float | None:
+        """Value divided by the maximum, if that governs and is positive and the value is not negative; else None."""
+        if not self.has_limits:
+            return None
+        side, limit = self.governing
+        return self.value / limit if side == "maximum" and limit > 0.0 and self.value >= 0.0 else None
 
     def row(self) -> dict[str, Any]:
         """The check as plain values, in the order of the ``verify --json`` document."""
         row = asdict(self)
         order = ("id", "value", "reference", "error", "tolerance", "unit", "source", "passed")
-        return {key: row[key] for key in order} | ({"seen": self.seen} if self.seen else {})
+        limits = ("maximum", "minimum", "margin", "utilisation") if self.has_limits else ()
+        words = {key: row[key] for key in ("seen", "where") if row[key]}
+        return {key: row[key] for key in order} | {key: getattr(self, key) for key in limits} | words
+
+
+def _room(side: str, limit: float, value: float) -> float:
+    """How far a value is within a limit."""
+    return limit - value if side == "maximum" else value - limit
 
 
 class Quantities:
@@ -102,7 +146,7 @@ class Quantities:
         return load_results(self._case, self._folder.root)
 
     def evaluate(self, text: str) -> NDArray[np.float64]:
-        """Value of a quantity in SI: a number, or an array for a channel without component.
+        """Value of a quantity in SI: a number, or an array for a channel without component and for a group.
 
         Raises
         ------
@@ -110,6 +154,8 @@ class Quantities:
             If a mode, channel or component does not exist, or the results are missing.
         """
         name = self._case.quantity(text)
+        if name.members:
+            return np.concatenate([self.evaluate(member).ravel() for _, member in name.members])
         readers = {
             "mesh": self._mesh,
             "modes": self._modes,
@@ -133,6 +179,16 @@ class Quantities:
         if name.family != "channel" or name.statistic not in words:
             return ""
         return f"{words[name.statistic]} of {self.results.extremes(name.item, name.statistic)[1]}"
+
+    def time_of_extreme(self, text: str) -> float | None:
+        """When a largest or smallest value was [s]; None of other quantities. Of all steps it is the next record."""
+        name = self._case.quantity(text)
+        reader = {"channel": self._history, "stress": self._stress_history}.get(name.family)
+        if reader is None or name.statistic not in {"max", "min"}:
+            return None
+        history = reader(name)
+        index = history.argmax() if name.statistic == "max" else history.argmin()
+        return float(self.results.time[index]) if history.ndim == 1 else None
 
     def number(self, text: str) -> float:
         """Value of a quantity that is one number."""
@@ -270,6 +326,11 @@ class Quantities:
             )
         elif len(components) == 1:
             history = history[:, 0]
+        if "(" in name.item and np.isnan(history).any():
+            time = results.time[np.isnan(history.reshape(len(results.time), -1)).any(axis=1)][0]
+            raise self._missing(
+                name, f"numbers; at {time:.6g} s a ratio divides by zero, or the run has none"
+            )
         return np.asarray(history)
 
     def _deviation(self, name: QuantityName) -> float:
@@ -305,12 +366,18 @@ class Quantities:
         checks = [
             check
             for check in self._case.check
-            if check.id.startswith(f"{name.item}_") and not check.quantity.startswith("errors")
+            if check.id.startswith(f"{name.item}_")
+            and check.reference is not None
+            and not check.quantity.startswith("errors")
         ]
-        return max(abs(self.number(check.quantity) - self._reference(check)) for check in checks)
+        return float(
+            max(np.abs(self.evaluate(check.quantity) - self.reference(check)).max() for check in checks)
+        )
 
-    def _reference(self, check: CheckSection) -> float:
+    def reference(self, check: CheckSection) -> float:
+        """Reference of a check that has one, in SI."""
         given = check.reference
+        assert given is not None
         return given if isinstance(given, float) else self.number(given.quantity)
 
     def _vector(self, name: QuantityName, count: int) -> int:
@@ -364,7 +431,7 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     errors: list[InputError] = []
     for check in case.check:
         try:
-            found.append(_evaluate(check, quantities, case.quantity(check.quantity).kind.unit))
+            found.append(_evaluate(check, quantities, case.quantity(check.quantity)))
         except InputErrors as error:
             errors += error.errors
         except InputError as error:
@@ -376,24 +443,51 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     return found
 
 
-def _evaluate(check: CheckSection, quantities: Quantities, unit: str) -> CheckResult:
-    value = quantities.number(check.quantity)
-    reference = check.reference
-    if not isinstance(reference, float):
-        reference = quantities.number(reference.quantity)
-    relative = check.tolerance.relative is not None
-    tolerance = check.tolerance.relative if relative else check.tolerance.absolute
-    error = abs(value - reference) / (abs(reference) if relative else 1.0)
-    return CheckResult(
+def _evaluate(check: CheckSection, quantities: Quantities, name: QuantityName) -> CheckResult:
+    """The check of the member of a group that is worst, or of a quantity by itself."""
+    results = [
+        _of_member(check, quantities, name.kind.unit, owner, text)
+        for owner, text in name.members or (("", check.quantity),)
+    ]
+    return max(results, key=_badness)
+
+
+def _badness(check: CheckResult) -> tuple[bool, float]:
+    """What grows with the error, or as the margin shrinks; a value that is no number is worse than any."""
+    worse = check.error if check.error is not None else -(check.margin or 0.0)
+    return math.isnan(worse), worse
+
+
+def _of_member(
+    check: CheckSection, quantities: Quantities, unit: str, owner: str, quantity: str
+) -> CheckResult:
+    value = quantities.number(quantity)
+    time = quantities.time_of_extreme(quantity)
+    result = CheckResult(
         id=check.id,
         quantity=check.quantity,
         value=value,
+        unit=unit,
+        source=check.source or "",
+        passed=False,
+        maximum=check.maximum,
+        minimum=check.minimum,
+        seen=quantities.seen(quantity),
+        where=" ".join(filter(None, (owner, "" if time is None else f"at {time:.6g} s"))),
+    )
+    if check.reference is None:
+        margin = result.margin
+        return replace(result, passed=bool(margin is not None and margin >= 0.0))
+    assert check.tolerance is not None
+    reference = quantities.reference(check)
+    relative = check.tolerance.relative is not None
+    tolerance = float((check.tolerance.relative if relative else check.tolerance.absolute) or 0.0)
+    error = abs(value - reference) / (abs(reference) if relative else 1.0)
+    return replace(
+        result,
+        passed=bool(error <= tolerance),
         reference=reference,
         error=error,
-        tolerance=float(tolerance or 0.0),
+        tolerance=tolerance,
         relative=relative,
-        unit=unit,
-        source=check.source,
-        passed=bool(error <= float(tolerance or 0.0)),
-        seen=quantities.seen(check.quantity),
     )

@@ -66,15 +66,20 @@ class CaseVerdict:
 def _missed_row(check: CheckSection, unit: str) -> dict[str, Any]:
     """A check that was not reached, with the keys of `CheckResult.row`."""
     tolerance = check.tolerance
+    limits = {} if tolerance is not None else {"maximum": check.maximum, "minimum": check.minimum}
+    allowed = None
+    if tolerance is not None:
+        allowed = tolerance.relative if tolerance.relative is not None else tolerance.absolute
     return {
         "id": check.id,
         "value": None,
         "reference": None if isinstance(check.reference, QuantityReference) else check.reference,
         "error": None,
-        "tolerance": tolerance.relative if tolerance.relative is not None else tolerance.absolute,
+        "tolerance": allowed,
         "unit": unit,
-        "source": check.source,
+        "source": check.source or "",
         "passed": False,
+        **limits,
     }
 
 
@@ -139,6 +144,12 @@ def exit_code(verdicts: Sequence[CaseVerdict]) -> int:
     return max((int(verdict.outcome) for verdict in verdicts), default=0)
 
 
+def _ending(check: CheckResult) -> str:
+    """Result of a check, which member of a group it is of, when, and what was seen."""
+    words = [*([check.where] if check.where else []), *([check.seen] if check.seen else [])]
+    return ("passed" if check.passed else "FAILED") + (f"  ({'; '.join(words)})" if words else "")
+
+
 def check_table(verdict: CaseVerdict) -> list[str]:
     """Lines of a table for a person."""
     lines = [f"{verdict.case}: {verdict.outcome.text}, {verdict.cpu_s:.1f} s CPU"]
@@ -147,15 +158,25 @@ def check_table(verdict: CaseVerdict) -> list[str]:
     if not verdict.checks and not verdict.missed and verdict.outcome is Outcome.COMPLETED:
         lines.append("  no checks")
     lines += [f"  {check.id}: not reached, FAILED" for check, _ in verdict.missed]
-    if verdict.checks:
-        width = max(len(check.id) for check in verdict.checks)
+    width = max((len(check.id) for check in verdict.checks), default=0)
+    compared = [check for check in verdict.checks if not check.has_limits]
+    if compared:
         lines.append(
             f"  {'check':{width}}  {'value':>16} {'reference':>16} {'unit':8} {'error':>9} {'tolerance':>9}"
         )
-    for check in verdict.checks:
-        mark = "passed" if check.passed else "FAILED"
+    for check in compared:
         lines.append(
             f"  {check.id:{width}}  {check.value:16.9g} {check.reference:16.9g} {check.unit:8} "
-            f"{check.error:9.2e} {check.tolerance:9.2e}  {mark}" + (f"  ({check.seen})" if check.seen else "")
+            f"{check.error:9.2e} {check.tolerance:9.2e}  {_ending(check)}"
+        )
+    limited = [check for check in verdict.checks if check.has_limits]
+    if limited:
+        lines.append(f"  {'check':{width}}  {'value':>16} {'limit':>16} {'unit':8} {'used':>9} {'margin':>9}")
+    for check in limited:
+        side, limit = check.governing
+        used = "-" if check.utilisation is None else f"{100.0 * check.utilisation:.1f} %"
+        lines.append(
+            f"  {check.id:{width}}  {check.value:16.9g} {'<=' if side == 'maximum' else '>='} {limit:13.9g} "
+            f"{check.unit:8} {used:>9} {check.margin:9.3g}  {_ending(check)}"
         )
     return lines

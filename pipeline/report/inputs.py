@@ -9,6 +9,7 @@ import numpy as np
 from heavylift.pipeline.report.collisions import collision_tables
 from heavylift.pipeline.report.connections import connection_tables
 from heavylift.pipeline.report.contacts import contact_tables
+from heavylift.pipeline.report.described import described_table
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.results.words import number_words, numbers_words, profile_words
 
@@ -49,6 +50,7 @@ def input_section(case: Case) -> Section:
                 [(sensor.name, sensor.body, numbers_words(sensor.point, "m")) for sensor in case.sensors],
             )
         )
+    items += described_table("relative motion", case.relative_motions)
     return Section("Inputs", tuple(items))
 
 

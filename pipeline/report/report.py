@@ -168,7 +168,7 @@ def _stopped(outcome: Outcome | None, message: str, checks: list[CheckResult]) -
     """Verdict on a simulation that did not reach its end; None for one that did, or has not run."""
     if outcome is None or outcome is Outcome.COMPLETED:
         return None
-    failed = [check.id for check in checks if not check.passed]
+    failed = [_with_place(check) for check in checks if not check.passed]
     words = [outcome.text.removeprefix("stopped: "), message, "The results are those up to there"]
     if failed:
         words.append(f"Failed besides: {', '.join(failed)}")
@@ -179,7 +179,7 @@ def _stopped(outcome: Outcome | None, message: str, checks: list[CheckResult]) -
 
 def _verdict(case: Case, checks: list[CheckResult], missing: dict[str, str], *, simulated: bool) -> Verdict:
     """One line: what passed, what failed, what is not known."""
-    failed = [check.id for check in checks if not check.passed]
+    failed = [_with_place(check) for check in checks if not check.passed]
     count = len(case.check)
     if failed:
         return Verdict(f"Failed: {len(failed)} of {count} checks ({', '.join(failed)}).", passed=False)
@@ -189,29 +189,82 @@ def _verdict(case: Case, checks: list[CheckResult], missing: dict[str, str], *, 
         return Verdict("Open: the case has not been simulated.", passed=None)
     if not count:
         return Verdict("No verdict: the case has no checks.", passed=None)
-    return Verdict(f"Passed: {'the only check' if count == 1 else f'all {count} checks'}.", passed=True)
+    used = max((check for check in checks if check.utilisation is not None), key=_used, default=None)
+    most = f"; at most {100.0 * _used(used):.3g} % of a limit is used, {_with_place(used)}" if used else ""
+    return Verdict(f"Passed: {'the only check' if count == 1 else f'all {count} checks'}{most}.", passed=True)
+
+
+def _used(check: CheckResult) -> float:
+    return check.utilisation or 0.0
+
+
+def _with_place(check: CheckResult) -> str:
+    """Id of a check; of a group its worst member, of an extreme when it was."""
+    return f"{check.id}: {check.where}" if check.where else check.id
 
 
 def _check_section(checks: list[CheckResult], missing: dict[str, str]) -> Section:
-    rows: list[tuple[str, ...]] = []
-    marks: list[bool | None] = []
-    for check in checks:
-        kind = "rel." if check.relative else check.unit
-        rows.append(
-            (
-                check.id,
-                f"{check.value:.8g}",
-                f"{check.reference:.8g}",
-                check.unit if check.unit != "1" else "–",
-                f"{check.error:.2e} {kind}",
-                f"{check.tolerance:.2e} {kind}",
-                f"{check.source} ({check.seen})" if check.seen else check.source,
-                "passed" if check.passed else "FAILED",
+    tables = []
+    compared = [check for check in checks if not check.has_limits]
+    limited = [check for check in checks if check.has_limits]
+    if compared or missing:
+        rows = [_compared_row(check) for check in compared]
+        rows += [(name, "–", "–", "–", "–", "–", reason, "open") for name, reason in missing.items()]
+        marks = (*(check.passed for check in compared), *(None for _ in missing))
+        header = ("check", "value", "reference", "unit", "error", "tolerance", "source", "result")
+        tables.append(Table(header, tuple(rows), frozenset({1, 2, 4, 5}), marks))
+    if limited:
+        tables.append(
+            Table(
+                ("check", "value", "limit", "unit", "used", "margin", "where", "source", "result"),
+                tuple(_limit_row(check) for check in limited),
+                frozenset({1, 2, 4, 5}),
+                tuple(check.passed for check in limited),
             )
         )
-        marks.append(check.passed)
-    for name, reason in missing.items():
-        rows.append((name, "–", "–", "–", "–", "–", reason, "open"))
-        marks.append(None)
-    header = ("check", "value", "reference", "unit", "error", "tolerance", "source", "result")
-    return Section("Checks", (Table(header, tuple(rows), frozenset({1, 2, 4, 5}), tuple(marks)),))
+    return Section("Checks", tuple(tables))
+
+
+def _compared_row(check: CheckResult) -> tuple[str, ...]:
+    """A check with its reference."""
+    kind = "rel." if check.relative else check.unit
+    return (
+        check.id,
+        f"{check.value:.8g}",
+        f"{check.reference:.8g}",
+        _unit(check),
+        f"{check.error:.2e} {kind}",
+        f"{check.tolerance:.2e} {kind}",
+        _source(check, check.where, check.seen),
+        _result(check),
+    )
+
+
+def _limit_row(check: CheckResult) -> tuple[str, ...]:
+    """A check with limits: the nearest one."""
+    side, limit = check.governing
+    return (
+        check.id,
+        f"{check.value:.6g}",
+        f"{'≤' if side == 'maximum' else '≥'} {limit:.6g}",
+        _unit(check),
+        "–" if check.utilisation is None else f"{100.0 * check.utilisation:.1f} %",
+        f"{check.margin:.4g}",
+        check.where or "–",
+        _source(check, check.seen) or "–",
+        _result(check),
+    )
+
+
+def _unit(check: CheckResult) -> str:
+    return check.unit if check.unit != "1" else "–"
+
+
+def _source(check: CheckResult, *more: str) -> str:
+    """Source of a reference or limit, with further words in parentheses."""
+    words = "; ".join(filter(None, more))
+    return f"{check.source} ({words})".strip() if words else check.source
+
+
+def _result(check: CheckResult) -> str:
+    return "passed" if check.passed else "FAILED"

@@ -405,6 +405,8 @@ def _reduced_frequencies(stages: OutputFolder, body: str) -> dict[str, float]:
 
 
 def _words(name: str) -> str:
+    if "(" in name:  # a combination of channels
+        return name
     owner, _, kind = name.partition(".")
     return (
         f"{owner}: {kind.replace('_', ' ').replace('modal position', 'modal coordinates')}" if kind else owner

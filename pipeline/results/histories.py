@@ -18,6 +18,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.units import Kind, parse_unit
+from heavylift.pipeline.case.channel_names import (
+    combination_of,
+    combined_kind,
+    fitting,
+    patterns_in,
+    split_name,
+    substituted,
+)
 from heavylift.pipeline.results.mesh_results import MeshShape, read_meshes, write_meshes
 from heavylift.pipeline.results.model_io import open_hdf5
 from heavylift.pipeline.results.storage import OutputFolder, digest_bytes, replacing
@@ -217,10 +226,17 @@ class Results:
         self.metadata = dict(metadata)
         self._channels = dict(channels)
         self._columns = columns
+        self._combinations: dict[str, tuple[NDArray[np.float64], ChannelInfo]] = {}
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """Array of a channel in SI: shape (nr,) for one number a record, else (nr, components)."""
-        channel = self.channel(name)
+        """Array of a channel in SI: shape (nr,) for one number a record, else (nr, components).
+
+        The name may be that of a combination of channels, see `heavylift.pipeline.case.channel_names`; a ratio is not a
+        number at records where its second term is zero.
+        """
+        if name not in self._channels:
+            return self._combined(name)[0]
+        channel = self._channels[name]
         array: NDArray[np.float64] = self._columns[name]
         return array[:, 0] if len(channel.components) == 1 else array
 
@@ -231,7 +247,91 @@ class Results:
         return len(self._channels)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._channels
+        if name in self._channels or not isinstance(name, str) or "(" not in name:
+            return name in self._channels
+        try:
+            self._combined(name)
+        except InputError:
+            return False
+        return True
+
+    def fitting(self, name: str) -> tuple[str, ...]:
+        """Channels whose owners fit the pattern in a name, in the order of the records; the name itself without one.
+
+        Raises
+        ------
+        InputError
+            If there are none, or it has several patterns.
+        """
+        patterns = patterns_in(name)
+        if not patterns:
+            return (name,)
+        if len(patterns) > 1:
+            raise InputError(f"{name!r} has {len(patterns)} patterns", expected="one, also several times")
+        (pattern,) = patterns
+        owners = fitting(
+            name,
+            pattern,
+            (channel.partition(".")[0] for channel in self._channels),
+            lambda owner: self._term(substituted(name, pattern, owner)),
+        )
+        return tuple(substituted(name, pattern, owner) for owner in owners)
+
+    def _combined(self, name: str) -> tuple[NDArray[np.float64], ChannelInfo]:
+        """Records of a combination, as `__getitem__` gives them, and what they are."""
+        if name in self._combinations:
+            return self._combinations[name]
+        combination = combination_of(name)
+        if combination is None:
+            raise InputError(
+                f"channel {name!r} does not exist",
+                source=self.source,
+                expected=f"one of: {', '.join(self._channels)}",
+            )
+        terms = [
+            self._term(one)
+            for term in combination.terms
+            for one in (self.fitting(term) if combination.function == "sum" else (term,))
+        ]
+        kinds = [Kind("", info.unit, parse_unit(info.unit)[1]) for _, info in terms]
+        unit = combined_kind(name, combination.function, kinds).unit
+        first, components = terms[0][0], terms[0][1].components
+        for values, info in terms[1:]:
+            if values.shape != first.shape or (values.ndim > 1 and info.components != components):
+                raise InputError(
+                    f"{name!r} combines {len(components)} components with {len(info.components)}",
+                    source=self.source,
+                    expected="channels with the same components, or one component of each",
+                )
+        values = first
+        if combination.function == "sum":
+            values = np.sum([one for one, _ in terms], axis=0)
+        elif combination.function == "difference":
+            values = first - terms[1][0]
+        else:
+            second = terms[1][0]
+            values = np.full(first.shape, np.nan)
+            np.divide(first, second, out=values, where=second != 0.0)
+        columns = components if values.ndim > 1 else (combination.function,)
+        self._combinations[name] = values, ChannelInfo(name, unit, columns, 0)
+        return self._combinations[name]
+
+    def _term(self, name: str) -> tuple[NDArray[np.float64], ChannelInfo]:
+        """Records of a channel, of a component of one, or of a combination."""
+        *parts, last = split_name(name)
+        whole = ".".join(parts)
+        if name in self._channels or not whole or whole not in self:
+            return self[name], self.channel(name)
+        info = self.channel(whole)
+        if last not in info.components:
+            raise InputError(
+                f"{name!r} does not exist",
+                source=self.source,
+                expected=f"a component: {', '.join(info.components[:20])}",
+            )
+        values = self[whole]
+        column = values if values.ndim == 1 else values[:, info.components.index(last)]
+        return column, info._replace(name=name, components=(last,))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -282,14 +382,8 @@ class Results:
         return str(self.metadata.get("outcome", "unfinished"))
 
     def channel(self, name: str) -> ChannelInfo:
-        """Unit and components of a channel; an unknown name is an `InputError`."""
-        if name not in self._channels:
-            raise InputError(
-                f"channel {name!r} does not exist",
-                source=self.source,
-                expected=f"one of: {', '.join(self._channels)}",
-            )
-        return self._channels[name]
+        """Unit and components of a channel or combination; an unknown name is an `InputError`."""
+        return self._channels[name] if name in self._channels else self._combined(name)[1]
 
     def unit(self, name: str) -> str:
         """Unit of a channel, e.g. ``"m/s"``."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.channel_names import split_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -499,7 +500,7 @@ class ColumnStatistics:
 
 
 def chosen_columns(results: Results, names: Sequence[str]) -> list[Column]:
-    """Columns by the names of channels, with or without a component.
+    """Columns by names of channels, with or without a component, of patterns and of combinations of channels.
 
     Raises
     ------
@@ -513,8 +514,9 @@ def chosen_columns(results: Results, names: Sequence[str]) -> list[Column]:
         names += [f"{line}.tension" for line in lines]
         names = names or [name for name in results.names if len(results.components(name)) <= 3]
     found: list[Column] = []
-    for name in names:
-        owner, _, last = name.rpartition(".")
+    for name in (one for given in names for one in results.fitting(given)):
+        *parts_before, last = split_name(name)
+        owner = ".".join(parts_before)
         if name in results:
             parts = results.components(name)
             found += [_component(results, name, index, len(parts)) for index in range(len(parts))]

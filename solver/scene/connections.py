@@ -43,6 +43,7 @@ __all__ = [
     "GROUND",
     "JOINTS",
     "LOAD_CHANNELS",
+    "MEASURES",
     "REACTION_FORCE",
     "REACTION_MOMENT",
     "ROPES",
@@ -355,6 +356,10 @@ class PackedForce:
 
 FORCES: Family[Any] = Family("force", "heavylift.solver.forces", default="point")
 """All sorts of forces on bodies, between two points and along joints, by their types in a case file."""
+
+
+MEASURES: Family[Any] = Family("table", "heavylift.solver.measures", typed=False)
+"""What only watches several bodies, by the list of a case file in which it stands; packed as forces are."""
 
 
 ROPES: Family[Any] = Family("rope", "heavylift.solver.laws", default="wire")

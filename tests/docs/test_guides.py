@@ -167,7 +167,8 @@ def test_the_case_of_rigging_runs_and_passes(tmp_path):
     assert run_case(case).outcome is Outcome.COMPLETED
     checks = evaluate_checks(case, case.output_folder)
     assert [check.id for check in checks if not check.passed] == []
-    assert len(checks) == 2
+    assert len(checks) == 8
+    assert next(check.where for check in checks if check.id == "slings") == "sling_left_1 at 10.3 s"
 
 
 def test_the_page_on_editors_shows_what_taplo_reads():

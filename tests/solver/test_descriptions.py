@@ -14,7 +14,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive, Quantity
-from heavylift.solver.scene.connections import FORCES, JOINTS, ROPES, Joint, Place, RopePoint, Winch
+from heavylift.solver.scene.connections import FORCES, JOINTS, MEASURES, ROPES, Joint, Place, RopePoint, Winch
 from heavylift.solver.scene.descriptions import (
     XYZ,
     ChannelKind,
@@ -126,6 +126,7 @@ def test_every_joint_says_its_rows_and_channels(word):
 FAMILIES = {
     "connections.JOINTS": JOINTS,
     "connections.FORCES": FORCES,
+    "connections.MEASURES": MEASURES,
     "connections.ROPES": ROPES,
     "moorings.MOORINGS": MOORINGS,
     "wind_loads.FLUID_LOADS": FLUID_LOADS,

@@ -1,0 +1,1 @@
+"""What only watches several bodies: one sort a file."""
