@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,7 @@ __all__ = [
     "GREY",
     "add_colour_bar",
     "add_dimensions",
+    "add_heading",
     "add_legend",
     "add_scale_bar",
     "add_triad",
@@ -25,6 +27,9 @@ __all__ = [
 ]
 
 GREY = "#66707c"
+_WHITE, _APART = 250, 12  # of 255: a pixel below is drawn; so far from the others it stands out
+_COVERED = 0.1  # weight of what is drawn but does not stand out
+_LEAST = 10.0  # size of letters
 _AXES = ("#c62828", "#2e7d32", "#1565c0")
 
 
@@ -53,14 +58,51 @@ def emptiest_corner(pixels: NDArray[np.uint8]) -> tuple[int, int]:
     """Where in an image a triad hides least [pixels from the lower left corner]."""
     height, width = pixels.shape[:2]
     box = 150
-    drawn = pixels.min(axis=2) < 250
-    corners = {
-        (80, 62): drawn[height - box :, :box],
-        (width - 80, 62): drawn[height - box :, width - box :],
-        (80, height - 80): drawn[:box, :box],
-        (width - 80, height - 80): drawn[:box, width - box :],
+    places = {
+        (80, 62): pixels[height - box :, :box],
+        (width - 80, 62): pixels[height - box :, width - box :],
+        (80, height - 80): pixels[:box, :box],
+        (width - 80, height - 80): pixels[:box, width - box :],
     }
-    return min(corners, key=lambda corner: float(corners[corner].mean()))
+    return min(places, key=lambda corner: _occupied(places[corner]))
+
+
+def _occupied(pixels: NDArray[np.uint8]) -> float:
+    """How much of a corner stands out from the rest of it; a floor or water behind a triad hardly counts."""
+    background = np.median(pixels.reshape(-1, 3), axis=0)
+    apart = np.abs(pixels - background).max(axis=2) > _APART
+    return float(apart.mean() + _COVERED * (pixels.min(axis=2) < _WHITE).mean())
+
+
+def add_heading(
+    figure: Any, title: str, note: str, *, colour: str = INK, note_size: float = 12.5, taken: float = 0.0
+) -> None:
+    """Write a title and a line below it, smaller if they would not fit, beside `taken` pixels at the right."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    width, height = figure.get_size_inches() * figure.dpi
+    room = width - 36.0 - taken
+    for text, size, top, weight, ink in (
+        (title, 17.0, 16.0, "bold", INK),
+        (note, note_size, 51.0, "normal", colour),
+    ):
+        written = figure.text(
+            18.0 / width,
+            1.0 - top / height,
+            text,
+            fontsize=size,
+            weight=weight,
+            color=ink,
+            va="top",
+            parse_math=False,
+        )
+        long = written.get_window_extent(renderer).width / room
+        if long > 1.0:
+            fitting = 0.98 * size / long  # letters of another size are not exactly as wide
+            written.set_fontsize(max(fitting, _LEAST))
+            if fitting < _LEAST:
+                written.set_text(shorten(text, int(len(text) * fitting / _LEAST), placeholder=" ..."))
 
 
 def add_triad(axes: Any, view: View, corner: tuple[int, int], length: float = 44.0) -> None:

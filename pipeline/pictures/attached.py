@@ -1,4 +1,4 @@
-"""What stands beside frames and shells in pictures of a scene: ropes, springs, joints, contacts, other bodies."""
+"""What stands beside frames and shells in pictures of a scene: bodies, lines, springs, joints, contacts, water."""
 
 from __future__ import annotations
 
@@ -7,12 +7,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.contacts import ContactParts
+from heavylift.pipeline.pictures.drawings import deformation_scale
+from heavylift.pipeline.pictures.mooring_lines import draw_line
 from heavylift.pipeline.pictures.render import Lines, Patch, Points
-from heavylift.pipeline.pictures.triangles import drawn_triangles
+from heavylift.pipeline.pictures.shapes import box_corners, clip_lines, coil, inertia_box, pad
+from heavylift.pipeline.pictures.triangles import clip_triangles, drawn_triangles
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
+from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.edges import expand_edge
+from heavylift.solver.scene.bodies import Fixed
 from heavylift.solver.scene.connections import (
     GROUND,
     Between,
@@ -20,6 +26,7 @@ from heavylift.solver.scene.connections import (
     Joint,
     RopePoint,
 )
+from heavylift.solver.scene.contacts import PointShape
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
 
@@ -35,9 +42,19 @@ if TYPE_CHECKING:
 __all__ = ["Others", "Seen", "rope_line"]
 
 _ROPE, _SPRING, _RIGID, _JOINT = "#7a4a12", "#2e7d32", "#5b6b7c", "#1d2733"
+_LINE, _FENDER, _WATER, _SAND, _FLOORING = "#a0522d", "#ef8a17", "#4d8fc4", "#d9c9a3", "#e4e7ea"
 _CIRCLE = 32  # corners of a pulley
 _TANGENTS = 12  # repetitions until tangents between pulleys are found
-_FLOOR = 2.0  # surfaces of the ground are drawn up to so many times the size of the scene and its travel
+# relative to the diagonal of the box that bodies move in:
+_WIDE = 1.0  # surfaces of the ground up to this size are looked at as a whole
+_GROUND_AROUND = 0.5  # wider surfaces of the ground are drawn so far
+_WATER_AROUND = 1.5  # and water
+_RIGGING = 3.0  # springs and joints so far away are looked at as well
+_LINES = 2.0  # mooring lines are drawn so far
+_APART = 0.01  # sides of a joint that are farther apart are joined by a line: distances, slides
+_LOOKS = 24  # records by which it is seen where bodies get
+_SMALL = 1.0e-2  # deformation relative to the scene below which it is drawn larger
+_CELLS = 96  # of waves in each direction
 
 
 class Seen(NamedTuple):
@@ -46,11 +63,12 @@ class Seen(NamedTuple):
     lines: tuple[Lines, ...] = ()
     patches: tuple[Patch, ...] = ()
     marks: tuple[Points, ...] = ()
+    around: tuple[Lines | Patch, ...] = ()
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """All points, shape (m, 3), for the camera."""
-        parts = [part.points for group in self for part in group]
+        """All points, shape (m, 3), for the camera; without what is around, as water and moorings."""
+        parts = [part.points for group in self[:3] for part in group]
         return np.concatenate(parts) if parts else np.empty((0, 3))
 
 
@@ -66,7 +84,8 @@ class _Place:
 class Others:
     """Draws what is not a mesh at any record.
 
-    Rigid bodies have no shape: they are drawn as rods from their centre of mass to whatever is attached to them.
+    Rigid bodies without a surface are boxes of the same mass and moments of inertia. Rods lead from centres of mass to
+    whatever is attached. Around what moves are drawn the ground, water and mooring lines, as far as they are near.
 
     Parameters
     ----------
@@ -84,8 +103,10 @@ class Others:
         Largest force of any contact in the run [N], whose arrow is the longest one.
     size
         Of the scene [m], by which arrows are measured.
-    travel
-        How far bodies get from where they start [m]; surfaces of the ground are drawn up to twice size and travel.
+    times
+        Of the records [s], shape (nr,).
+    water
+        Whether there is a sea.
     """
 
     def __init__(
@@ -98,22 +119,35 @@ class Others:
         *,
         peak: float = 0.0,
         size: float = 1.0,
-        travel: float = 0.0,
+        times: NDArray[np.float64] | None = None,
+        water: bool = False,
     ) -> None:
         self._skins, self._coordinates, self._channel = skins, coordinates, channel
+        self._times = np.zeros(1) if times is None or not len(times) else times
+        self._sea = scene.sea
+        self._has_water = water and scene.sea is not None
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
         self._surfaces = dict(surfaces or {})
         self._ropes = [[(self._place(p.body, p.point), p) for p in rope.path] for rope in scene.ropes]
-        self._springs = [
-            (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
-            for force in scene.forces
-            if isinstance(force, Between)
+        self._springs, self._pulls = (
+            [
+                (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
+                for force in scene.forces
+                if isinstance(force, Between) and isinstance(force, Spring) == coiled
+            ]
+            for coiled in (True, False)
+        )
+        lines, fenders = ((), ()) if scene.sea is None else (scene.sea.lines, scene.sea.fenders)
+        self._lines = [
+            (line, self._place(line.body_a, line.point_a), self._place(line.body_b, line.point_b))
+            for line in lines
         ]
+        self._fenders = [(self._place(part.body_a, part.point_a), part.direction) for part in fenders]
         self._joints = [
             (self._place(joint.body_a, joint.frame_a.point), self._place(joint.body_b, joint.frame_b.point))
             for joint in _single_joints(scene)
         ]
-        pairs = [*self._joints, *self._springs]
+        pairs = [*self._joints, *self._springs, *self._pulls]
         attached = [place for pair in pairs for place in pair]
         attached += [place for rope in self._ropes for place, _ in rope]
         self._rods = [
@@ -128,20 +162,23 @@ class Others:
         ]
 
         self._touching = [self._place(contact.body, contact.point) for contact in scene.contacts]
-        self._solids = [
+        self._solids: list[tuple[str, NDArray[np.float64], NDArray[np.int64]]] = []
+        self._solids += [
             (part.body, *drawn_triangles(part.surface)[:2])
             for part in scene.surfaces
             if part.surface is not None
-            and (
-                part.body != GROUND
-                or np.linalg.norm(np.ptp(part.surface.bounds, axis=0)) <= _FLOOR * (size + travel)
-            )
         ]
         drawn = {part.body for part in scene.surfaces}
+        for hull in () if scene.sea is None else scene.sea.hulls:
+            if isinstance(hull.restoring, TriangleSurface) and hull.body not in drawn:
+                self._solids.append((hull.body, *drawn_triangles(hull.restoring)[:2]))
+                drawn.add(hull.body)
+        drawn |= {contact.body for contact in scene.contacts if not isinstance(contact.shape, PointShape)}
+        drawn |= {contour.body for contour in scene.contours}
+        boxed = [body for body in scene.bodies if isinstance(body, RigidBody) and body.name not in drawn]
+        self._boxes = len(boxed)
         self._solids += [
-            (hull.body, *drawn_triangles(hull.restoring)[:2])
-            for hull in (() if scene.sea is None else scene.sea.hulls)
-            if isinstance(hull.restoring, TriangleSurface) and hull.body not in drawn
+            (body.name, *inertia_box(body.mass, body.inertia, body.centre_of_mass)) for body in boxed
         ]
         self._contacts = None
         if scene.contours:
@@ -153,19 +190,64 @@ class Others:
                 peak=peak,
                 size=size,
             )
+        self._factor = 1.0
+        self._box = self._moved_box()
+        self._wide = [solid for solid in self._solids if self._is_wide(*solid[:2])]
+        self._solids = [solid for solid in self._solids if not self._is_wide(*solid[:2])]
+        if not (attached or self._touching or self._lines or self._fenders or scene.collisions):
+            self._factor = self._exaggerated()
+
+    @property
+    def boxes(self) -> int:
+        """Bodies that are drawn as boxes of their inertia."""
+        return self._boxes
+
+    @property
+    def centres(self) -> int:
+        """Centres of mass that are marked."""
+        return len(self._centres)
+
+    @property
+    def factor(self) -> float:
+        """How many times as large as they are deformations of bodies with modes are drawn."""
+        return self._factor
+
+    @property
+    def reaches_far(self) -> bool:
+        """Whether lines reach beyond what `seen` shows of them."""
+        if not self._lines:
+            return False
+        window = self._window(_WATER_AROUND)
+        return any(
+            bool(np.any((end < window[0]) | (end > window[1])))
+            for _, *places in self._lines
+            for end in (self._position(place, 0) for place in places)
+        )
 
     @property
     def empty(self) -> bool:
         """Whether there is nothing but meshes."""
-        attached = self._ropes or self._springs or self._joints or self._contacts or self._solids
-        return not (self._centres or self._surfaces or attached)
+        attached = (
+            self._ropes or self._springs or self._pulls or self._joints or self._contacts or self._solids
+        )
+        return not (
+            self._centres or self._surfaces or attached or self._lines or self._fenders or self._has_water
+        )
 
-    def seen(self, record: int) -> Seen:
-        """What is drawn at a record, lengths in metres."""
-        lines = [
+    def seen(self, record: int, *, around: bool = True) -> Seen:
+        """What is drawn at a record, lengths in metres; `around` adds ground, water and moorings."""
+        rods = [
             self._segments(self._rods, record, _RIGID, 4.0),
-            self._segments(self._springs, record, _SPRING, 2.0),
+            self._segments(self._pulls, record, _SPRING, 2.0),
         ]
+        lines = [line for line in rods if len(line.ends)]
+        far: list[Lines] = []
+        apart = self._segments(self._joints, record, _JOINT, 1.5)
+        wide = np.linalg.norm(np.diff(apart.points[apart.ends], axis=1)[:, 0], axis=1) > _APART * self._span
+        lines.append(Lines(apart.points, apart.ends[wide], _JOINT, 1.5))
+        for line in self._coils(record):
+            near = clip_lines(line.points, line.ends, self._window(_RIGGING))
+            (lines if len(near[1]) == len(line.ends) else far).append(line)
         for rope in self._ropes:
             centres = [self._position(place, record) for place, _ in rope]
             axes = [self._axis(place, stop, record) for place, stop in rope]
@@ -190,12 +272,140 @@ class Others:
         for name, points, triangles in self._solids:
             origin, R = self._pose(name, record)
             patches.append(Patch(origin + points @ R.T, triangles))
+        radius = 0.012 * self._span
+        for place, normal in self._fenders:
+            R = self._pose(place.body, record)[1]
+            patches.append(Patch(*pad(self._position(place, record), R @ normal, radius), _FENDER))
         if self._contacts is not None:
             contacts = self._contacts.seen(record)
             lines += contacts.lines
             patches += contacts.patches
             marks += contacts.marks
-        return Seen(tuple(line for line in lines if len(line.ends)), tuple(patches), tuple(marks))
+        more = self._around(record, far) if around else ()
+        return Seen(tuple(line for line in lines if len(line.ends)), tuple(patches), tuple(marks), more)
+
+    def moorings(self, record: int) -> Seen:
+        """The same with all of the mooring lines, for a camera that looks at them, and the bottom that they lie on."""
+        seen = self.seen(record, around=False)
+        lines = tuple(self._catenary(*line, record) for line in self._lines)
+        whole = np.concatenate([seen.points, *(line.points for line in lines)])
+        low, high = whole.min(axis=0), whole.max(axis=0)
+        margin = 0.05 * (high - low)
+        around: list[Lines | Patch] = []
+        bottoms = [line.seabed for line, *_ in self._lines if line.seabed is not None]
+        if bottoms:
+            around.append(Patch(*_plane(low - margin, high + margin, max(bottoms)), _SAND))
+        if self._has_water:
+            around.append(self._water(record, low - margin, high + margin))
+        return Seen((*seen.lines, *lines), seen.patches, seen.marks, tuple(around))
+
+    def _coils(self, record: int) -> list[Lines]:
+        """Springs."""
+        found = []
+        for pair in self._springs:
+            start, end = (self._position(place, record) for place in pair)
+            found.append(Lines(*coil(start, end, 0.015 * self._span), colour=_SPRING, width=2.0))
+        return found
+
+    def _around(self, record: int, far: Sequence[Lines]) -> tuple[Lines | Patch, ...]:
+        """Ground, water, and what leads to places far away."""
+        found: list[Lines | Patch] = []
+        window = self._window(_GROUND_AROUND)
+        for _, points, triangles in self._wide:
+            near, kept, _ = clip_triangles(points, triangles, window)
+            if len(kept):
+                found.append(Patch(near, kept, _FLOORING))
+        window = self._window(_LINES)
+        for line in (*far, *(self._catenary(*line, record) for line in self._lines)):
+            points, ends = clip_lines(line.points, line.ends, window)
+            found.append(Lines(points, ends, line.colour, line.width))
+        low, high = self._window(_WATER_AROUND)
+        bottoms = {line.seabed for line, *_ in self._lines if line.seabed is not None}
+        found += [Patch(*_plane(low, high, z), _SAND) for z in bottoms if low[2] <= z <= high[2]]
+        if self._has_water:
+            found.append(self._water(record, low, high))
+        return tuple(found)
+
+    def _catenary(self, line: Any, anchor: _Place, fairlead: _Place, record: int) -> Lines:
+        """A mooring line where it hangs; straight if it has no equilibrium between these ends."""
+        ends = self._position(anchor, record), self._position(fairlead, record)
+        try:
+            points = draw_line(line, *ends).points
+        except InputError:
+            points = np.array(ends)
+        order = np.arange(len(points))
+        return Lines(points, np.column_stack([order[:-1], order[1:]]), _LINE, 2.5)
+
+    def _water(self, record: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> Patch:
+        """The water, with the undisturbed waves if there are any, seen through."""
+        sea = self._sea
+        assert sea is not None
+        if sea.waves is None:
+            return Patch(*_plane(low, high, sea.water.level), _WATER, 0.3)
+        x, y = (np.linspace(low[axis], high[axis], _CELLS + 1) for axis in (0, 1))
+        X, Y = np.meshgrid(x, y, indexing="ij")
+        Z = sea.water.level + sea.waves.elevation(X, Y, self._times[record])
+        number = np.arange(X.size).reshape(X.shape)
+        a, b, c, d = (
+            part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+        )
+        triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+        return Patch(np.column_stack([X.ravel(), Y.ravel(), Z.ravel()]), triangles, _WATER, 0.45)
+
+    @property
+    def _span(self) -> float:
+        """Diagonal of the box that bodies move in [m]."""
+        return float(np.linalg.norm(self._box[1] - self._box[0])) or 1.0
+
+    def _window(self, share: float) -> NDArray[np.float64]:
+        """The box that bodies move in, wider on all sides by a share of its diagonal, shape (2, 3)."""
+        widened: NDArray[np.float64] = self._box + share * self._span * np.array([[-1.0], [1.0]])
+        return widened
+
+    def _is_wide(self, name: str, points: NDArray[np.float64]) -> bool:
+        """Whether a surface of the ground would make all else small."""
+        return name == GROUND and float(np.linalg.norm(np.ptp(points, axis=0))) > _WIDE * self._span
+
+    def _looks(self) -> list[int]:
+        last = len(self._times) - 1
+        return [int(k) for k in np.unique(np.linspace(0, last, min(_LOOKS, last + 1)).round())]
+
+    def _moved_box(self) -> NDArray[np.float64]:
+        """Lowest and highest corner of where bodies get that are free to move; of all bodies if none is."""
+        moving = [
+            name
+            for name, body in self._bodies.items()
+            if not isinstance(getattr(body, "motion", None), Fixed)
+        ]
+        parts: list[NDArray[np.float64]] = []
+        corners: dict[str, list[NDArray[np.float64]]] = {}
+        for name, points, _ in self._solids:
+            if name != GROUND:
+                corners.setdefault(name, []).append(box_corners(points))
+        for name in moving or self._bodies:
+            for record in self._looks():
+                if name in self._skins:
+                    parts.append(self._coordinates(name, record)[:, 0])
+                    continue
+                origin, R = self._pose(name, record)
+                parts += [origin + points @ R.T for points in corners.get(name, ())]
+                if name in self._surfaces:
+                    parts.append(self._patch(name, record).points)
+                parts.append(origin[np.newaxis])
+        points = np.concatenate(parts) if parts else np.zeros((1, 3))
+        return np.array([points.min(axis=0), points.max(axis=0)])
+
+    def _exaggerated(self) -> float:
+        """Round factor for bodies whose deformation would not be seen."""
+        bent = [
+            self._deformation(self._bodies[name], record)
+            for name in self._surfaces
+            for record in self._looks()
+        ]
+        largest = max((float(np.linalg.norm(u, axis=1).max()) for u in bent), default=0.0)
+        if not 0.0 < largest < _SMALL * self._span:
+            return 1.0
+        return deformation_scale(np.array([[largest, 0.0, 0.0]]), self._span)
 
     def _place(self, body: str, point: NDArray[np.float64]) -> _Place:
         if body in self._skins:
@@ -230,7 +440,7 @@ class Others:
         modal = self._channel(f"{body.name}.modal_position", record)
         if modal is None:
             return np.zeros_like(body.reduced.nodes)
-        return np.tensordot(np.atleast_1d(modal), body.reduced.mode_shapes, axes=1)
+        return self._factor * np.tensordot(np.atleast_1d(modal), body.reduced.mode_shapes, axes=1)
 
     def _patch(self, name: str, record: int) -> Patch:
         surface = self._surfaces[name]
@@ -249,6 +459,15 @@ class Others:
         R = np.eye(3) if on_mesh else self._pose(place.body, record)[1]
         axis: NDArray[np.float64] = R @ (stop.axis / np.linalg.norm(stop.axis))
         return axis
+
+
+def _plane(
+    low: NDArray[np.float64], high: NDArray[np.float64], height: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """A level rectangle: points and triangles."""
+    corners = np.array([[x, y, height] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=np.float64)
+    corners[:, :2] = low[:2] + corners[:, :2] * (high - low)[:2]
+    return corners, np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def rope_line(

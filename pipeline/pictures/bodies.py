@@ -12,6 +12,7 @@ from heavylift.pipeline.pictures.annotations import (
     GREY,
     add_colour_bar,
     add_dimensions,
+    add_heading,
     add_legend,
     add_triad,
     emptiest_corner,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 __all__ = ["Painter"]
 
 _DPI = 100
+_LETTER = 10.0  # width in a legend [pixels]
 
 
 class Painter:
@@ -98,10 +100,18 @@ class Painter:
         drawing = mesh_drawing(self._surface, groups, scale=self._scale)
         box = bounding_box(drawing.points.min(axis=0), drawing.points.max(axis=0))
         drawing = replace(drawing, lines=(*drawing.lines, box))
-        figure, axes, camera = self._figure(drawing, title=title, note=note, margin=0.09, around=box.points)
+        labels = [f"{name} ({len(group)} nodes)" for name, group in groups.items()]
+        figure, axes, camera = self._figure(
+            drawing,
+            title=title,
+            note=note,
+            margin=0.09,
+            around=box.points,
+            taken=_LETTER * max(map(len, labels), default=0) * -(-len(labels) // 3),
+        )
         add_dimensions(axes, camera, box.points[0], box.points[-1], self._unit, self._image_size(bar=False))
         if groups:
-            add_legend(figure, [f"{name} ({len(group)} nodes)" for name, group in groups.items()])
+            add_legend(figure, labels)
         return figure_png(figure)
 
     def mode(self, shape: NDArray[np.float64], *, title: str, note: str = "", share: float = 0.1) -> bytes:
@@ -221,6 +231,7 @@ class Painter:
         margin: float = 0.05,
         bar: tuple[str, bool] | None = None,
         around: NDArray[np.float64] | None = None,
+        taken: float = 0.0,
     ) -> tuple[Any, Any, Camera]:
         """Picture with heading, axes triad and colour bar; returns figure, axes over the image, camera."""
         from matplotlib.figure import Figure
@@ -231,12 +242,7 @@ class Painter:
         pixels = self._renderer.render(drawing, camera, size)
         figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
         figure.figimage(pixels, 0, 0, origin="upper")
-        look: dict[str, Any] = {"color": INK, "va": "top", "parse_math": False}
-        figure.text(
-            18 / width, 1.0 - 16 / height, shorten(title, width // 15), fontsize=17, weight="bold", **look
-        )
-        look["color"] = GREY
-        figure.text(18 / width, 1.0 - 52 / height, shorten(note, width // 8), fontsize=11.5, **look)
+        add_heading(figure, title, note, colour=GREY, note_size=11.5, taken=taken)
         axes = figure.add_axes((0.0, 0.0, size[0] / width, size[1] / height), facecolor="none", zorder=1)
         axes.set(xlim=(0, size[0]), ylim=(0, size[1]))
         axes.set_axis_off()

@@ -8,10 +8,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from heavylift.pipeline.pictures.annotations import GREY, add_scale_bar, add_triad, emptiest_corner
+from heavylift.pipeline.pictures.annotations import (
+    GREY,
+    add_heading,
+    add_scale_bar,
+    add_triad,
+    emptiest_corner,
+)
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
 from heavylift.pipeline.pictures.contacts import force_arrow
-from heavylift.pipeline.pictures.drawings import INK, round_down
+from heavylift.pipeline.pictures.drawings import round_down
 from heavylift.pipeline.pictures.outer_surface import feature_edges, surface_from_triangles
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points
@@ -34,6 +40,7 @@ _HEAD, _FOOT = 84, 48  # pixels above and below the image
 _ARROW = 0.16  # length of the largest arrow, relative to the size of the smaller surface
 _AROUND = 0.35  # of the larger surface, so much of the size of the smaller one is shown round it,
 _FAR = 5.0  # and so much at most if it is far away
+_FLAT = 1.0e-6  # relative depth
 _SEEN_THROUGH = 0.22  # opacity of what encloses the other surface
 _KINK = np.radians(30.0)  # between two triangles whose edge is drawn
 _EDGES = 60_000  # triangles up to which edges are drawn
@@ -134,7 +141,8 @@ def collision_picture(
     ]
     everything = np.concatenate([together, *(arrow.points for arrow in arrows)])
     camera = fit_camera(view, everything, image[0] / image[1], margin=0.05)
-    drawing = _drawing(parts, glass=1 - small if _encloses(boxes[1 - small], boxes[small]) else -1)
+    glass = _encloses(boxes[1 - small], boxes[small]) and not _is_flat(parts[1 - small].points)
+    drawing = _drawing(parts, glass=1 - small if glass else -1)
     drawing = replace(
         drawing,
         lines=(
@@ -146,11 +154,7 @@ def collision_picture(
     pixels = renderer.render(drawing, camera, image)
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
     figure.figimage(pixels, 0, _FOOT, origin="upper")
-    look: dict[str, Any] = {"color": INK, "va": "top", "parse_math": False}
-    figure.text(
-        18 / width, 1.0 - 16 / height, shorten(title, width // 15), fontsize=17, weight="bold", **look
-    )
-    figure.text(18 / width, 1.0 - 50 / height, shorten(note, width // 8), fontsize=12.5, **look)
+    add_heading(figure, title, note)
     axes = figure.add_axes((0.0, _FOOT / height, 1.0, image[1] / height), facecolor="none", zorder=1)
     axes.set(xlim=(0, image[0]), ylim=(0, image[1]))
     axes.set_axis_off()
@@ -219,10 +223,18 @@ def _widened(box: NDArray[np.float64], places: NDArray[np.float64], margin: floa
 
 
 def _encloses(outer: NDArray[np.float64], inner: NDArray[np.float64]) -> bool:
-    """Whether more than half of a box lies in another one, which is not flat."""
+    """Whether more than half of a box lies in another one."""
     low, high = np.maximum(outer[0], inner[0]), np.minimum(outer[1], inner[1])
     common = np.prod(np.maximum(high - low, 0.0))
     return bool(common > 0.5 * np.prod(inner[1] - inner[0]) > 0.0)
+
+
+def _is_flat(points: NDArray[np.float64]) -> bool:
+    """Whether points lie in a plane, as those of an inclined floor whose box is not flat."""
+    if not len(points):
+        return True
+    extents = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1]
+    return bool(extents[-1] <= _FLAT * extents[0])
 
 
 def _before(points: NDArray[np.float64], camera: Camera, hidden: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from textwrap import shorten
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.pipeline.pictures.annotations import GREY, add_scale_bar, add_triad, emptiest_corner
+from heavylift.pipeline.pictures.annotations import (
+    GREY,
+    add_heading,
+    add_scale_bar,
+    add_triad,
+    emptiest_corner,
+)
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
 from heavylift.pipeline.pictures.drawings import INK, round_down
 from heavylift.pipeline.pictures.outer_surface import Surface, feature_edges
@@ -431,17 +436,15 @@ def touch_picture(
         else seen.points[:1],  # without triangles points are drawn: one, on a line
         solid.triangles,
         triangle_colours=solid.hues,
-        lines=solid.lines,
+        lines=(*solid.lines, *(part for part in seen.around if isinstance(part, Lines))),
         marks=seen.marks,
-        patches=tuple(part for part in seen.patches if part.opacity < 1.0),
+        patches=tuple(part for part in seen.patches if part.opacity < 1.0)
+        + tuple(part for part in seen.around if isinstance(part, Patch)),
     )
     pixels = renderer.render(drawing, camera, image)
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
     figure.figimage(pixels, 0, _FOOT, origin="upper")
-    look: dict[str, Any] = {"color": INK, "va": "top", "parse_math": False}
-    heading = shorten(title, width // 15)
-    figure.text(18 / width, 1.0 - 16 / height, heading, fontsize=17, weight="bold", **look)
-    figure.text(18 / width, 1.0 - 50 / height, shorten(note, width // 8), fontsize=12.5, **look)
+    add_heading(figure, title, note)
     axes = figure.add_axes((0.0, _FOOT / height, 1.0, image[1] / height), facecolor="none", zorder=1)
     axes.set(xlim=(0, image[0]), ylim=(0, image[1]))
     axes.set_axis_off()

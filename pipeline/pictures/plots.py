@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Series",
+    "constant_parts",
     "energy_plot",
     "few_colours",
     "figure_png",
@@ -56,6 +57,8 @@ _DPI = 110
 _WIDTH = 10.0
 _INK = "#1d2733"
 _GREY = "#66707c"
+_FAR = 2.0  # an energy is shifted that never comes nearer to zero than this many times the largest change of any,
+_STEADY = 1.0e-9  # unless nothing changes, but for rounding
 _COLOURS = ("#1f5fa8", "#d1661a", "#2e8b57", "#8e3b9c", "#b8322a", "#4d6470", "#a98600", "#1a9aa8")
 
 
@@ -183,6 +186,19 @@ def spectrum_plot(
     return few_colours(figure_png(figure))
 
 
+def constant_parts(energies: Mapping[str, NDArray[np.float64]]) -> dict[str, float]:
+    """Initial values [J] of energies that stay far from zero compared with what changes, by name.
+
+    Drawn from zero on such an energy would hide all that happens: the potential of a ship, whose zero is arbitrary.
+    """
+    parts = {name: values for name, values in energies.items() if name != "balance" and len(values)}
+    change = max((float(np.ptp(values)) for values in parts.values()), default=0.0)
+    least = {name: float(np.abs(values).min()) for name, values in parts.items()}
+    if not change > _STEADY * max(least.values(), default=0.0):
+        return {}
+    return {name: float(values[0]) for name, values in parts.items() if least[name] > _FAR * change}
+
+
 def energy_plot(
     times: NDArray[np.float64], energies: Mapping[str, NDArray[np.float64]], *, title: str = "Energy balance"
 ) -> bytes:
@@ -194,11 +210,27 @@ def energy_plot(
         [s], shape (nt,).
     energies
         Name to values [J], shape (nt,); ``"balance"`` is constant in exact arithmetic. Energies that stay zero
-        are left out.
+        are left out; of those that are large and hardly change the initial value is subtracted, which the legend says.
     title
         Heading.
+
+    Notes
+    -----
+    The drift is relative to the largest kinetic plus elastic energy, as in `checks.quantities.energy_drift`; to the
+    largest energy of a run without these.
     """
     parts = {name: values for name, values in energies.items() if name != "balance" and np.any(values)}
+    words = {name: _plain(name.replace("_", " ")) for name in parts}
+    moving = np.asarray(sum(parts[name] for name in ("kinetic", "elastic") if name in parts))
+    reference = float(np.abs(moving).max(initial=0.0))
+    reference = (
+        reference or max((float(np.abs(values).max()) for values in parts.values()), default=0.0) or 1.0
+    )
+    for name, constant in constant_parts(parts).items():
+        unit = scaled_unit("J", [np.array([constant])])
+        size = f"{abs(constant) / unit.divisor:.5g} {_unit(unit.text)}"
+        words[name] += f" {'-' if constant > 0.0 else '+'} {size}"
+        parts[name] = parts[name] - constant
     balance = energies.get("balance")
     figure = _figure(5.2 if balance is not None else 3.8)
     ratios = [2.2, 1.0] if balance is not None else [1.0]
@@ -212,19 +244,23 @@ def energy_plot(
             y / scale.divisor,
             color=_COLOURS[number % len(_COLOURS)],
             lw=1.0,
-            label=_plain(name.replace("_", " ")),
+            label=words[name],
         )
+    if parts and max(np.ptp(v) for v in parts.values()) <= _STEADY * max(
+        np.abs(v).max() for v in parts.values()
+    ):
+        low, high = panels[0].get_ylim()
+        panels[0].set_ylim(min(1.1 * low, 0.0), max(1.1 * high, 0.0))  # rounding alone would fill the picture
     panels[0].set_ylabel(f"energy [{_unit(scale.text)}]", color=_INK)
     if parts:
         _legend(panels[0])
     if balance is not None:
-        reference = max((float(np.abs(values).max()) for values in parts.values()), default=0.0) or 1.0
         t, y = envelope(times, (balance - balance[0]) / reference)
         error = scaled_unit("", [y])
         panels[1].plot(t / time_unit.divisor, y / error.divisor, color=_COLOURS[4], lw=1.0)
-        panels[1].set_ylabel(
-            "drift of balance /\n" + f"largest energy [{_unit(error.text.strip() or '–')}]", color=_INK
-        )
+        relative = "kinetic + elastic" if np.any(moving) else "largest energy"
+        unit_words = _unit(error.text.strip() or "–")
+        panels[1].set_ylabel(f"drift of balance /\n{relative} [{unit_words}]", color=_INK)
     for axes in panels:
         _tidy(axes)
         axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from textwrap import shorten
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heavylift.pipeline.pictures.annotations import (
     GREY,
     add_colour_bar,
+    add_heading,
     add_scale_bar,
     add_triad,
     emptiest_corner,
@@ -202,7 +202,7 @@ class ScenePainter:
         """Points of the nodes, and of all that is beside them, as drawn."""
         nodes = [self._drawn(name, record)[:, 0] for name in self._meshes]
         if self._others is not None:
-            nodes.append(self._others.seen(record).points)
+            nodes.append(self._others.seen(record, around=False).points)
         return np.concatenate(nodes)
 
     def _drawn(self, name: str, record: int) -> NDArray[np.float64]:
@@ -222,8 +222,8 @@ class ScenePainter:
     def _skin(self, record: int) -> Skin:
         return join(list(self._parts(record).values()))
 
-    def _seen(self, record: int) -> Seen:
-        return self._others.seen(record) if self._others is not None else Seen()
+    def _seen(self, record: int, *, around: bool = True) -> Seen:
+        return self._others.seen(record, around=around) if self._others is not None else Seen()
 
     def _exaggerate(self) -> Exaggeration:
         """Round factors; displacements are drawn larger only if nothing is attached to the meshes."""
@@ -235,7 +235,7 @@ class ScenePainter:
                 now = run.coordinates(record)[:, 0]
                 everything.append(now)
                 moved = max(moved, float(np.linalg.norm(now - rest[name], axis=1).max()))
-            everything.append(self._seen(record).points)
+            everything.append(self._seen(record, around=False).points)
         size = float(np.linalg.norm(np.ptp(np.concatenate(everything), axis=0)))
         displacement = 1.0
         if (self._others is None or self._others.empty) and 0.0 < moved < _SMALL * size:
@@ -262,7 +262,7 @@ class ScenePainter:
         skin = self._skin(record)
         nodes, edges = [skin.points], [skin.outline]
         lines = [self._skins[name].lines(self._drawn(name, record)) for name in self._frames]
-        lines += [(line.points, line.ends) for line in self._seen(record).lines]
+        lines += [(line.points, line.ends) for line in self._seen(record, around=False).lines]
         # repeated, so that a short rope is seen as well as the long border of a shell
         for points, ends in lines:
             edges.append(np.tile(ends + sum(len(part) for part in nodes), (_WEIGHT, 1)))
@@ -304,9 +304,10 @@ class ScenePainter:
                 Lines(skin.points, sides, colour=INK, width=0.8, opacity=0.35),
                 Lines(skin.points, skin.outline, colour=INK, width=1.5, opacity=0.85),
                 *seen.lines,
+                *(part for part in seen.around if isinstance(part, Lines)),
             ),
             marks=seen.marks,
-            patches=seen.patches,
+            patches=(*seen.patches, *(part for part in seen.around if isinstance(part, Patch))),
         )
 
     def _largest(self, parts: Mapping[str, Skin]) -> str:
@@ -344,10 +345,7 @@ class ScenePainter:
         image = self._image
         figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
         figure.figimage(pixels, 0, _FOOT, origin="upper")
-        look: dict[str, Any] = {"color": INK, "va": "top", "parse_math": False}
-        text = shorten(title, width // 15)
-        figure.text(18 / width, 1.0 - 16 / height, text, fontsize=17, weight="bold", **look)
-        figure.text(18 / width, 1.0 - 50 / height, shorten(note, width // 8), fontsize=12.5, **look)
+        add_heading(figure, title, note)
         axes = figure.add_axes(
             (0.0, _FOOT / height, image[0] / width, image[1] / height), facecolor="none", zorder=1
         )
@@ -419,8 +417,6 @@ class SolidPainter:
         What the colours are.
     up
         Direction against gravity, shape (3,), if there is gravity.
-    level
-        Height of still water [m], if there is any.
     size
         Width and height of a picture [pixels].
     """
@@ -433,18 +429,13 @@ class SolidPainter:
         *,
         words: str,
         up: ArrayLike | None = None,
-        level: float | None = None,
         size: tuple[int, int] = SIZE,
     ) -> None:
         self._renderer, self._others, self._times = renderer, others, times
-        self._words, self._up, self._level, self._size = words, up, level, size
+        self._words, self._up, self._size = words, up, size
         looked = np.unique(np.linspace(0, len(times) - 1, min(_LOOKS, len(times))).round().astype(int))
-        seen = [self._others.seen(int(record)) for record in looked]
-        self.empty = not any(each.patches or each.lines for each in seen)
-        self._water = None
-        if level is not None and seen[-1].patches:
-            self._water = _water(np.concatenate([each.points for each in seen]), level)
-        self._seen = [self._with_water(each) for each in seen]
+        self._seen = [self._others.seen(int(record), around=False) for record in looked]
+        self.empty = not any(each.patches or each.lines for each in self._seen)
         self._camera: Camera | None = None
 
     @property
@@ -463,6 +454,21 @@ class SolidPainter:
         words = [note, time_words(self._times, record)]
         return self._drawn(record, title, ", ".join(filter(None, words)), None)
 
+    def moorings(self, record: int, *, title: str, note: str = "") -> bytes:
+        """One record with all of its mooring lines, as PNG."""
+        words = [note, time_words(self._times, record)]
+        content = touch_picture(
+            self._renderer,
+            self._others.moorings(record),
+            title=title,
+            note=", ".join(filter(None, words)),
+            words=self._words,
+            up=self._up,
+            size=self._size,
+        )
+        assert content is not None
+        return content
+
     def images(self, records: Sequence[int], *, title: str) -> Iterator[bytes]:
         """Iterator of PNG pictures of some records."""
         for record in records:
@@ -472,7 +478,7 @@ class SolidPainter:
         self._camera = self._camera or touch_camera(self._seen, up=self._up, size=self._size)
         content = touch_picture(
             self._renderer,
-            self._with_water(self._others.seen(record)),
+            self._others.seen(record),
             title=title,
             note=note,
             words=self._words,
@@ -482,15 +488,3 @@ class SolidPainter:
         )
         assert content is not None
         return content
-
-    def _with_water(self, seen: Seen) -> Seen:
-        return seen if self._water is None else seen._replace(patches=(*seen.patches, self._water))
-
-
-def _water(points: NDArray[np.float64], level: float) -> Patch:
-    """The still water around what is drawn, seen through."""
-    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
-    margin = 0.25 * float(np.linalg.norm(high - low))
-    (x, y), (u, v) = low - margin, high + margin
-    corners = np.array([[x, y, level], [u, y, level], [u, v, level], [x, v, level]])
-    return Patch(corners, np.array([[0, 1, 2], [0, 2, 3]]), "#4d8fc4", 0.3)

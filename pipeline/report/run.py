@@ -11,7 +11,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.checks.deviation import deviation_history
 from heavylift.pipeline.checks.quantities import energy_drift
-from heavylift.pipeline.pictures.plots import Series, energy_plot, history_plot, spectrum_plot
+from heavylift.pipeline.pictures.plots import Series, constant_parts, energy_plot, history_plot, spectrum_plot
 from heavylift.pipeline.report.document import Facts, Figure, Section, Table, Text
 from heavylift.pipeline.report.inputs import integration_words
 from heavylift.pipeline.results.histories import Results, load_results
@@ -143,7 +143,15 @@ def history_section(case: Case, stages: OutputFolder, results: Results | None, a
     energies = {name.partition(".")[2]: results[name] for name in results if name.startswith("energy.")}
     if energies:
         content = energy_plot(results.time, energies)
-        caption = "Energies, and the drift of their balance relative to the largest energy."
+        caption = (
+            "Energies, and the drift of their balance relative to the largest kinetic plus elastic energy, or the "
+            "largest of all if both are zero."
+        )
+        subtracted = [
+            f"{name.replace('_', ' ')} {_with_unit(v, 'J')}" for name, v in constant_parts(energies).items()
+        ]
+        if subtracted:
+            caption += f" What does not change is subtracted: {', '.join(subtracted)}."
         items.append(Figure(album.add("energy", content), caption))
     wanted = case.report.channels or _chosen_channels(case, results)
     spectra = case.report.spectra or tuple(name for name in results if name.endswith(".modal_position"))

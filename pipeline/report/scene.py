@@ -81,9 +81,8 @@ def scene_sections(
 
 
 def is_pictured(case: Case) -> bool:
-    """Whether a scene without frames and shells has a picture of its own; that of contacts shows all of it."""
-    attached = case.joints or case.ropes or case.forces or case.surfaces
-    return bool(attached) and not case.meshes and not case.contacts
+    """Whether a scene has pictures at its start and end: one without frames and shells, which have stresses to show."""
+    return bool(case.bodies) and not case.meshes
 
 
 def still_sections(
@@ -114,40 +113,50 @@ def still_sections(
     others = scene_others(case, stages, results, {}, {})
     if others is None:
         return []
-    words, level = " · ".join(_legend(case)), None if case.sea is None else case.sea.level
-    painter = SolidPainter(renderer, others, results.time, words=words, up=_up(case), level=level)
+    painter = SolidPainter(
+        renderer, others, results.time, words=" · ".join(_legend(case, others)), up=_up(case)
+    )
     if painter.empty:
         return []
     found: list[Figure | Text] = []
     last = len(results.time) - 1
-    for record, name, when in ((0, "scene_start", "At the start"), (last, "scene_end", "At the end"))[
-        : last + 1
-    ]:
+    instants = [(0, "scene_start", "At the start"), (last, "scene_end", "At the end")]
+    if case.simulate is not None and case.simulate.duration == 0.0:
+        instants = [(last, "scene", "At rest")]
+    enlarged = f" Deformation × {others.factor:g}." if others.factor != 1.0 else ""
+    scale = "" if enlarged else ", true to scale"
+    for record, name, when in instants[: last + 1]:
         content = painter.picture(record, title=case.title, note=when)
-        found.append(
-            Figure(album.add(name, content), f"The scene {when.lower()}, true to scale. {painter.details}.")
-        )
+        caption = f"The scene {when.lower()}{scale}. {painter.details}.{enlarged}"
+        found.append(Figure(album.add(name, content), caption))
+    if others.reaches_far:
+        content = painter.moorings(last, title=case.title, note=f"Mooring lines {instants[-1][2].lower()}")
+        found.append(Figure(album.add("scene_moorings", content), "Mooring lines, true to scale."))
     if case.report.animation is not None and case.report.animation.enabled:
         found += _animation(case, case.report.animation, painter, results, album, log or Log(quiet=True))
     return [Section("Scene", tuple(found))]
 
 
-def _legend(case: Case) -> list[str]:
-    """What the colours of a picture of the scene are, of those that occur."""
-    springs = any(hasattr(force, "between") for force in case.forces)
-    marked = ["joints"] * bool(case.joints) + ["centres of mass"] * bool(case.bodies)
+def _legend(case: Case, others: Others) -> list[str]:
+    """What is drawn, of what there is and does not explain itself."""
+    ropes = ["ropes"] * bool(case.ropes) + ["mooring lines"] * bool(case.lines)
+    kinds = dict.fromkeys(force.type for force in case.forces if hasattr(force, "between"))
+    springs = [f"{kind}s" for kind in kinds]
+    marked = ["joints"] * bool(case.joints) + ["centres of mass"] * bool(others.centres)
     return [
-        *["brown: ropes"] * bool(case.ropes),
-        *["green: springs and tuggers"] * springs,
-        f"dots: {' and '.join(marked)}",
-        *["blue: still water"] * (case.sea is not None),
+        *["boxes: same mass and inertia"] * bool(others.boxes),
+        *[f"brown: {' and '.join(ropes)}"] * bool(ropes),
+        *[f"green: {' and '.join(springs)}"] * bool(springs),
+        *["orange: fenders"] * bool(case.fenders),
+        *["violet: contours · ochre: what touches · red: force on it"] * bool(case.contacts),
+        *[f"dots: {' and '.join(marked)}"] * bool(marked),
     ]
 
 
 def _up(case: Case) -> NDArray[np.float64] | None:
-    """Direction against gravity; None without gravity."""
+    """Direction against gravity, or out of the water; None without both."""
     if case.gravity is None or not any(case.gravity.acceleration):
-        return None
+        return None if case.sea is None else np.array([0.0, 0.0, 1.0])
     return -np.array(case.gravity.acceleration)
 
 
@@ -185,7 +194,9 @@ def scene_others(
     case: Case, stages: OutputFolder, results: Results, runs: dict[str, MeshRun], skins: dict[str, Any]
 ) -> Others | None:
     """What stands beside the meshes; nothing if the case has no more, or can no longer be put together."""
-    attached = case.joints or case.ropes or case.forces or case.contacts or case.surfaces
+    attached = (
+        case.joints or case.ropes or case.forces or case.contacts or case.surfaces or case.sea or case.lines
+    )
     if len(case.bodies) == len(runs) and not attached:
         return None
     from heavylift.pipeline.assemble.scene import assemble_scene
@@ -232,17 +243,8 @@ def scene_others(
             (float(np.linalg.norm(force.reshape(-1, 3), axis=1).max()) for force in forces), default=0.0
         ),
         size=scene_size(scene),
-        travel=max(
-            (
-                float(np.linalg.norm(moved - moved[0], axis=1).max())
-                for moved in (
-                    results[f"{body.name}.position"].reshape(len(results.time), -1)
-                    for body in scene.bodies
-                    if f"{body.name}.position" in results and body.name not in runs
-                )
-            ),
-            default=0.0,
-        ),
+        times=results.time,
+        water=case.sea is not None,
     )
 
 

@@ -276,13 +276,17 @@ def test_ropes_joints_and_rigid_bodies_follow_the_meshes():
     )
     assert not others.empty
     seen = others.seen(0)
-    rods, rope = seen.lines
+    rods, violation, rope = seen.lines
+    ends = violation.points[violation.ends[0]]  # of the pin, whose sides are far apart
     np.testing.assert_allclose(rods.points, [[7.0, 8.1, 9.0], [7.0, 8.5, 9.0]], atol=1e-12)
     middle = LENGTH * np.array([np.sin(0.5), 0.0, 1.0 - np.cos(0.5)])
     np.testing.assert_allclose(rope.points, [middle, [1.0, 2.0, 3.0]], atol=1e-4)
     joint, centre = seen.marks
     tip = LENGTH * np.array([np.sin(1.0), 0.0, 1.0 - np.cos(1.0)])
     np.testing.assert_allclose(joint.points, [tip], atol=1e-9)
+    np.testing.assert_allclose(ends, [tip, [7.0, 8.5, 9.0]], atol=1e-9)
+    (box,) = seen.patches  # a cube: 1 kg, 1 kg m^2
+    assert np.ptp(box.points, axis=0) == pytest.approx(3 * [np.sqrt(6.0)])
     np.testing.assert_allclose(centre.points, [[7.0, 8.1, 9.0]], atol=1e-12)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.pipeline.pictures import render as picture_render
+from heavylift.pipeline.pictures.annotations import add_heading, emptiest_corner
 from heavylift.pipeline.pictures.bodies import Painter
 from heavylift.pipeline.pictures.camera import View, choose_view, fit_camera
 from heavylift.pipeline.pictures.drawings import (
@@ -245,3 +246,24 @@ def test_missing_library_is_a_message_with_the_packages_to_install(monkeypatch):
     monkeypatch.setattr(picture_render.sys, "platform", "linux")
     with pytest.raises(RenderingUnavailableError, match="apt-get install -y libegl1"):
         rendering_backend.__wrapped__()
+
+
+@pytest.mark.parametrize("words", [6, 12, 60])
+def test_a_heading_stays_within_its_picture(words):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12.0, 7.6), dpi=100)
+    add_heading(figure, " ".join(["Bunnies"] * words), "t = 1 s", taken=200.0)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    title, note = (text.get_window_extent(renderer) for text in figure.texts)
+    assert title.x1 <= 1200 - 200 - 18 + 1
+    assert title.y0 >= note.y1
+    assert (figure.texts[0].get_text().endswith("...")) == (words == 60)
+
+
+def test_axes_stand_on_a_floor_rather_than_on_a_body():
+    pixels = np.full((400, 600, 3), 200, dtype=np.uint8)  # a floor that fills the picture
+    pixels[:150, :150:2] = 90
+    pixels[-150:, ::3] = 90
+    assert emptiest_corner(pixels) == (600 - 80, 400 - 80)

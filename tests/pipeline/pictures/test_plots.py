@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pytest
 
-from heavylift.pipeline.pictures.plots import Series, energy_plot, history_plot, spectrum_plot
+from heavylift.pipeline.pictures.plots import Series, constant_parts, energy_plot, history_plot, spectrum_plot
 from heavylift.pipeline.results.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
 
 INTERVAL = 1.0e-4
@@ -145,3 +145,25 @@ def test_energies_at_rest_are_left_out_and_the_drift_is_relative(monkeypatch):
     energy_plot(time, {"kinetic": 4.0 + 0 * time, "potential": 0 * time, "balance": 4.0 + 8e-9 * time})
     assert [label for label, _ in drawn] == ["kinetic", None]
     assert drawn[1][1][-1] == pytest.approx(2.0)  # 2e-9 of the largest energy, in units of 1e-9
+
+
+def test_what_does_not_change_is_subtracted_from_energies(monkeypatch):
+    """The potential of a ship of 1.75 GJ hides 3 kJ of motion; a pendulum's potential, which comes near zero, stays."""
+    from matplotlib.axes import Axes
+
+    drawn = {}
+    original = Axes.plot
+    monkeypatch.setattr(
+        Axes,
+        "plot",
+        lambda self, x, y, **k: drawn.update({k.get("label"): np.array(y)}) or original(self, x, y, **k),
+    )
+    time = np.linspace(0.0, 2.0 * np.pi, 200)
+    kinetic = 3.0e3 * np.sin(time) ** 2
+    energies = {"kinetic": kinetic, "potential": 1.75e9 - kinetic, "balance": 1.75e9 + 0 * time}
+    assert constant_parts(energies) == {"potential": 1.75e9}
+    energy_plot(time, energies)
+    np.testing.assert_allclose(drawn["potential - 1.75 GJ"], -drawn["kinetic"], atol=1e-9)
+    assert drawn["kinetic"].max() == pytest.approx(3.0, rel=1e-3)  # kJ
+    assert constant_parts({"kinetic": kinetic, "potential": -kinetic, "balance": 0 * time}) == {}
+    assert constant_parts({"kinetic": 4.0 + 1e-14 * np.sin(time), "balance": 4.0 + 0 * time}) == {}

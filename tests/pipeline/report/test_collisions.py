@@ -277,6 +277,30 @@ def test_arrows_are_seen_through_what_hides_them(drawing):
     assert red[1] > red[0] + 100
 
 
+def test_an_inclined_floor_hides_what_is_below_it():
+    """Its bounding box encloses the box on it; yet it is no container to look through."""
+    box = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (0.0, 2.0)])
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = np.array([t for a, b, d, e in sides for t in ((a, b, d), (a, d, e))])
+    none = np.empty((0, 3), dtype=np.int64)
+    floor = np.array([[-9.0, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]])
+    c, s = math.cos(0.6), math.sin(0.6)
+    R = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    surfaces = (
+        TouchingSurface(floor @ R.T, np.array([[0, 1, 2], [0, 2, 3]]), none, "floor"),
+        TouchingSurface(box @ R.T, triangles, none, "box"),
+    )
+    drawn = []
+
+    class Sketch:
+        def render(self, drawing, _camera, size):
+            drawn.append(drawing)
+            return np.full((size[1], size[0], 3), 255, dtype=np.uint8)
+
+    collision_picture(Sketch(), Touching(surfaces, np.empty((0, 3)), np.empty((0, 3))), title="Incline")
+    assert not drawn[0].patches  # which are seen through
+
+
 def test_a_large_triangle_is_cut_to_a_box():
     points = np.array(
         [[-10.0, -10, 0.5], [30, -10, 0.5], [-10, 30, 0.5], [0.2, 0.2, 0.2], [0.4, 0.2, 0.2], [0.2, 0.4, 0.2]]

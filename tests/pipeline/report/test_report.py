@@ -184,7 +184,7 @@ def drawn(monkeypatch):
 def test_whole_report(case, tmp_path, drawn):
     out = tmp_path / "out"
     stages, reduced = write_bodies(out)
-    write_reduced(stages.reduced("bar"), reduced, {})
+    write_reduced(stages.reduced("bar"), reduced, {"frame_origin": [0.0, 0.0, 0.0]})
     write_results(out)
     files, reader, text, markdown = read(write_report(case, out / "report", out))
     names = {
@@ -195,6 +195,8 @@ def test_whole_report(case, tmp_path, drawn):
         "bar_stress_mode_1",
         "bar_stress_time_1",
         "energy",
+        "scene_start",
+        "scene_end",
     }
     names |= {"history_bar_modal_position", "spectrum_bar_modal_position"}
     assert {f"{name}.png" for name in names} | {"report.html", "report.md"} == set(files)
@@ -234,7 +236,7 @@ def test_missing_stages_leave_the_rest(case, tmp_path, drawn, stage):
     if stage != "nothing":
         stages, reduced = write_bodies(out)
         if stage == "modes":
-            write_reduced(stages.reduced("bar"), reduced, {})
+            write_reduced(stages.reduced("bar"), reduced, {"frame_origin": [0.0, 0.0, 0.0]})
     files, _, text, _ = read(write_report(case, out / "report", out))
     assert ("bar_mesh.png" in files) == (stage != "nothing")
     assert ("bar_mode_1.png" in files) == (stage == "modes")
@@ -253,7 +255,7 @@ def test_report_goes_on_where_nothing_can_be_drawn(case, tmp_path, monkeypatch):
     monkeypatch.setattr(report, "Renderer", refuse)
     out = tmp_path / "out"
     stages, reduced = write_bodies(out)
-    write_reduced(stages.reduced("bar"), reduced, {})
+    write_reduced(stages.reduced("bar"), reduced, {"frame_origin": [0.0, 0.0, 0.0]})
     write_results(out)
     files, _, text, _ = read(write_report(case, out / "report", out))
     assert "install libegl1" in text
@@ -277,7 +279,7 @@ def test_a_run_that_stopped_by_itself_is_the_verdict(case, tmp_path, monkeypatch
     monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
     out = tmp_path / "out"
     stages, reduced = write_bodies(out)
-    write_reduced(stages.reduced("bar"), reduced, {})
+    write_reduced(stages.reduced("bar"), reduced, {"frame_origin": [0.0, 0.0, 0.0]})
     message = "at t = 0.301 s the modal coordinates of bar are not finite"
     write_results(out, records=records, outcome="not_finite", message=message)
     files, _, text, markdown = read(write_report(case, out / "report", out))
@@ -545,7 +547,7 @@ def test_a_scene_of_rigid_bodies_only(tmp_path):
     write_report(case, out / "report", out)
     markdown = (out / "report" / "report.md").read_text().replace("\\_", "_")
     for text in (
-        "The scene at the end, true to scale. Brown: ropes, dots: joints and centres of mass",
+        "The scene at the end, true to scale. Boxes: same mass and inertia, brown: ropes, dots: joints",
         "accurate: tolerance 1e-07, output interval 10 ms, duration 1 s",
         "| degrees of freedom | 1 |",
         "| redundant joints | joint 'pin_3' |",

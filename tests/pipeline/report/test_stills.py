@@ -1,4 +1,4 @@
-"""Pictures of scenes of rigid bodies: hulls where they float, ropes, the ground as far as it matters, outlines."""
+"""Pictures of scenes without frames and shells: hulls and water, boxes of inertia, ropes, moorings, what is around."""
 
 from __future__ import annotations
 
@@ -9,18 +9,32 @@ from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.new_case import new_case
 from heavylift.pipeline.pictures.attached import Seen
 from heavylift.pipeline.pictures.contacts import touch_picture
-from heavylift.pipeline.pictures.render import Drawing, Lines
+from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
 from heavylift.pipeline.pictures.scene import SolidPainter
 from heavylift.pipeline.report.scene import is_pictured, scene_others
 from heavylift.pipeline.results.storage import OutputFolder
 
 
-def seen(kind, tmp_path, results=None):
-    """What is drawn of a case to begin with, at its start."""
+class Recorded(dict):
+    """Channels of a run of two records."""
+
+    time = np.array([0.0, 2.0])
+
+
+def others(kind, tmp_path, results=None, more=""):
+    """What is drawn of a case to begin with."""
     new_case(kind, tmp_path / kind)
+    if more:
+        file = tmp_path / kind / "case.toml"
+        file.write_text(file.read_text() + more)
     case = load_case(tmp_path / kind)
-    assert is_pictured(case) == (kind != "flexible-body")
-    return scene_others(case, OutputFolder(case.output_folder), results or {}, {}, {}).seen(0)
+    assert is_pictured(case)
+    return scene_others(case, OutputFolder(case.output_folder), results or Recorded(), {}, {})
+
+
+def seen(kind, tmp_path, results=None):
+    """The same at its start."""
+    return others(kind, tmp_path, results).seen(0)
 
 
 def sizes(patches):
@@ -44,19 +58,51 @@ def test_ropes_run_from_lug_to_hook(tmp_path):
         if line.colour == "#7a4a12"
     )
     assert lengths == pytest.approx([np.sqrt(134.0)] * 4 + [26.0])
-    assert sizes(found.patches) == [(12.0, 8.0, 4.0)]
+    hook = 3 * (round(np.sqrt(6.0), 9),)  # 5 t with 5 t m^2 about each axis, as a cube
+    assert sizes(found.patches) == [hook, (12.0, 8.0, 4.0)]
 
 
-def test_ground_is_seen_as_far_as_bodies_get(tmp_path):
-    """A ramp of 8 m is left out for a crate of 1 m that stays, and seen once it slides 3 m."""
+def test_ground_is_drawn_around_bodies_and_not_looked_at(tmp_path):
+    """A ramp of 8 m is drawn as far as a crate of 1 m slides, half of the diagonal of its box more on each side."""
+    moved = Recorded({"crate.position": np.array([[-1.7, 0.0, 1.15], [1.14, 0.0, 0.12]])})
+    for number, results in enumerate((None, moved)):
+        (tmp_path / str(number)).mkdir()
+        found = seen("contact", tmp_path / str(number), results)
+        (crate,) = found.patches
+        (ramp,) = found.around
+        assert len(found.points) < len(crate.points) + len(ramp.points) + 10
+        slid = crate.points + np.array([2.84 * number, 0.0, -1.03 * number])
+        corners = np.concatenate([crate.points, slid])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        margin = 0.5 * np.linalg.norm(high - low) + 1e-9
+        assert np.all((ramp.points >= low - margin) & (ramp.points <= high + margin))
+        assert np.ptp(ramp.points[:, 0]) > 1.5 * np.ptp(crate.points[:, 0])
 
-    class Slid(dict):
-        time = np.array([0.0, 2.0])
 
-    assert len(seen("contact", tmp_path).patches) == 1
-    (tmp_path / "again").mkdir()
-    moved = Slid({"crate.position": np.array([[-1.7, 0.0, 1.15], [1.14, 0.0, 0.12]])})
-    assert len(seen("contact", tmp_path / "again", moved).patches) == 2
+MOORING = """
+[[lines]]
+name = "bow"
+between = ["ground", "barge"]
+points = [[-700, 0, -100], [-50, 0, 4]]
+seabed = -100
+sections = [{ length = 680, weight = 1000, axial_stiffness = 1e9 }]
+"""
+
+
+def test_moorings_are_catenaries_that_a_picture_does_not_look_at(tmp_path):
+    """A line of 680 m from an anchor at 100 m of depth, beside a barge of 100 m: some of it lies on the bottom."""
+    found = others("barge", tmp_path, more=MOORING)
+    near, far = found.seen(0), found.moorings(0)
+    assert near.points[:, 0].min() > -60.0
+    assert far.points[:, 0].min() == pytest.approx(-700.0)
+    assert found.reaches_far
+    line = max(far.lines, key=lambda part: np.ptp(part.points[:, 0]))
+    lying = line.points[np.abs(line.points[:, 2] + 100.0) < 1e-9]
+    assert 100.0 < np.ptp(lying[:, 0]) < 600.0
+    assert np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() == pytest.approx(680.0, rel=1e-3)
+    water = min((part for part in near.around if isinstance(part, Patch)), key=lambda part: part.opacity)
+    np.testing.assert_allclose(water.points[:, 2], 0.0)
+    assert water.points[:, 0].min() < -100.0
 
 
 class Sketch:
@@ -94,8 +140,9 @@ def test_pictures_of_a_run_have_one_camera():
     line = Lines(np.array([[0.0, 0, 0], [1, 0, 1]]), np.array([[0, 1]]))
 
     class Falling:
-        def seen(self, record):
-            return Seen((Lines(line.points - [0.0, 0.0, 5.0 * record], line.ends),))
+        def seen(self, record, *, around=True):
+            water = (Patch(9.0 * line.points, np.array([[0, 1, 2]])),) if around else ()
+            return Seen((Lines(line.points - [0.0, 0.0, 5.0 * record], line.ends),), around=water)
 
     class Watching(Sketch):
         def __init__(self):
