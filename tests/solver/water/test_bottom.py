@@ -29,7 +29,12 @@ from heavylift.solver.water.lines.catenary import (
     LineEnds,
     SectionData,
 )
-from heavylift.solver.water.lines.catenary_line import Catenary, profile_over_bottom, solve_catenary
+from heavylift.solver.water.lines.catenary_line import (
+    Catenary,
+    length_for_tension,
+    profile_over_bottom,
+    solve_catenary,
+)
 
 CHAIN = LineSection(300.0, 900.0, 4e8)
 SOFT = (LineSection(120.0, 900.0, 2e6), LineSection(110.0, 400.0, 1e6), LineSection(70.0, 900.0, 2e6))
@@ -537,6 +542,23 @@ def test_random_lines(sections: int, friction: float, hang: bool) -> None:
     scale = np.maximum(scale, np.hypot(cold["lower_horizontal"], cold["lower_vertical"]))
     for name in ("horizontal", "vertical", "lower_horizontal", "lower_vertical"):
         assert np.abs((warm[name] - cold[name]) / scale).max() < 1e-9
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("x", "z", "degrees", "clearance"),
+    [(400.0, 90.0, 5.0, None), (400.0, 20.0, -5.0, None), (300.0, 10.0, 0.0, 50.0), (300.0, 10.0, 3.0, 50.0)],
+)
+def test_length_for_a_tension(
+    x: float, z: float, degrees: float, clearance: float | None, friction: float
+) -> None:
+    more: dict[str, Any] = {"slope": rise(degrees), "clearance": clearance, "friction": friction}
+    length = length_for_tension(150e3, 700.0, 3e8, x, z, **more)
+    line = solve_catenary((LineSection(length, 700.0, 3e8),), x, z, **more)
+    assert line.tension == pytest.approx(150e3, rel=1e-9)
+    assert line.on_seabed > 10.0
+    with pytest.raises(InputError, match="less than the line has at any length"):
+        length_for_tension(20e3, 700.0, 3e8, x, z, **more)
 
 
 def test_a_hanging_end_of_a_line_with_a_buoy_is_refused() -> None:
