@@ -157,7 +157,8 @@ def moordyn_input(
     Raises
     ------
     InputError
-        If the masses do not fit the sections or weigh less in air than the sections in water, or one does not stretch.
+        If the masses do not fit the sections or weigh less in air than the sections in water, one does not stretch, or
+        the seabed slopes.
 
     Notes
     -----

@@ -44,6 +44,9 @@ START_STRAIN = 0.05
 ANCHOR_TOLERANCE = 0.01
 """Of the length: how far from the seabed an anchor may be given."""
 
+FINER = 8
+"""Times as many points of a profile over a bottom: it has none of its own where the line touches that."""
+
 
 class LineBottom(NamedTuple):
     """The bottom below a line: its height at the origin of the world [m], its rise along x and along y."""
@@ -254,7 +257,7 @@ def hang_line(
             clearance=clearance,
             friction=line.friction,
             clumps=line.clumps,
-            points=points,
+            points=FINER * points,
         )
     profile = line_profile(
         line.sections,

@@ -229,6 +229,35 @@ def test_lines_hang_where_the_case_begins(heavylift, barge: Path) -> None:
     )
 
 
+def test_lines_lie_on_a_slope(heavylift, barge: Path) -> None:
+    """The bottom falls away from the anchor of the bow: what lies there hangs on it."""
+    case = barge / "case.toml"
+    case.write_text(
+        case.read_text().replace(
+            "seabed = -100", "seabed = -100\nseabed_slope = { angle = '3 deg', downhill = '180 deg' }", 1
+        )
+    )
+    code, out, _ = heavylift("lines", barge, "--json")
+    assert code == 0
+    bow, stern = json.loads(out)["lines"]
+    slope, weight = math.radians(3.0), 1200.0
+    assert bow["seabed_length"] > 200.0
+    # from the touch-down to the anchor the weight along the slope, to the fairlead that of the height between
+    touch = bow["horizontal_tension"] / math.cos(slope)
+    assert bow["anchor_tension"] - touch == pytest.approx(
+        weight * math.sin(slope) * bow["seabed_length"], rel=1e-6
+    )
+    low = -100.0 - math.sin(slope) * bow["seabed_length"]
+    assert bow["fairlead_tension"] - touch == pytest.approx(weight * (4.5 - low), rel=2e-3)  # inextensible
+    assert stern["anchor_tension"] == pytest.approx(stern["horizontal_tension"])
+    text = case.read_text()
+    case.write_text(text.replace("seabed = -100", "seabed = -80", 1))
+    for command in ("lines", "simulate"):
+        code, _, error = heavylift(command, barge)
+        assert code == 2
+        assert "lines.0.points: the anchor at height -100 m is 20 m below the seabed" in error
+
+
 def test_masses_in_air_follow_from_the_weight_in_water() -> None:
     def line(weight: float) -> MooringLine:
         sections = (LineSection(100.0, weight, 1e8),)

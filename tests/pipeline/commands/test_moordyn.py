@@ -19,7 +19,7 @@ from heavylift.pipeline.commands.moordyn import (
 )
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection
+from heavylift.solver.scene.moorings import LineSection, SeabedSlope
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea
 from heavylift.solver.water.lines.catenary_line import solve_catenary
@@ -107,6 +107,9 @@ def test_bad_input_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     ):
         moordyn_input(three_sections(), LineDynamics((105.0, 10.0, 105.0)), ANCHOR, fairlead(230.0, 55.0))
     rigid = three_sections(sections=(LineSection(270.0, 900.0, math.inf),), clumps=())
+    slope = three_sections(seabed_slope=SeabedSlope(0.1))
+    with pytest.raises(InputError, match="bow line: seabed_slope: the seabed slopes"):
+        moordyn_input(slope, LineDynamics(MASSES), ANCHOR, fairlead(230.0, 55.0))
     with pytest.raises(InputError, match="section 1 does not stretch"):
         moordyn_input(rigid, LineDynamics((105.0,)), ANCHOR, fairlead(230.0, 55.0))
     still = np.tile(fairlead(230.0, 55.0), (3, 1))

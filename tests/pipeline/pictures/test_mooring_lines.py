@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from PIL import Image
 
 from heavylift.pipeline.pictures.mooring_lines import draw_line, profile_picture
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection
+from heavylift.solver.scene.moorings import LineSection, SeabedSlope
 from heavylift.solver.water.lines.catenary_line import solve_catenary
 from heavylift.solver.water.lines.mooring_lines import MooringLine
 
@@ -51,6 +52,48 @@ def test_a_slack_line_ends_where_it_is_held() -> None:
     assert np.all(np.isfinite(drawn.points))
 
 
+SAND = [0xD9, 0xC9, 0xA3]
+
+
+def sand(picture: bytes) -> np.ndarray:
+    """Where a picture shows the bottom."""
+    pixels = np.array(Image.open(io.BytesIO(picture)).convert("RGB")).astype(int)
+    return np.asarray(np.abs(pixels - SAND).max(axis=2) < 8)
+
+
+def test_the_bottom_slopes_under_its_line() -> None:
+    """A polyline that follows the plane where it lies, and sand that rises to the right as the bottom does."""
+    fairlead = ANCHOR + np.array([175.0, 0.0, 70.0])
+    rising, flat = (
+        draw_line(mooring("bow", seabed_slope=SeabedSlope(math.radians(angle), math.pi)), ANCHOR, fairlead)
+        for angle in (8.0, 0.0)
+    )
+    x, z = rising.points[:, 0] - ANCHOR[0], rising.points[:, 2] - ANCHOR[2]
+    above = z - math.tan(math.radians(8.0)) * x
+    assert above.min() > -1e-9
+    lying = rising.profile.s < rising.catenary.on_seabed
+    assert np.abs(above[lying]).max() < 1e-6
+    assert lying.sum() > 20
+    assert rising.points[-1] == pytest.approx(fairlead, abs=1e-9)
+    columns = {}
+    for name, drawn in (("rising", rising), ("flat", flat)):
+        shown = sand(profile_picture([drawn])).sum(axis=0)
+        first, *_, last = np.flatnonzero(shown > 5)
+        quarter = (last - first) // 4
+        columns[name] = shown[first + quarter], shown[last - quarter]
+    assert columns["rising"][1] > 1.3 * columns["rising"][0]
+    assert columns["flat"][1] == pytest.approx(columns["flat"][0], abs=4)
+
+
+def test_a_line_between_two_hulls_is_drawn_to_both() -> None:
+    stern, fairlead = np.array([-90.0, 0.0, -3.0]), np.array([55.0, 0.0, 2.0])
+    drawn = draw_line(replace(mooring("tow", friction=0.3), body_a="tug"), stern, fairlead)
+    assert drawn.points[0] == pytest.approx(stern, abs=1e-7)
+    assert drawn.points[-1] == pytest.approx(fairlead, abs=1e-9)
+    assert drawn.points[:, 2].min() == pytest.approx(-50.0, abs=1e-7)
+    assert drawn.profile.tension[0] == pytest.approx(drawn.catenary.anchor_tension, rel=1e-6)
+
+
 def test_picture_has_a_panel_for_each_line() -> None:
     hawser = mooring("hawser", sections=(LineSection(70.0, 60.0, 5e6),), seabed=None, clumps=())
     lines = [
@@ -64,6 +107,4 @@ def test_picture_has_a_panel_for_each_line() -> None:
     )
     assert three.width == one.width
     assert three.height > 2 * one.height
-    pixels = np.array(three.convert("RGB")).reshape(-1, 3).astype(int)
-    sand = np.abs(pixels - [0xD9, 0xC9, 0xA3]).max(axis=1) < 8
-    assert 0.005 < sand.mean() < 0.2
+    assert 0.005 < sand(profile_picture(lines, level=0.0)).mean() < 0.2

@@ -29,7 +29,12 @@ from heavylift.solver.water.lines.catenary import (
     LineEnds,
     SectionData,
 )
-from heavylift.solver.water.lines.catenary_line import Catenary, profile_over_bottom, solve_catenary
+from heavylift.solver.water.lines.catenary_line import (
+    Catenary,
+    length_for_tension,
+    profile_over_bottom,
+    solve_catenary,
+)
 
 CHAIN = LineSection(300.0, 900.0, 4e8)
 SOFT = (LineSection(120.0, 900.0, 2e6), LineSection(110.0, 400.0, 1e6), LineSection(70.0, 900.0, 2e6))
@@ -39,27 +44,31 @@ def rise(degrees: float) -> float:
     return math.tan(math.radians(degrees))
 
 
-# MoorPy 1.3.0, catenary(x, z, L, EA, w, CB, alpha, Tol=1e-10): line, span, height, slope [deg], clearance (None: on the
-# bottom), friction; H, V at the upper end, H, V of the lower end on the line, length on the bottom.
+# MoorPy 1.3.0, catenary(x, z, L, EA, w, CB, alpha, Tol=1e-10) of this chain: span, height, slope [deg], clearance
+# (None: on the bottom); H, V at the upper end, H, V of the lower end on the line, length on the bottom.
 MOORPY = [
-    (CHAIN, 250.0, 80.0, -5.0, None, 44425.410801739, 121319.766846626, 56996.975666112, -4986.589226048, 160.88168148416),
-    (CHAIN, 220.0, 20.0, 0.0, 60.0, 25452.705650940, 94058.674865502, 25452.705650940, -75258.004599791, 111.87035614968),
+    (250.0, 80.0, -5.0, None, 44425.410801739, 121319.766846626, 56996.975666112, -4986.589226048, 160.88168148416),
+    (220.0, 20.0, 0.0, 60.0, 25452.705650940, 94058.674865502, 25452.705650940, -75258.004599791, 111.87035614968),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize("row", MOORPY)
 def test_numbers_of_moorpy(row: tuple[Any, ...]) -> None:
-    section, x, z, degrees, clearance, *expected = row
-    line = solve_catenary((section,), x, z, slope=rise(degrees), clearance=clearance)
+    x, z, degrees, clearance, *expected = row
+    line = solve_catenary((CHAIN,), x, z, slope=rise(degrees), clearance=clearance)
     found = [line.horizontal, line.vertical, line.anchor_horizontal, line.anchor_vertical, line.on_seabed]
     assert found == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore")  # those of MoorPy, where it does not converge
 def test_agrees_with_moorpy() -> None:
-    """Uniform lines with the anchor on a slope, without friction and under tension all along; level U shapes."""
+    """Uniform lines with the anchor on a slope, without friction and under tension all along; level U shapes.
+
+    Not where MoorPy lets a line pass through the slope, or its iteration for a U shape ends elsewhere than at the span.
+    """
     catenary = pytest.importorskip("moorpy.Catenary").catenary
     rng = np.random.default_rng(3)
-    compared = 0
+    compared = tried = 0
     for _ in range(200):
         x, high, degrees = rng.uniform(50, 800), rng.uniform(20, 200), rng.uniform(-20, 20)
         clearance = None if rng.random() < 0.5 else rng.uniform(10, 150)
@@ -78,16 +87,27 @@ def test_agrees_with_moorpy() -> None:
             x, z, length, section.axial_stiffness, section.weight,
             CB=0.0 if clearance is None else -clearance, alpha=degrees, Tol=1e-9,
         )  # fmt: skip
+        tried += 1
+        if clearance is None and az < ax * (rise(degrees) - 1e-6):
+            continue
+        if clearance is not None:
+            H, w, EA = -bx, section.weight, section.axial_stiffness
+            reached = info["LBot"] * (1.0 + H / EA)
+            reached += H / w * sum(math.asinh(abs(v) / H) for v in (az, bz)) + H * (abs(az) + abs(bz)) / (
+                w * EA
+            )
+            if not abs(reached - x) < 1e-6 * length:
+                continue
         scale = line.tension
         found = [line.horizontal, line.vertical, line.anchor_horizontal, line.anchor_vertical]
         assert np.abs(np.array(found) - [-bx, -bz, ax, az]).max() < 1e-6 * scale
         assert line.on_seabed == pytest.approx(info["LBot"], abs=1e-6 * length)
         compared += 1
-    assert compared > 60
+    assert compared > max(60, 0.8 * tried)
 
 
 class SpringChain:
-    """Masses between springs above a stiff plane, where their energy is least."""
+    """Masses between springs that only pull, above a stiff plane, where their energy is least."""
 
     def __init__(
         self,
@@ -117,7 +137,7 @@ class SpringChain:
         self.hard = 1e5 * weights.max()
 
     def energy(self, r: NDArray[np.float64]) -> float:
-        stretch = np.linalg.norm(np.diff(r, axis=0), axis=1) - self.rest
+        stretch = np.maximum(np.linalg.norm(np.diff(r, axis=0), axis=1) - self.rest, 0.0)
         deep = np.minimum(r @ self.normal + self.offset, 0.0)
         return float(
             0.5 * self.stiffness @ stretch**2
@@ -130,7 +150,7 @@ class SpringChain:
         d = np.diff(r, axis=0)
         length = np.linalg.norm(d, axis=1)
         e = d / length[:, None]
-        pull = (self.stiffness * (length - self.rest))[:, None] * e
+        pull = (self.stiffness * np.maximum(length - self.rest, 0.0))[:, None] * e
         force = np.zeros_like(r)
         force[:-1] -= pull
         force[1:] += pull
@@ -139,8 +159,9 @@ class SpringChain:
         deep[[0, -1]] = 0.0
         force += self.hard * deep[:, None] * self.normal
         along = e[:, :, None] * e[:, None, :]
-        across = np.maximum(1.0 - self.rest / length, 0.0)[:, None, None] * (np.eye(2) - along)
-        K = self.stiffness[:, None, None] * (along + across)
+        tight = (length > self.rest)[:, None, None]
+        K = np.where(tight, np.eye(2) - (self.rest / length)[:, None, None] * (np.eye(2) - along), 0.0)
+        K *= self.stiffness[:, None, None]
         at = np.arange(n - 1)
         blocks = [(at, at, K), (at + 1, at + 1, K), (at, at + 1, -K), (at + 1, at, -K)]
         touch = np.flatnonzero(deep < 0.0)
@@ -155,14 +176,15 @@ class SpringChain:
         )
         return force, H.tocsc()
 
-    def settle(self, x: float, z: float) -> NDArray[np.float64]:
-        """Forces that the ends exert on the chain, lower and upper [N], shape (2, 2)."""
-        s = np.concatenate([[0.0], np.cumsum(self.rest)]) / self.rest.sum()
-        r = np.column_stack([x * s, z * s])
-        r[1:-1] -= 0.2 * (self.rest.sum() - math.hypot(x, z)) * np.sin(np.pi * s[1:-1, None]) * self.normal
+    def settle(self, start: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Forces that the ends exert on the chain, lower and upper [N], shape (2, 2); from a shape with its ends [m].
+
+        The energy is convex: wherever it begins, there is one minimum.
+        """
+        r = start.copy()
         damping, value = 1e-2 * self.stiffness.max(), self.energy(r)
         inner = slice(2, 2 * len(r) - 2)
-        for _ in range(4000):
+        for _ in range(8000):
             force, H = self.derivatives(r)
             if np.abs(force[1:-1]).max() < 1e-9 * np.abs(force).max():
                 return force[[0, -1]]
@@ -180,8 +202,8 @@ class SpringChain:
 @pytest.mark.parametrize(
     ("x", "z", "degrees", "clearance", "clumps"),
     [
-        (250.0, 60.0, 0.0, None, ()),
-        (250.0, 90.0, 12.0, None, ()),  # the anchor downhill
+        (265.0, 60.0, 0.0, None, ()),
+        (260.0, 110.0, 12.0, None, ()),  # the anchor downhill
         (260.0, 40.0, -12.0, None, ()),  # and uphill
         (230.0, 90.0, 15.0, None, (2e4, 0.0)),  # a clump on the slope
         (230.0, 30.0, 0.0, 60.0, ()),
@@ -198,14 +220,17 @@ def test_a_chain_of_springs(
 ) -> None:
     slope = rise(degrees)
     line = solve_catenary(SOFT, x, z, slope=slope, clearance=clearance, clumps=clumps)
-    forces = [
-        SpringChain(SOFT, clumps, slope, clearance or 0.0, pieces).settle(x, z) for pieces in (500, 1000)
-    ]
-    lower, upper = forces[1] + (forces[1] - forces[0]) / 3
+    chain = SpringChain(SOFT, clumps, slope, clearance or 0.0, 1000)
+    profile = profile_over_bottom(SOFT, x, z, slope=slope, clearance=clearance, clumps=clumps)
+    s = np.concatenate([[0.0], np.cumsum(chain.rest)])
+    start = np.column_stack([np.interp(s, profile.s, profile.x), np.interp(s, profile.s, profile.z)])
+    start[:, 0] -= 1.0 * np.sin(2 * np.pi * s / s[-1])
+    start[:, 1] += 3.0 * np.sin(np.pi * s / s[-1])
+    lower, upper = chain.settle(start)
     scale = line.tension
-    assert upper == pytest.approx([line.horizontal, line.vertical], abs=2e-4 * scale)
+    assert upper == pytest.approx([line.horizontal, line.vertical], abs=3e-4 * scale)
     if clearance is not None:
-        assert lower == pytest.approx([-line.anchor_horizontal, -line.anchor_vertical], abs=2e-4 * scale)
+        assert lower == pytest.approx([-line.anchor_horizontal, -line.anchor_vertical], abs=3e-4 * scale)
 
 
 def shoot(
@@ -247,7 +272,7 @@ def shoot(
 @pytest.mark.parametrize(
     ("x", "z", "degrees", "clearance"),
     [
-        (270.0, 90.0, 7.0, None),
+        (280.0, 90.0, 7.0, None),
         (260.0, 40.0, -12.0, None),
         (235.0, 40.0, 0.0, 50.0),
         (245.0, 60.0, 7.0, 50.0),
@@ -349,7 +374,7 @@ def test_limits_are_those_of_a_level_bottom(x: float, z: float, friction: float)
             (flat.horizontal, flat.vertical), rel=rel, abs=rel * flat.tension
         )
         assert near.energy == pytest.approx(flat.energy, rel=rel)
-        assert near.on_seabed == pytest.approx(flat.on_seabed, rel=rel, abs=1e-6)
+        assert near.on_seabed == pytest.approx(flat.on_seabed, rel=rel, abs=rel * 300.0)
 
 
 def test_slack_lines() -> None:
@@ -398,11 +423,12 @@ def test_stiffness_is_the_derivative_of_the_force(
         return np.array([line.horizontal, line.vertical])
 
     K = solve_catenary(SOFT, x, z, **more).stiffness
-    h = 1e-4
-    columns = [
-        (8 * (force(x + h * a, z + h * b) - force(x - h * a, z - h * b)) - (force(x + 2 * h * a, z + 2 * h * b) - force(x - 2 * h * a, z - 2 * h * b))) / (12 * h)
-        for a, b in ((1, 0), (0, 1))
-    ]  # fmt: skip
+    h, place = 1e-4, np.array([x, z])
+    columns = []
+    for d in h * np.eye(2):
+        near = force(*(place + d)) - force(*(place - d))
+        far = force(*(place + 2 * d)) - force(*(place - 2 * d))
+        columns.append((8 * near - far) / (12 * h))
     assert np.abs(K - np.column_stack(columns)).max() < 1e-6 * np.abs(K).max()
     if friction == 0.0:
         assert K[0, 1] == pytest.approx(K[1, 0], rel=1e-9)
@@ -513,8 +539,26 @@ def test_random_lines(sections: int, friction: float, hang: bool) -> None:
     cold, warm = solve(moved, records(BottomState, 3000)), solve(moved, state.copy())
     assert not np.any(warm["branch"] == FAILED)
     scale = np.hypot(cold["horizontal"], cold["vertical"])
+    scale = np.maximum(scale, np.hypot(cold["lower_horizontal"], cold["lower_vertical"]))
     for name in ("horizontal", "vertical", "lower_horizontal", "lower_vertical"):
         assert np.abs((warm[name] - cold[name]) / scale).max() < 1e-9
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("x", "z", "degrees", "clearance"),
+    [(400.0, 90.0, 5.0, None), (400.0, 20.0, -5.0, None), (300.0, 10.0, 0.0, 50.0), (300.0, 10.0, 3.0, 50.0)],
+)
+def test_length_for_a_tension(
+    x: float, z: float, degrees: float, clearance: float | None, friction: float
+) -> None:
+    more: dict[str, Any] = {"slope": rise(degrees), "clearance": clearance, "friction": friction}
+    length = length_for_tension(150e3, 700.0, 3e8, x, z, **more)
+    line = solve_catenary((LineSection(length, 700.0, 3e8),), x, z, **more)
+    assert line.tension == pytest.approx(150e3, rel=1e-9)
+    assert line.on_seabed > 10.0
+    with pytest.raises(InputError, match="less than the line has at any length"):
+        length_for_tension(20e3, 700.0, 3e8, x, z, **more)
 
 
 def test_a_hanging_end_of_a_line_with_a_buoy_is_refused() -> None:

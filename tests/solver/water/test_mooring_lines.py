@@ -18,7 +18,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.moorings import LineSection
+from heavylift.solver.scene.moorings import LineSection, SeabedSlope
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea, Water
 from heavylift.solver.simulation import Simulation
@@ -36,6 +36,8 @@ CHAIN = (LineSection(150.0, 1500.0, 5e8), LineSection(60.0, 300.0, 3e8))
 HAWSER = (LineSection(90.0, 40.0, 4e6),)
 ANCHOR = np.array([-160.0, 90.0, -60.0])
 BOLLARD = np.array([12.0, -55.0, 6.0])
+FALLING = SeabedSlope(math.radians(10.0), math.radians(200.0))
+"""Falls by 10 degrees, 20 degrees off against x."""
 
 
 def evaluate(kinds: tuple[Any, ...], work: Workspace, row: np.ndarray) -> None:
@@ -61,6 +63,16 @@ def in_air(**more: Any) -> MooringLine:
         point_b=np.zeros(3),
         **(given | more),
     )
+
+
+def between_hulls(**more: Any) -> MooringLine:
+    given: dict[str, Any] = {"sections": CHAIN, "seabed": -60.0, "clumps": (4e3,)}
+    return MooringLine(
+        name="tow", body_a="tug", point_a=np.zeros(3), body_b="barge", point_b=np.zeros(3), **(given | more)
+    )
+
+
+STERN = np.array([-110.0, 60.0, -2.0])
 
 
 class Bench:
@@ -127,6 +139,8 @@ def test_a_line_in_air_is_in_equilibrium() -> None:
         (on_seabed(), ANCHOR, np.array([-20.0, 70.0, -4.0])),
         (on_seabed(friction=0.6), ANCHOR, np.array([35.0, 60.0, -2.0])),
         (on_seabed(), ANCHOR, np.array([41.0, 90.0, -2.0])),  # taut
+        (between_hulls(), STERN, np.array([20.0, 20.0, 1.0])),
+        (between_hulls(friction=0.5), STERN, np.array([20.0, 20.0, 1.0])),
         (in_air(), BOLLARD, np.array([70.0, -10.0, 9.0])),
         (in_air(), BOLLARD, np.array([12.3, -55.2, -2.0])),  # both ends nearly above each other
     ],
@@ -145,6 +159,67 @@ def test_tangent_is_the_stiffness(line: MooringLine, anchor: np.ndarray, fairlea
     )
     differences = 0.5 * (differences + differences.T)
     assert np.abs(K - differences).max() < 2e-6 * values[-1]
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "slope"),
+    [(20.0, math.tan(math.radians(10.0))), (200.0, -math.tan(math.radians(10.0))), (110.0, 0.0)],
+)
+def test_of_a_sloping_bottom_counts_what_lies_in_the_plane_of_the_line(azimuth: float, slope: float) -> None:
+    e = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth)), 0.0])
+    fairlead = ANCHOR + 160.0 * e + [0.0, 0.0, 80.0]
+    bench = Bench(on_seabed(seabed_slope=FALLING, friction=0.2), ANCHOR, fairlead)
+    _, on_fairlead = bench.at(ANCHOR, fairlead)
+    line = solve_catenary(CHAIN, 160.0, 80.0, clumps=(4e3,), slope=slope, friction=0.2)
+    assert on_fairlead == pytest.approx(-line.horizontal * e - [0.0, 0.0, line.vertical], rel=1e-8)
+    assert bench.row[:4] == pytest.approx(
+        [line.tension, line.anchor_tension, line.horizontal, line.on_seabed], rel=1e-8, abs=1e-6
+    )
+    assert line.on_seabed > 50.0
+    # a point at which the height is given: the same bottom
+    point = ANCHOR[:2] + np.array([30.0, -40.0])
+    lower = math.tan(math.radians(10.0)) * (
+        30.0 * math.cos(math.radians(200.0)) - 40.0 * math.sin(math.radians(200.0))
+    )
+    moved = SeabedSlope(FALLING.angle, FALLING.downhill, point)
+    other = Bench(on_seabed(seabed_slope=moved, seabed=-60.0 - lower, friction=0.2), ANCHOR, fairlead)
+    assert other.at(ANCHOR, fairlead)[1] == pytest.approx(on_fairlead, rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_line_between_two_hulls_lies_in_its_middle(friction: float) -> None:
+    """The bottom carries what lies, and takes up the friction of that between the ends."""
+    fairlead = np.array([20.0, 20.0, 1.0])
+    bench = Bench(between_hulls(friction=friction), STERN, fairlead)
+    on_stern, on_barge = bench.at(STERN, fairlead)
+    line = solve_catenary(
+        CHAIN, math.hypot(130.0, 40.0), 3.0, clumps=(4e3,), clearance=58.0, friction=friction
+    )
+    lying = bench.row[3]
+    assert lying == pytest.approx(line.on_seabed, rel=1e-9)
+    assert lying > 20.0
+    weight = 150.0 * 1500.0 + 60.0 * 300.0 + 4e3
+    lift = -(on_stern + on_barge)[2]  # the lying part is of the heavier section
+    assert lift == pytest.approx(weight - 1500.0 * lying, rel=1e-9)
+    e = np.array([130.0, -40.0]) / math.hypot(130.0, 40.0)
+    assert (on_stern + on_barge)[:2] == pytest.approx(-friction * 1500.0 * lying * e, rel=1e-8, abs=1e-6)
+
+
+def test_both_ends_over_a_slope_do_no_work_around_a_way() -> None:
+    """Without friction, in a vertical plane, with the lower end moving too: work is the gain of energy."""
+    slope = SeabedSlope(math.radians(6.0), 0.0, np.array([-90.0, 0.0]))
+    a0, a1 = np.array([-90.0, 0.0, -3.0]), np.array([-88.0, 0.0, -9.0])
+    b0, b1 = np.array([40.0, 0.0, 2.0]), np.array([47.0, 0.0, -4.0])
+    bench = Bench(between_hulls(seabed_slope=slope), a0, b0)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    bench.at(a0, b0)
+    assert bench.row[3] > 20.0
+    work = 0.0
+    for node, weight in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):
+        on_a, on_b = bench.at(a0 + node * (a1 - a0), b0 + node * (b1 - b0))
+        work -= weight * (on_a @ (a1 - a0) + on_b @ (b1 - b0))
+    bench.at(a1, b1)
+    assert bench.work.sums.elastic == pytest.approx(work, rel=1e-7)
 
 
 def test_energy_is_the_work_of_both_ends() -> None:
@@ -240,6 +315,16 @@ def test_an_overstretched_line_stops_the_simulation() -> None:
             np.array([-20.0, 70.0, -61.0]),
             r"bow: points: the fairlead starts at height -61 m, 1 m below the seabed",
         ),
+        (
+            on_seabed(seabed_slope=SeabedSlope(math.radians(30.0), math.radians(180.0))),
+            np.array([-20.0, 70.0, -4.0]),
+            r"bow: points: the fairlead starts at height -4 m, 24.829 m below the seabed",
+        ),
+        (
+            on_seabed(seabed=-70.0, clumps=(-1e3,)),
+            np.array([-20.0, 70.0, -4.0]),
+            r"bow: clumps.0: a buoy of 1000 N on a line that hangs over a seabed by both ends",
+        ),
         (on_seabed(strain_limit=0.0), np.zeros(3), r"strain_limit is 0"),
         (on_seabed(friction=-1.0), np.zeros(3), r"bow: friction: friction is -1"),
         (on_seabed(sections=()), np.zeros(3), r"bow: sections: no sections"),
@@ -325,6 +410,50 @@ def test_a_ball_between_two_lines() -> None:
     assert 2.5 < errors[0] / errors[1] < 6.0
     kinetic = records[:, columns(simulation, "energy.kinetic")].max()
     assert lost[1] < 2e-4 * kinetic  # all work is stored in the lines, up to the error of the step
+    assert 2.5 < lost[0] / lost[1] < 6.0
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_two_balls_with_a_line_that_lies_between_them() -> None:
+    """Two bodies and one line over a sloping bottom: energy stays in the lines up to the error of the step."""
+    balls, lines = [], []
+    for i, x in enumerate((0.0, 45.0)):
+        name, shift = f"ball {i}", np.array([x, 0.0, 0.0])
+        balls.append(
+            RigidBody(name, MASS, 200.0 * np.eye(3), position=np.array([x + 1.0 - 2.0 * i, 0.0, -18.0]))
+        )
+        for k, (end, sections) in enumerate(zip(([-30.0, 0.0, 0.0], [25.0, 0.0, 3.0]), HOLDING, strict=True)):
+            lines.append(
+                MooringLine(
+                    name=f"line {i}{k}", body_a=GROUND, point_a=shift + end, body_b=name, point_b=np.zeros(3),
+                    sections=sections,
+                )
+            )  # fmt: skip
+    slope = SeabedSlope(math.radians(3.0), 0.0, np.zeros(2))
+    lines.append(
+        MooringLine(
+            name="link", body_a="ball 0", point_a=np.zeros(3), body_b="ball 1", point_b=np.zeros(3),
+            sections=(LineSection(62.0, 80.0, 2e6),), seabed=-28.0, seabed_slope=slope,
+        )
+    )  # fmt: skip
+    scene = Scene(
+        tuple(balls),
+        (Gravity(np.array([0.0, 0.0, -G])),),
+        sea=Sea(water=Water(gravity=G), lines=tuple(lines)),
+    )
+    lost = []
+    for step in (5e-3, 2.5e-3):
+        simulation = Simulation(scene, step, record_every=round(0.05 / step))
+        _, records = simulation.advance(round(2.0 / step))
+        assert simulation.outcome is Outcome.COMPLETED
+        lying = records[:, columns(simulation, "link.seabed_length")]
+        assert lying.min() > 5.0
+        assert np.ptp(lying) > 0.5
+        lost.append(np.abs(records[:, columns(simulation, "energy.external_work")]).max())
+        assert np.ptp(records[:, columns(simulation, "energy.balance")]) < 1e-6
+    kinetic = records[:, columns(simulation, "energy.kinetic")].max()
+    assert lost[1] < 2e-4 * kinetic
     assert 2.5 < lost[0] / lost[1] < 6.0
 
 
