@@ -196,6 +196,14 @@ def test_shares_of_all_slings(checked):
             "quantity",
             "did you mean 'sling_",
         ),
+        ({"quantity": "channel.eye.position.max"}, "quantity", "has 3 components"),
+        ({"quantity": "channel.ey*.position.w.max"}, "quantity", "a component: x, y, z; or largest"),
+        ({"quantity": "channel.sling_1.tension.x.max"}, "quantity", "which is one number"),
+        (
+            {"quantity": "channel.difference(eye.position.w, eye.position.x).max"},
+            "quantity",
+            "'eye.position' has no 'w'",
+        ),
         ({"quantity": "mesh.*.mass"}, "quantity", "no name fits '*'"),
         ({"quantity": "mesh.load.mass"}, "quantity", "a flexible body"),
     ],
@@ -279,6 +287,14 @@ def test_statistics_of_patterns_and_combinations():
         "difference(eyelet.position, eye.position).z",
     ]
     assert [one.unit for one in found] == ["N"] * 4 + ["m"]
+    for name, words in (
+        ("ratio(sling_1.tension, eye.position)", "combines N with m"),
+        ("slung_*.tension", "nearest are: sling_"),
+        ("difference(eye.position, eyelet.position).w", "does not exist"),
+        ("ratio(eye.position.z, eye.position.y)", "divides by zero at 0 s"),
+    ):
+        with pytest.raises(InputError, match=words):
+            column_statistics(chosen_columns(results(), [name])[0], [results()], 0.0)
     mean = column_statistics(found[3], [results()], 0.0).entry()["mean"]
     assert mean == pytest.approx(sum(np.trapezoid(v, TIMES) for v in TENSIONS.values()) / TIMES[-1], rel=1e-3)
 
