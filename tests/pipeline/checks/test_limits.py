@@ -236,6 +236,15 @@ def test_a_reference_is_one_number(folder):
         load_case(folder, [check])
 
 
+def test_a_study_of_a_group_has_a_reference_of_as_many(folder):
+    study = (
+        'converge={parameter="simulate.step", values=[0.002, 0.001], quantity="channel.sling_*.tension.max", '
+    )
+    load_case(folder, [study + "reference={run=0.0005}}"])
+    with pytest.raises(InputError, match=r"converge\.reference: one value for a quantity of 3 things"):
+        load_case(folder, [study + 'reference="3 kN"}'])
+
+
 def test_a_ratio_that_divides_by_zero_says_when(checked):
     zero = np.where(TIMES > 4.95, 0.0, 1.0)
     with pytest.MonkeyPatch.context() as patch:
