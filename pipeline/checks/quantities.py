@@ -181,6 +181,9 @@ class Quantities:
     def time_of_extreme(self, text: str) -> float | None:
         """When a largest or smallest value was [s]; None of other quantities. Of all steps it is the next record."""
         name = self._case.quantity(text)
+        if name.family == "deviation" and name.statistic != "rms":
+            times, distances = self._distances(name)
+            return float(times[distances.argmax()])
         reader = {"channel": self._history, "stress": self._stress_history}.get(name.family)
         if reader is None or name.statistic not in {"max", "min"}:
             return None
@@ -337,11 +340,15 @@ class Quantities:
             )
         return np.asarray(history)
 
-    def _deviation(self, name: QuantityName) -> float:
+    def _distances(self, name: QuantityName) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times [s] and distances from a reference history."""
         from heavylift.pipeline.checks.deviation import deviation_history
 
         reference = next(entry for entry in self._case.reference if entry.name == name.item)
-        _, distances = deviation_history(self._case, reference, self.results)
+        return deviation_history(self._case, reference, self.results)
+
+    def _deviation(self, name: QuantityName) -> float:
+        _, distances = self._distances(name)
         return float(np.sqrt(np.mean(distances**2)) if name.statistic == "rms" else distances.max())
 
     def _lines(self, name: QuantityName) -> float:

@@ -236,6 +236,26 @@ def test_a_reference_is_one_number(folder):
         load_case(folder, [check])
 
 
+def test_the_deviation_of_a_combination_is_largest_at_some_time(checked, folder):
+    """Compared with the rule ``2 cos t`` of the x of both eyes, but for a bump of 10 cm at 3 s."""
+    rule = 2.0 * np.cos(TIMES) + np.where(np.isclose(TIMES, 3.0), 0.1, 0.0)
+    rows = "".join(f"{t},{x}\n" for t, x in zip(TIMES.tolist(), rule.tolist(), strict=True))
+    (folder / "rule.csv").write_text("time,x\n" + rows)
+    text = (folder / "case.toml").read_text().replace("duration = 0", "duration = 10")
+    (folder / "case.toml").write_text(text.replace('output_interval = "10 ms"', 'output_interval = "0.1 s"'))
+    named = {"name": "rule", "channel": "difference(eyelet.position, eye.position)", "file": "rule.csv"}
+    reference = quoted(**named).replace("[[check]]", "[[reference]]")
+    case, (largest, mean) = checked(
+        reference
+        + quoted(id="largest", quantity="deviation.rule", maximum="11 cm")
+        + quoted(id="mean", quantity="deviation.rule.rms", maximum="1 mm")
+    )
+    assert case.quantity("deviation.rule").kind.unit == "m"
+    assert (largest.value, largest.where) == (pytest.approx(0.1, rel=1e-9), "at 3 s")
+    assert (mean.value, mean.where) == (pytest.approx(0.1 / math.sqrt(101.0), rel=1e-9), "")
+    assert not mean.passed
+
+
 def test_a_study_of_a_group_has_a_reference_of_as_many(folder):
     study = (
         'converge={parameter="simulate.step", values=[0.002, 0.001], quantity="channel.sling_*.tension.max", '
