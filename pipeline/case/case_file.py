@@ -217,7 +217,9 @@ class Case(SceneTables, _CaseHeading):
         if quantity.stage == "simulate" and self.simulate is None:
             return "a [simulate] section"
         if quantity.family in {"mesh", "modes", "ringdown", "static"}:
-            body = self.bodies[quantity.owner]
+            body = self.bodies.get(quantity.owner)
+            if body is None:
+                return f"a flexible body, and {quantity.owner!r} is no body"
             if body.type != "flexible":
                 return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
             if quantity.family == "static":

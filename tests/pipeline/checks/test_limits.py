@@ -206,6 +206,8 @@ def test_shares_of_all_slings(checked):
         ),
         ({"quantity": "mesh.*.mass"}, "quantity", "no name fits '*'"),
         ({"quantity": "mesh.load.mass"}, "quantity", "a flexible body"),
+        ({"quantity": "mesh.eye.mass"}, "quantity", "'eye' is no body"),
+        ({"quantity": "ringdown.sling_1.1"}, "quantity", "'sling_1' is no body"),
     ],
 )
 def test_what_makes_no_sense_is_one_line(folder, keys, place, words):
