@@ -19,7 +19,12 @@ from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
-from heavylift.pipeline.case.quantity_names import QuantityName, parse_quantity_name
+from heavylift.pipeline.case.quantity_names import (
+    ACROSS,
+    QuantityName,
+    parse_quantity_name,
+    single_components,
+)
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case.report import ReportSection
@@ -95,9 +100,15 @@ class Case(SceneTables, _CaseHeading):
         for key, text in texts.items():
             quantity = self.quantity(text)
             for member in dict(quantity.members).values() or (text,):
-                problem = self._missing_for(self.quantity(member))
+                one = self.quantity(member)
+                problem = self._missing_for(one)
                 if problem:
                     reject(f"{member!r} needs {problem}", "a quantity that the case has", key=key)
+                whole = one.family in {"channel", "frequency"} and not one.component
+                components = single_components(one.item, self._names) if whole else None
+                if components is not None and len(components) > 1:
+                    expected = f"one of its components: {', '.join(components)}; or {', '.join(ACROSS)}"
+                    reject(f"{member!r} has {len(components)} components", expected, key=key)
             if quantity.family == "drift" and quantity.item in {"momentum", "angular_momentum"}:
                 self._conserves_momentum(text, key)
 
@@ -220,7 +231,9 @@ class Case(SceneTables, _CaseHeading):
         if quantity.stage == "simulate" and self.simulate is None:
             return "a [simulate] section"
         if quantity.family in {"mesh", "modes", "ringdown", "static"}:
-            body = self.bodies[quantity.owner]
+            body = self.bodies.get(quantity.owner)
+            if body is None:
+                return f"a flexible body, and {quantity.owner!r} is no body"
             if body.type != "flexible":
                 return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
             if quantity.family == "static":

@@ -83,6 +83,14 @@ def _in_unit(info: ValidationInfo, value: Any, minimum: float | None = None) -> 
     return Quantity(kind.name, minimum=minimum).parse(value)
 
 
+def _members(quantity: str | None, info: ValidationInfo) -> tuple[tuple[str, str], ...]:
+    """Members of a group; none of a quantity that is no group, or wrong."""
+    context = CaseContext.of(info)
+    if quantity is None or context is None:
+        return ()
+    return parse_quantity_name(quantity, context.names).members
+
+
 def _reference_kind(value: Any) -> str:
     """Tell references that are tables from plain values."""
     if isinstance(value, QuantityReference) or (isinstance(value, dict) and "run" not in value):
@@ -197,11 +205,10 @@ class CheckSection(Section):
     @field_validator("reference")
     @classmethod
     def _is_one_number(cls, value: Any, info: ValidationInfo) -> Any:
-        context = CaseContext.of(info)
-        if isinstance(value, QuantityReference) and context is not None:
-            members = parse_quantity_name(value.quantity, context.names).members
-            if members:
-                reject(f"{value.quantity!r} is of {len(members)} things", "one number", key="quantity")
+        if isinstance(value, QuantityReference):
+            count = len(_members(value.quantity, info))
+            if count:
+                reject(f"{value.quantity!r} is of {count} things", "one number", key="quantity")
         return value
 
 
@@ -230,7 +237,7 @@ class ConvergeSection(Section):
     values: Annotated[tuple[Any, ...], Field(min_length=2)] | None = None
     """Values of the parameter, coarse to fine."""
     quantity: QuantityString
-    """What is computed; of a channel without component, the whole vector."""
+    """What is computed; of a channel without component, the whole vector; with a pattern, one component a name."""
     reference: StudyReference
     """Exact value, ``{ quantity = ... }`` of the same run, or ``{ run = VALUE }``: the same quantity of a run with
     this (finer) value of the parameter."""
@@ -244,7 +251,12 @@ class ConvergeSection(Section):
     @field_validator("reference", mode="before")
     @classmethod
     def _has_the_unit_of_the_quantity(cls, value: Any, info: ValidationInfo) -> Any:
-        return value if isinstance(value, dict) else _in_unit(info, value)
+        if isinstance(value, dict):
+            return value
+        count = len(_members(info.data.get("quantity"), info))
+        if count:
+            reject(f"one value for a quantity of {count} things", "another quantity, or a run, as reference")
+        return _in_unit(info, value)
 
     @model_validator(mode="after")
     def _can_fail(self) -> "ConvergeSection":

@@ -63,6 +63,7 @@ from heavylift.pipeline.case.channel_kinds import (
     SCENE_CHANNELS,
     Declared,
     all_channels,
+    channel_components,
     lies_along_edge,
 )
 from heavylift.pipeline.case.channel_names import (
@@ -78,7 +79,7 @@ from heavylift.pipeline.case.channel_names import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["QuantityName", "channel_kind", "channel_members", "parse_quantity_name"]
+__all__ = ["QuantityName", "channel_kind", "channel_members", "parse_quantity_name", "single_components"]
 
 MESH_QUANTITIES = {
     "node_count": "number",
@@ -119,6 +120,8 @@ STRESSES = {
     "frame": ("axial", "largest"),
 }
 """Components of the stress at a material point, by the type of its body."""
+ACROSS = ("largest", "smallest", "norm")  # in this order `heavylift.pipeline.checks.quantities` has them
+"""Components that are made of all components of a record."""
 STATISTICS = ("end", "min", "max", "mean", "rms", "rate")
 _RATES = {
     "length": "velocity",
@@ -345,6 +348,7 @@ def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityNam
         )
     owner, name, component = _channel_parts(parts[1:-1])
     kind = channel_kind(name, text, names)
+    _check_component(name, component, text, names)
     if parts[-1] == "rate":
         if kind.name not in _RATES:
             raise InputError(
@@ -362,6 +366,7 @@ def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityN
         )
     owner, name, component = _channel_parts(parts[1:])
     channel_kind(name, text, names)
+    _check_component(name, component, text, names)
     return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
 
 
@@ -441,7 +446,7 @@ def _term_kind(term: str, text: str, names: Declared | None) -> Kind:
     alone = "(" in parts[0]
     if "" in parts or len(parts) < (1 if alone else 2):
         raise InputError(f"{text!r}: {term!r} is no channel", expected="OWNER.CHANNEL, e.g. tip.position.z")
-    owner, name, _ = _channel_parts(parts)
+    owner, name, component = _channel_parts(parts)
     if names is not None and owner and owner not in names.names:
         near = get_close_matches(owner, names.names, 1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
@@ -449,7 +454,30 @@ def _term_kind(term: str, text: str, names: Declared | None) -> Kind:
             f"{text!r} names {owner!r}, which does not exist{hint}",
             expected=f"one of: {', '.join(names.names)}",
         )
-    return channel_kind(name, text, names)
+    kind = channel_kind(name, text, names)
+    _check_component(name, component, text, names, across=False)
+    return kind
+
+
+def single_components(name: str, names: Declared) -> tuple[str, ...] | None:
+    """Components of a channel as far as the case file tells; None of what a mesh or a number of modes decides."""
+    if "(" in name or name.partition(".")[0] in names.meshes:
+        return None
+    return channel_components(name.rpartition(".")[2])
+
+
+def _check_component(
+    name: str, component: str, text: str, names: Declared | None, *, across: bool = True
+) -> None:
+    """Refuse a component that the channel does not have, where that is known before the run."""
+    known = None if names is None else single_components(name, names)
+    if not component or known is None or component in known or (across and component in ACROSS):
+        return
+    words = f"a component: {', '.join(known)}" if len(known) > 1 else f"{name}, which is one number"
+    raise InputError(
+        f"quantity {text!r}: {name!r} has no {component!r}",
+        expected=words + (f"; or {', '.join(ACROSS)}" if across and len(known) > 1 else ""),
+    )
 
 
 def _contact_channel(owner: str, contact: str, kind: str, text: str, names: Declared | None) -> str:

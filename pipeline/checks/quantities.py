@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.case.quantity_names import ACROSS
 from heavylift.pipeline.results.histories import Results, load_results
 from heavylift.pipeline.results.model_io import open_hdf5, read_states
 from heavylift.pipeline.results.sinusoid import fit_sinusoid
@@ -28,12 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
 
-_ACROSS: dict[str, Callable[..., NDArray[np.float64]]] = {
-    "largest": np.max,
-    "smallest": np.min,
-    "norm": np.linalg.norm,
-}
-"""Components that are made of all components of a record."""
+_REDUCTIONS: tuple[Callable[..., NDArray[np.float64]], ...] = (np.max, np.min, np.linalg.norm)
+_ACROSS = dict(zip(ACROSS, _REDUCTIONS, strict=True))
 _SHOWN = 20  # components of a message at most
 
 
@@ -139,6 +136,7 @@ class Quantities:
         self._folder = OutputFolder(out)
         self._positions: dict[str, Any] = {}
         self._solids: dict[str, SolidStresses] = {}
+        self._stresses: dict[tuple[str, str], NDArray[np.float64]] = {}
 
     @cached_property
     def results(self) -> Results:
@@ -183,6 +181,9 @@ class Quantities:
     def time_of_extreme(self, text: str) -> float | None:
         """When a largest or smallest value was [s]; None of other quantities. Of all steps it is the next record."""
         name = self._case.quantity(text)
+        if name.family == "deviation" and name.statistic != "rms":
+            times, distances = self._distances(name)
+            return float(times[distances.argmax()])
         reader = {"channel": self._history, "stress": self._stress_history}.get(name.family)
         if reader is None or name.statistic not in {"max", "min"}:
             return None
@@ -278,6 +279,12 @@ class Quantities:
 
     def _stress_history(self, name: QuantityName) -> NDArray[np.float64]:
         """Stress at a sensor, or the largest of a flexible body, at all records [Pa], shape (nt,)."""
+        key = (name.owner, name.component)
+        if key not in self._stresses:
+            self._stresses[key] = self._stresses_over_time(name)
+        return self._stresses[key]
+
+    def _stresses_over_time(self, name: QuantityName) -> NDArray[np.float64]:
         from heavylift.pipeline.checks.stresses import frame_point_stress, shell_point_stress
 
         sensor = next((one for one in self._case.sensors if one.name == name.owner), None)
@@ -333,11 +340,15 @@ class Quantities:
             )
         return np.asarray(history)
 
-    def _deviation(self, name: QuantityName) -> float:
+    def _distances(self, name: QuantityName) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times [s] and distances from a reference history."""
         from heavylift.pipeline.checks.deviation import deviation_history
 
         reference = next(entry for entry in self._case.reference if entry.name == name.item)
-        _, distances = deviation_history(self._case, reference, self.results)
+        return deviation_history(self._case, reference, self.results)
+
+    def _deviation(self, name: QuantityName) -> float:
+        _, distances = self._distances(name)
         return float(np.sqrt(np.mean(distances**2)) if name.statistic == "rms" else distances.max())
 
     def _lines(self, name: QuantityName) -> float:

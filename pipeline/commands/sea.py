@@ -42,8 +42,8 @@ Channels = Annotated[
     tuple[str, ...],
     Parameter(
         name="--channels",
-        help="E.g. barge.position.z, barge.roll or bow.tension; several after each other. By default motions of hulls"
-        " and tensions of lines.",
+        help="E.g. barge.position.z, barge.roll, bow_*.tension or sum(bow_*.tension); several after each other. By"
+        " default motions of hulls and tensions of lines.",
         show_default=False,
         negative="",
         consume_multiple=True,

@@ -365,7 +365,8 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
     runs = f"{len(seeds)} runs, seeds {seeds[0]} to {seeds[-1]}" if seeds else "one run"
     lines = [f"{document['case']}: statistics of {runs}, from {document['after']:g} s on", ""]
     head = ("mean", "st. dev.", "4 st. dev.", "H1/3", "minimum", "maximum", "period s")
-    lines.append(f"  {'channel':<30s}{'unit':<6s}" + "".join(f"{word:>12s}" for word in head))
+    wide = max([29, *(len(one["channel"]) for one in document["channels"])]) + 1
+    lines.append(f"  {'channel':<{wide}s}{'unit':<6s}" + "".join(f"{word:>12s}" for word in head))
     keys = (
         "mean",
         "standard_deviation",
@@ -380,7 +381,7 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
             f"{factor * one[key]:>12.5g}" if one[key] is not None else f"{'-':>12s}" for key in keys
         )
         period = f"{one['mean_period']:>12.4g}" if one["mean_period"] is not None else f"{'-':>12s}"
-        lines.append(f"  {one['channel']:<30s}{unit:<6s}{words}{period}")
+        lines.append(f"  {one['channel']:<{wide}s}{unit:<6s}{words}{period}")
     if not any("maxima" in one for one in document["channels"]):
         return lines
     lines += [
@@ -395,5 +396,5 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
             numbers = [fit["mode"], fit["expected"], fit[f"quantile_{PROBABILITY:g}"]]
             error = factor * fit[f"standard_error_{PROBABILITY:g}"]
             words = "".join(f"{factor * value:>12.5g}" for value in numbers)
-            lines.append(f"  {one['channel']:<30s}{unit:<6s}{side[:3]}{words}  +- {error:.2g}")
+            lines.append(f"  {one['channel']:<{wide}s}{unit:<6s}{side[:3]}{words}  +- {error:.2g}")
     return lines

@@ -526,6 +526,8 @@ def chosen_columns(results: Results, names: Sequence[str]) -> list[Column]:
         elif last in _ANGLES and f"{owner}.orientation" in results:
             found.append(_angle(owner, last))
         else:
+            if "(" in name:  # tells what is wrong with it
+                results.channel(name if name.endswith(")") else owner)
             angles = [f"{hull}.{angle}" for hull in hulls for angle in _ANGLES]
             raise InputError(
                 f"channel {name!r} does not exist",
@@ -541,7 +543,15 @@ def _component(results: Results, channel: str, index: int, count: int) -> Column
 
     def read(run: Results) -> NDArray[np.float64]:
         values = run[channel]
-        return values if values.ndim == 1 else values[:, index]
+        column = values if values.ndim == 1 else values[:, index]
+        if "(" in channel and np.isnan(column).any():
+            at = run.time[np.isnan(column)][0]
+            raise InputError(
+                f"{channel!r} divides by zero at {at:.6g} s",
+                source=run.source,
+                expected="a number at all times",
+            )
+        return column
 
     return Column(name, results.unit(channel), channel, read)
 

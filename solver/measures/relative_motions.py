@@ -45,8 +45,8 @@ __all__ = ["RelativeMotion", "RelativeMotions", "pack"]
 class RelativeMotion(Between, PackedForce):
     """Motion of the point of side b in the axes of side a, and the rotation of b against a.
 
-    The axes are those of the geometries of the bodies, on the ground those of the world; of what deforms, as it has
-    turned at the point.
+    The axes are those of the geometries of the bodies, on the ground those of the world. A flexible body has those of
+    its frame, a shell those with which it has turned at the point.
     """
 
     CHANNELS: ClassVar = (
@@ -102,7 +102,7 @@ def add_no_forces(kind: RelativeMotions, time: float, work: Workspace) -> None:
 
 @kernel(inline=True, internal=True)
 def _unit(work: Workspace, marker: int) -> Vector:
-    """An axis: where a body deforms its length is 1 to first order only."""
+    """An axis: on a shell, which strains, its length is not quite 1."""
     axis = vector(work.markers[marker].point)
     return scaled(1.0 / math.sqrt(dot(axis, axis)), axis)
 

@@ -116,6 +116,22 @@ def test_what_is_wrong_is_one_line(folder, override, key, words):
     assert words in line
 
 
+def test_a_point_of_a_flexible_body_moves_and_its_axes_do_not_bend(small_case):
+    text = (small_case / "case.toml").read_text()
+    point = '["200 mm", "20 mm", "10 mm"]'
+    text += (
+        f'[[relative_motions]]\nname = "end"\nbetween = ["ground", "beam"]\npoints = [[0, 0, 0], {point}]\n'
+    )
+    (small_case / "case.toml").write_text(text)
+    case = load_case(small_case, ["simulate.duration=1 ms"])
+    assert run_case(case, stages=("mesh", "modes", "simulate")).outcome is Outcome.COMPLETED
+    results = load_results(case)
+    assert np.ptp(results["tip.position"], axis=0).max() > 1e-5
+    for name in ("position", "velocity"):
+        np.testing.assert_array_equal(results[f"end.{name}"], results[f"tip.{name}"])
+    assert not results["end.rotation"].any()
+
+
 def test_a_frame_has_no_axes(tmp_path):
     text = PLATE.replace('type = "shell"', 'type = "frame"')
     text = text.replace(

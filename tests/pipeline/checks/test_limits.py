@@ -196,8 +196,18 @@ def test_shares_of_all_slings(checked):
             "quantity",
             "did you mean 'sling_",
         ),
+        ({"quantity": "channel.eye.position.max"}, "quantity", "has 3 components"),
+        ({"quantity": "channel.ey*.position.w.max"}, "quantity", "a component: x, y, z; or largest"),
+        ({"quantity": "channel.sling_1.tension.x.max"}, "quantity", "which is one number"),
+        (
+            {"quantity": "channel.difference(eye.position.w, eye.position.x).max"},
+            "quantity",
+            "'eye.position' has no 'w'",
+        ),
         ({"quantity": "mesh.*.mass"}, "quantity", "no name fits '*'"),
         ({"quantity": "mesh.load.mass"}, "quantity", "a flexible body"),
+        ({"quantity": "mesh.eye.mass"}, "quantity", "'eye' is no body"),
+        ({"quantity": "ringdown.sling_1.1"}, "quantity", "'sling_1' is no body"),
     ],
 )
 def test_what_makes_no_sense_is_one_line(folder, keys, place, words):
@@ -226,6 +236,35 @@ def test_a_reference_is_one_number(folder):
     )
     with pytest.raises(InputError, match=r"check\.0\.reference.*is of 3 things.*one number"):
         load_case(folder, [check])
+
+
+def test_the_deviation_of_a_combination_is_largest_at_some_time(checked, folder):
+    """Compared with the rule ``2 cos t`` of the x of both eyes, but for a bump of 10 cm at 3 s."""
+    rule = 2.0 * np.cos(TIMES) + np.where(np.isclose(TIMES, 3.0), 0.1, 0.0)
+    rows = "".join(f"{t},{x}\n" for t, x in zip(TIMES.tolist(), rule.tolist(), strict=True))
+    (folder / "rule.csv").write_text("time,x\n" + rows)
+    text = (folder / "case.toml").read_text().replace("duration = 0", "duration = 10")
+    (folder / "case.toml").write_text(text.replace('output_interval = "10 ms"', 'output_interval = "0.1 s"'))
+    named = {"name": "rule", "channel": "difference(eyelet.position, eye.position)", "file": "rule.csv"}
+    reference = quoted(**named).replace("[[check]]", "[[reference]]")
+    case, (largest, mean) = checked(
+        reference
+        + quoted(id="largest", quantity="deviation.rule", maximum="11 cm")
+        + quoted(id="mean", quantity="deviation.rule.rms", maximum="1 mm")
+    )
+    assert case.quantity("deviation.rule").kind.unit == "m"
+    assert (largest.value, largest.where) == (pytest.approx(0.1, rel=1e-9), "at 3 s")
+    assert (mean.value, mean.where) == (pytest.approx(0.1 / math.sqrt(101.0), rel=1e-9), "")
+    assert not mean.passed
+
+
+def test_a_study_of_a_group_has_a_reference_of_as_many(folder):
+    study = (
+        'converge={parameter="simulate.step", values=[0.002, 0.001], quantity="channel.sling_*.tension.max", '
+    )
+    load_case(folder, [study + "reference={run=0.0005}}"])
+    with pytest.raises(InputError, match=r"converge\.reference: one value for a quantity of 3 things"):
+        load_case(folder, [study + 'reference="3 kN"}'])
 
 
 def test_a_ratio_that_divides_by_zero_says_when(checked):
@@ -279,6 +318,14 @@ def test_statistics_of_patterns_and_combinations():
         "difference(eyelet.position, eye.position).z",
     ]
     assert [one.unit for one in found] == ["N"] * 4 + ["m"]
+    for name, words in (
+        ("ratio(sling_1.tension, eye.position)", "combines N with m"),
+        ("slung_*.tension", "nearest are: sling_"),
+        ("difference(eye.position, eyelet.position).w", "does not exist"),
+        ("ratio(eye.position.z, eye.position.y)", "divides by zero at 0 s"),
+    ):
+        with pytest.raises(InputError, match=words):
+            column_statistics(chosen_columns(results(), [name])[0], [results()], 0.0)
     mean = column_statistics(found[3], [results()], 0.0).entry()["mean"]
     assert mean == pytest.approx(sum(np.trapezoid(v, TIMES) for v in TENSIONS.values()) / TIMES[-1], rel=1e-3)
 
