@@ -8,10 +8,10 @@ import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.annotations import (
-    GREY,
     add_heading,
     add_scale_bar,
     add_triad,
+    add_words,
     emptiest_corner,
 )
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
@@ -329,6 +329,7 @@ SIZE = (1200, 760)
 """Width and height of a picture [pixels]."""
 _DPI = 100
 _HEAD, _FOOT = 84, 48  # pixels above and below the image
+_LABEL = 90  # pixels of the length beside a scale bar
 _KINK = np.radians(30.0)  # between two triangles whose edge is drawn
 _EDGES = 60_000  # triangles up to which edges are drawn
 
@@ -458,5 +459,5 @@ def touch_picture(
     length = round_down(0.2 * image[0] / per_metre)
     unit, factor = ("mm", 1.0e3) if length < 0.1 else ("m", 1.0)
     add_scale_bar(foot, length * factor, length * per_metre, unit)
-    foot.text(width - 18, 16, words, fontsize=11, color=GREY, ha="right", va="center", parse_math=False)
+    add_words(foot, words, width, 18.0 + length * per_metre + _LABEL)
     return figure_png(figure)

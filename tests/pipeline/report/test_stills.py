@@ -7,12 +7,15 @@ import pytest
 
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.new_case import new_case
-from heavylift.pipeline.pictures.attached import Seen
+from heavylift.pipeline.pictures.attached import Others, Seen, elevations
 from heavylift.pipeline.pictures.contacts import touch_picture
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
 from heavylift.pipeline.pictures.scene import SolidPainter
 from heavylift.pipeline.report.scene import is_pictured, scene_others
 from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.water.waves.spectra import jonswap
+from heavylift.solver.water.waves.wave_trains import irregular_waves
 
 
 class Recorded(dict):
@@ -103,6 +106,27 @@ def test_moorings_are_catenaries_that_a_picture_does_not_look_at(tmp_path):
     water = min((part for part in near.around if isinstance(part, Patch)), key=lambda part: part.opacity)
     np.testing.assert_allclose(water.points[:, 2], 0.0)
     assert water.points[:, 0].min() < -100.0
+
+
+def test_waves_on_a_grid_are_those_of_the_sea():
+    waves = irregular_waves(jonswap(3.0, 9.0), direction=0.7, seed=4, count=30, spreading=4.0, directions=5)
+    x, y = np.linspace(-80.0, 90.0, 7), np.linspace(-40.0, 30.0, 5)
+    expected = waves.elevation(*np.meshgrid(x, y, indexing="ij"), 12.5)
+    np.testing.assert_allclose(elevations(waves, x, y, 12.5), expected, atol=1e-12)
+
+
+def test_what_hides_other_bodies_is_seen_through():
+    """A block of 10 kg whose inertia is that of a cube of 2 m stands 0.5 m from another one; not one 5 m away."""
+    for place, opacity in ((0.5, 0.3), (5.0, 1.0)):
+        bodies = (
+            RigidBody("large", 10.0, 20.0 / 3.0 * np.eye(3)),
+            RigidBody("small", 1.0, 1e-3 * np.eye(3), position=np.array([place, 0.0, 0.0])),
+        )
+        found = Others(
+            Scene(bodies), {}, lambda _name, _record: np.empty(0), lambda _name, _record: None
+        ).seen(0)
+        assert sizes(found.patches)[-1] == (2.0, 2.0, 2.0)
+        assert [patch.opacity for patch in found.patches] == [opacity, opacity]
 
 
 class Sketch:
