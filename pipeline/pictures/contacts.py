@@ -403,6 +403,7 @@ def touch_picture(
     size: tuple[int, int] = SIZE,
     camera: Camera | None = None,
     corner: tuple[int, int] | None = None,
+    measured: NDArray[np.float64] | None = None,
 ) -> bytes | None:
     """All that is seen at one record, true to scale, as PNG; None if it is neither surface nor line.
 
@@ -422,6 +423,8 @@ def touch_picture(
         Width and height of the picture [pixels].
     camera, corner
         Of pictures that belong together: from `touch_camera`, and where the axes are drawn; chosen if absent.
+    measured
+        Points in whose middle the scale is that of the bar, shape (m, 3) [m]; all but what is around if absent.
     """
     from matplotlib.figure import Figure
 
@@ -453,7 +456,8 @@ def touch_picture(
     foot = figure.add_axes((0.0, 0.0, 1.0, _FOOT / height), facecolor="none")
     foot.set(xlim=(0, width), ylim=(0, _FOOT))
     foot.set_axis_off()
-    middle = 0.5 * (seen.points.min(axis=0) + seen.points.max(axis=0))
+    measured = seen.points if measured is None else measured
+    middle = 0.5 * (measured.min(axis=0) + measured.max(axis=0))
     ends = camera.project([middle, middle + camera.view.matrix[0]])
     per_metre = float(ends[1, 0] - ends[0, 0]) * image[0]
     length = round_down(0.2 * image[0] / per_metre)

@@ -460,10 +460,9 @@ class SolidPainter:
 
     def close(self, record: int, *, title: str, note: str = "") -> bytes:
         """One record of which the largest body fills the picture, as PNG."""
-        camera = touch_camera([self._others.largest(record)], up=self._up, size=self._size)
-        return self._looking(record, title, note, self._others.seen(record), camera)
+        return self._looking(record, title, note, self._others.seen(record), self._others.largest(record))
 
-    def _looking(self, record: int, title: str, note: str, seen: Seen, camera: Camera | None) -> bytes:
+    def _looking(self, record: int, title: str, note: str, seen: Seen, at: Seen | None) -> bytes:
         content = touch_picture(
             self._renderer,
             seen,
@@ -472,7 +471,8 @@ class SolidPainter:
             words=self._words,
             up=self._up,
             size=self._size,
-            camera=camera,
+            camera=None if at is None else touch_camera([at], up=self._up, size=self._size),
+            measured=None if at is None else at.points,
         )
         assert content is not None
         return content

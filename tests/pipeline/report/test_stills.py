@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -189,3 +191,17 @@ def test_pictures_of_a_run_have_one_camera():
     assert np.all((second[:, :2] > 0.0) & (second[:, :2] < 1.0))
     assert second[0, 1] < first[0, 1]
     assert sketch.cameras[0] is sketch.cameras[1]
+
+
+def test_scattered_bodies_have_a_picture_of_the_largest_one():
+    """Two cubes of 2 m and one of 4 m that stand 300 m apart: the large one fills a picture, with its own scale."""
+    bodies = tuple(
+        RigidBody(name, 6.0, side**2 * np.eye(3), position=np.array([300.0 * number, 0.0, 0.0]))
+        for number, (name, side) in enumerate((("a", 2.0), ("b", 4.0), ("c", 2.0)))
+    )
+    found = Others(Scene(bodies), {}, lambda _name, _record: np.empty(0), lambda _name, _record: None)
+    assert found.scattered
+    np.testing.assert_allclose(found.largest(0).points.mean(axis=0), [300.0, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(np.ptp(found.largest(0).points, axis=0), 4.0)
+    near = Scene(tuple(replace(body, position=0.01 * body.position) for body in bodies))
+    assert not Others(near, {}, lambda _name, _record: np.empty(0), lambda _name, _record: None).scattered
