@@ -91,6 +91,13 @@ between = ["ground", "barge"]
 points = [[-700, 0, -100], [-50, 0, 4]]
 seabed = -100
 sections = [{ length = 680, weight = 1000, axial_stiffness = 1e9 }]
+
+[[fenders]]
+name = "quay"
+between = ["ground", "barge"]
+points = [[0, 16, 2], [0, 15, 2]]
+direction = [0, -1, 0]
+stiffness = 1e6
 """
 
 
@@ -105,6 +112,8 @@ def test_moorings_are_catenaries_that_a_picture_does_not_look_at(tmp_path):
     lying = line.points[np.abs(line.points[:, 2] + 100.0) < 1e-9]
     assert 100.0 < np.ptp(lying[:, 0]) < 600.0
     assert np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() == pytest.approx(680.0, rel=1e-3)
+    fender = min(near.patches, key=lambda part: np.ptp(part.points[:, 1]))
+    assert fender.points[:, 1].min() == pytest.approx(16.0)  # its face is at its tip, all else on the quay
     water = min((part for part in near.around if isinstance(part, Patch)), key=lambda part: part.opacity)
     np.testing.assert_allclose(water.points[:, 2], 0.0)
     assert water.points[:, 0].min() < -100.0
