@@ -23,13 +23,14 @@ __all__ = [
     "add_legend",
     "add_scale_bar",
     "add_triad",
+    "add_words",
     "emptiest_corner",
 ]
 
 GREY = "#66707c"
 _WHITE, _APART = 250, 12  # of 255: a pixel below is drawn; so far from the others it stands out
 _COVERED = 0.1  # weight of what is drawn but does not stand out
-_LEAST = 10.0  # size of letters
+_LEAST, _FEW = 10.0, 8  # size and number of letters of a heading
 _AXES = ("#c62828", "#2e7d32", "#1565c0")
 
 
@@ -97,12 +98,15 @@ def add_heading(
             va="top",
             parse_math=False,
         )
-        long = written.get_window_extent(renderer).width / room
-        if long > 1.0:
-            fitting = 0.98 * size / long  # letters of another size are not exactly as wide
-            written.set_fontsize(max(fitting, _LEAST))
-            if fitting < _LEAST:
-                written.set_text(shorten(text, int(len(text) * fitting / _LEAST), placeholder=" ..."))
+        # letters are whole pixels wide, so that a smaller size need not be as much narrower
+        while (long := written.get_window_extent(renderer).width / room) > 1.0:
+            smaller = min(written.get_fontsize() / long, written.get_fontsize() - 0.25)
+            if smaller < _LEAST:
+                kept = int(len(written.get_text()) / long) - 1
+                written.set_text(shorten(text, max(kept, _FEW), placeholder=" ..."))
+                if kept <= _FEW:
+                    break
+            written.set_fontsize(max(smaller, _LEAST))
 
 
 def add_triad(axes: Any, view: View, corner: tuple[int, int], length: float = 44.0) -> None:
@@ -182,6 +186,23 @@ def add_legend(figure: Any, labels: list[str]) -> None:
     handles = [Line2D([], [], color=colour, marker="o", lw=0, ms=7) for colour in mark_colours(len(labels))]
     look = {"frameon": False, "labelcolor": INK, "handletextpad": 0.2, "columnspacing": 1.2}
     figure.legend(handles, labels, loc="upper right", fontsize=11, ncols=-(-len(labels) // 3), **look)
+
+
+def add_words(axes: Any, words: str, width: float, taken: float) -> None:
+    """Write what colours mean at the right of the lower edge of axes in pixels, in two lines if it must be."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    written = axes.text(
+        width - 18, 16, words, fontsize=11, color=GREY, ha="right", va="center", parse_math=False
+    )
+    renderer = FigureCanvasAgg(axes.figure).get_renderer()
+    if written.get_window_extent(renderer).width > width - 18 - taken:
+        parts = words.split(" · ")
+        half = min(
+            range(1, len(parts) + 1), key=lambda k: max(len(" · ".join(p)) for p in (parts[:k], parts[k:]))
+        )
+        written.set_text("\n".join(" · ".join(part) for part in (parts[:half], parts[half:]) if part))
+        written.set_fontsize(10)
 
 
 def add_scale_bar(axes: Any, length: float, width: float, unit: str) -> None:

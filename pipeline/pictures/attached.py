@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -38,8 +38,9 @@ if TYPE_CHECKING:
     from heavylift.pipeline.pictures.meshes import MeshSkin
     from heavylift.pipeline.pictures.outer_surface import Surface
     from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.water.waves.wave_trains import WaveTrains
 
-__all__ = ["Others", "Seen", "rope_line"]
+__all__ = ["Others", "Seen", "elevations", "rope_line"]
 
 _ROPE, _SPRING, _RIGID, _JOINT = "#7a4a12", "#2e7d32", "#5b6b7c", "#1d2733"
 _LINE, _FENDER, _WATER, _SAND, _FLOORING = "#a0522d", "#ef8a17", "#4d8fc4", "#d9c9a3", "#e4e7ea"
@@ -51,6 +52,13 @@ _GROUND_AROUND = 0.5  # wider surfaces of the ground are drawn so far
 _WATER_AROUND = 1.5  # and water
 _RIGGING = 3.0  # springs and joints so far away are looked at as well
 _LINES = 2.0  # mooring lines are drawn so far
+_SLIM, _SLIM_BESIDE = 0.015, 0.05  # radius of springs and fenders, and that beside the largest body
+_SCATTERED = 10.0  # times the largest body: a scene so wide has a picture of that body alone
+_FACES = np.array([[0, 1, 3], [0, 3, 2], [4, 5, 7], [4, 7, 6]])  # two sides of a box of eight corners
+_GLASS = 0.3  # opacity of boxes that hide other bodies
+_EDGES = np.array(
+    [(i, i | bit) for bit in (1, 2, 4) for i in range(8) if not i & bit]
+)  # of a box of eight corners
 _APART = 0.01  # sides of a joint that are farther apart are joined by a line: distances, slides
 _LOOKS = 24  # records by which it is seen where bodies get
 _SMALL = 1.0e-2  # deformation relative to the scene below which it is drawn larger
@@ -150,6 +158,7 @@ class Others:
         pairs = [*self._joints, *self._springs, *self._pulls]
         attached = [place for pair in pairs for place in pair]
         attached += [place for rope in self._ropes for place, _ in rope]
+        attached += [place for _, *places in self._lines for place in places]
         self._rods = [
             (_Place(place.body, self._bodies[place.body].centre_of_mass), place)
             for place in attached
@@ -175,11 +184,11 @@ class Others:
                 drawn.add(hull.body)
         drawn |= {contact.body for contact in scene.contacts if not isinstance(contact.shape, PointShape)}
         drawn |= {contour.body for contour in scene.contours}
-        boxed = [body for body in scene.bodies if isinstance(body, RigidBody) and body.name not in drawn]
-        self._boxes = len(boxed)
-        self._solids += [
-            (body.name, *inertia_box(body.mass, body.inertia, body.centre_of_mass)) for body in boxed
-        ]
+        self._boxes = {
+            body.name: inertia_box(body.mass, body.inertia, body.centre_of_mass)
+            for body in scene.bodies
+            if isinstance(body, RigidBody) and body.name not in drawn
+        }
         self._contacts = None
         if scene.contours:
             self._contacts = ContactParts(
@@ -192,15 +201,16 @@ class Others:
             )
         self._factor = 1.0
         self._box = self._moved_box()
+        self._glass = any(self._encloses(name) for name in self._boxes)
         self._wide = [solid for solid in self._solids if self._is_wide(*solid[:2])]
         self._solids = [solid for solid in self._solids if not self._is_wide(*solid[:2])]
-        if not (attached or self._touching or self._lines or self._fenders or scene.collisions):
+        if not (attached or self._touching or self._fenders or scene.collisions):
             self._factor = self._exaggerated()
 
     @property
     def boxes(self) -> int:
         """Bodies that are drawn as boxes of their inertia."""
-        return self._boxes
+        return len(self._boxes)
 
     @property
     def centres(self) -> int:
@@ -236,18 +246,17 @@ class Others:
 
     def seen(self, record: int, *, around: bool = True) -> Seen:
         """What is drawn at a record, lengths in metres; `around` adds ground, water and moorings."""
-        rods = [
+        lines: list[Lines] = []
+        far: list[Lines] = []
+        for line in (
             self._segments(self._rods, record, _RIGID, 4.0),
             self._segments(self._pulls, record, _SPRING, 2.0),
-        ]
-        lines = [line for line in rods if len(line.ends)]
-        far: list[Lines] = []
-        apart = self._segments(self._joints, record, _JOINT, 1.5)
-        wide = np.linalg.norm(np.diff(apart.points[apart.ends], axis=1)[:, 0], axis=1) > _APART * self._span
-        lines.append(Lines(apart.points, apart.ends[wide], _JOINT, 1.5))
-        for line in self._coils(record):
-            near = clip_lines(line.points, line.ends, self._window(_RIGGING))
-            (lines if len(near[1]) == len(line.ends) else far).append(line)
+            *self._coils(record),
+            self._joint_lines(record),
+        ):
+            near = self._is_near(line)
+            lines.append(_kept(line, near))
+            far.append(_kept(line, ~near))
         for rope in self._ropes:
             centres = [self._position(place, record) for place, _ in rope]
             axes = [self._axis(place, stop, record) for place, stop in rope]
@@ -272,10 +281,16 @@ class Others:
         for name, points, triangles in self._solids:
             origin, R = self._pose(name, record)
             patches.append(Patch(origin + points @ R.T, triangles))
-        radius = 0.012 * self._span
+        for name, (points, triangles) in self._boxes.items():
+            origin, R = self._pose(name, record)
+            box = Patch(origin + points @ R.T, triangles)
+            if self._glass:
+                box = replace(box, opacity=_GLASS)
+                lines.append(Lines(box.points, _EDGES, _RIGID, 1.0))
+            patches.append(box)
         for place, normal in self._fenders:
             R = self._pose(place.body, record)[1]
-            patches.append(Patch(*pad(self._position(place, record), R @ normal, radius), _FENDER))
+            patches.append(Patch(*pad(self._position(place, record), R @ normal, self._slim), _FENDER))
         if self._contacts is not None:
             contacts = self._contacts.seen(record)
             lines += contacts.lines
@@ -299,12 +314,27 @@ class Others:
             around.append(self._water(record, low - margin, high + margin))
         return Seen((*seen.lines, *lines), seen.patches, seen.marks, tuple(around))
 
+    def _joint_lines(self, record: int) -> Lines:
+        """From one side of a joint to the other, where they are apart."""
+        found = self._segments(self._joints, record, _JOINT, 1.5)
+        lengths = np.linalg.norm(found.points[1::2] - found.points[::2], axis=1)
+        return _kept(found, lengths > _APART * self._span)
+
+    def _is_near(self, line: Lines) -> NDArray[np.bool_]:
+        """Which connected segments are near enough to be looked at."""
+        window = self._window(_RIGGING)
+        inside = np.all((line.points >= window[0]) & (line.points <= window[1]), axis=1)
+        near = inside[line.ends].all(axis=1)
+        connected = len(line.points) != 2 * len(line.ends)
+        found: NDArray[np.bool_] = np.full_like(near, near.all()) if connected else near
+        return found
+
     def _coils(self, record: int) -> list[Lines]:
         """Springs."""
         found = []
         for pair in self._springs:
             start, end = (self._position(place, record) for place in pair)
-            found.append(Lines(*coil(start, end, 0.015 * self._span), colour=_SPRING, width=2.0))
+            found.append(Lines(*coil(start, end, self._slim), colour=_SPRING, width=2.0))
         return found
 
     def _around(self, record: int, far: Sequence[Lines]) -> tuple[Lines | Patch, ...]:
@@ -318,7 +348,8 @@ class Others:
         window = self._window(_LINES)
         for line in (*far, *(self._catenary(*line, record) for line in self._lines)):
             points, ends = clip_lines(line.points, line.ends, window)
-            found.append(Lines(points, ends, line.colour, line.width))
+            if len(ends):
+                found.append(Lines(points, ends, line.colour, line.width))
         low, high = self._window(_WATER_AROUND)
         bottoms = {line.seabed for line, *_ in self._lines if line.seabed is not None}
         found += [Patch(*_plane(low, high, z), _SAND) for z in bottoms if low[2] <= z <= high[2]]
@@ -344,13 +375,39 @@ class Others:
             return Patch(*_plane(low, high, sea.water.level), _WATER, 0.3)
         x, y = (np.linspace(low[axis], high[axis], _CELLS + 1) for axis in (0, 1))
         X, Y = np.meshgrid(x, y, indexing="ij")
-        Z = sea.water.level + sea.waves.elevation(X, Y, self._times[record])
+        Z = sea.water.level + elevations(sea.waves, x, y, float(self._times[record]))
         number = np.arange(X.size).reshape(X.shape)
         a, b, c, d = (
             part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
         )
         triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
         return Patch(np.column_stack([X.ravel(), Y.ravel(), Z.ravel()]), triangles, _WATER, 0.45)
+
+    @property
+    def scattered(self) -> bool:
+        """Whether bodies are so far apart that a picture of all shows none of them."""
+        return self._sizes != {} and self._span > _SCATTERED * max(self._sizes.values())
+
+    def largest(self, record: int) -> Seen:
+        """The largest rigid body alone, for a camera that looks at it."""
+        name = max(self._sizes, key=lambda body: self._sizes[body])
+        points = [part for body, part, _ in self._solids if body == name]
+        points += [self._boxes[name][0]] if name in self._boxes else []
+        origin, R = self._pose(name, record)
+        corners = origin + box_corners(np.concatenate(points)) @ R.T
+        return Seen(patches=(Patch(corners, _FACES),))
+
+    @property
+    def _sizes(self) -> dict[str, float]:
+        """Diagonals of rigid bodies [m]."""
+        solids = [(name, points) for name, points, _ in self._solids if name != GROUND]
+        solids += [(name, points) for name, (points, _) in self._boxes.items()]
+        return {name: float(np.linalg.norm(np.ptp(points, axis=0))) for name, points in solids}
+
+    @property
+    def _slim(self) -> float:
+        """Radius of springs and fenders, slender beside the scene and beside bodies that stand far apart [m]."""
+        return min(_SLIM * self._span, _SLIM_BESIDE * max(self._sizes.values(), default=np.inf))
 
     @property
     def _span(self) -> float:
@@ -361,6 +418,28 @@ class Others:
         """The box that bodies move in, wider on all sides by a share of its diagonal, shape (2, 3)."""
         widened: NDArray[np.float64] = self._box + share * self._span * np.array([[-1.0], [1.0]])
         return widened
+
+    def _encloses(self, name: str) -> bool:
+        """Whether the box of a body hides others at the start: its inertia may be that of a much larger thing."""
+        points, _ = self._boxes[name]
+        origin, R = self._pose(name, 0)
+        sides = points[[4, 2, 1]] - points[0]
+        for other, body in self._bodies.items():
+            if other == name:
+                continue
+            if other in self._skins:
+                places = self._coordinates(other, 0)[:, 0]
+            elif other in self._surfaces:
+                places = self._patch(other, 0).points
+            else:
+                places = self._position(_Place(other, getattr(body, "centre_of_mass", np.zeros(3))), 0)[
+                    np.newaxis
+                ]
+            local = (places - origin) @ R - points[0]
+            shares = (local @ sides.T) / np.sum(sides**2, axis=1)
+            if np.any(np.all((shares > 0.0) & (shares < 1.0), axis=1)):
+                return True
+        return False
 
     def _is_wide(self, name: str, points: NDArray[np.float64]) -> bool:
         """Whether a surface of the ground would make all else small."""
@@ -378,7 +457,7 @@ class Others:
             if not isinstance(getattr(body, "motion", None), Fixed)
         ]
         parts: list[NDArray[np.float64]] = []
-        corners: dict[str, list[NDArray[np.float64]]] = {}
+        corners = {name: [points] for name, (points, _) in self._boxes.items()}
         for name, points, _ in self._solids:
             if name != GROUND:
                 corners.setdefault(name, []).append(box_corners(points))
@@ -396,16 +475,17 @@ class Others:
         return np.array([points.min(axis=0), points.max(axis=0)])
 
     def _exaggerated(self) -> float:
-        """Round factor for bodies whose deformation would not be seen."""
-        bent = [
-            self._deformation(self._bodies[name], record)
-            for name in self._surfaces
-            for record in self._looks()
-        ]
-        largest = max((float(np.linalg.norm(u, axis=1).max()) for u in bent), default=0.0)
-        if not 0.0 < largest < _SMALL * self._span:
+        """Round factor for bodies of which neither motion nor deformation would be seen."""
+        moved = bent = 0.0
+        for name in self._surfaces:
+            start = self._patch(name, 0).points
+            for record in self._looks():
+                moved = max(moved, float(np.abs(self._patch(name, record).points - start).max()))
+                u = self._deformation(self._bodies[name], record)
+                bent = max(bent, float(np.linalg.norm(u, axis=1).max()))
+        if not 0.0 < bent < _SMALL * self._span or moved > _SMALL * self._span:
             return 1.0
-        return deformation_scale(np.array([[largest, 0.0, 0.0]]), self._span)
+        return deformation_scale(np.array([[bent, 0.0, 0.0]]), self._span)
 
     def _place(self, body: str, point: NDArray[np.float64]) -> _Place:
         if body in self._skins:
@@ -459,6 +539,26 @@ class Others:
         R = np.eye(3) if on_mesh else self._pose(place.body, record)[1]
         axis: NDArray[np.float64] = R @ (stop.axis / np.linalg.norm(stop.axis))
         return axis
+
+
+def _kept(line: Lines, which: NDArray[np.bool_]) -> Lines:
+    """Some of the segments, with their points alone."""
+    used, ends = np.unique(line.ends[which], return_inverse=True)
+    return replace(line, points=line.points[used], ends=ends.reshape(-1, 2))
+
+
+def elevations(
+    waves: WaveTrains, x: NDArray[np.float64], y: NDArray[np.float64], time: float
+) -> NDArray[np.float64]:
+    """Elevation [m] on a grid of coordinates x, shape (n,), and y, shape (m,), [m]: shape (n, m).
+
+    A component is the product of a function of x and one of y, so that a grid is a product of two matrices.
+    """
+    kx, ky = waves.wavenumber * np.cos(waves.direction), waves.wavenumber * np.sin(waves.direction)
+    amplitudes = waves.amplitude * np.exp(-1j * (waves.omega * time + waves.phase))
+    along, across = np.exp(1j * np.outer(x, kx)), np.exp(1j * np.outer(ky, y))
+    found: NDArray[np.float64] = ((along * amplitudes) @ across).real
+    return found
 
 
 def _plane(

@@ -8,10 +8,10 @@ import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.annotations import (
-    GREY,
     add_heading,
     add_scale_bar,
     add_triad,
+    add_words,
     emptiest_corner,
 )
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
@@ -329,6 +329,7 @@ SIZE = (1200, 760)
 """Width and height of a picture [pixels]."""
 _DPI = 100
 _HEAD, _FOOT = 84, 48  # pixels above and below the image
+_LABEL = 90  # pixels of the length beside a scale bar
 _KINK = np.radians(30.0)  # between two triangles whose edge is drawn
 _EDGES = 60_000  # triangles up to which edges are drawn
 
@@ -402,6 +403,7 @@ def touch_picture(
     size: tuple[int, int] = SIZE,
     camera: Camera | None = None,
     corner: tuple[int, int] | None = None,
+    measured: NDArray[np.float64] | None = None,
 ) -> bytes | None:
     """All that is seen at one record, true to scale, as PNG; None if it is neither surface nor line.
 
@@ -421,6 +423,8 @@ def touch_picture(
         Width and height of the picture [pixels].
     camera, corner
         Of pictures that belong together: from `touch_camera`, and where the axes are drawn; chosen if absent.
+    measured
+        Points in whose middle the scale is that of the bar, shape (m, 3) [m]; all but what is around if absent.
     """
     from matplotlib.figure import Figure
 
@@ -452,11 +456,12 @@ def touch_picture(
     foot = figure.add_axes((0.0, 0.0, 1.0, _FOOT / height), facecolor="none")
     foot.set(xlim=(0, width), ylim=(0, _FOOT))
     foot.set_axis_off()
-    middle = 0.5 * (seen.points.min(axis=0) + seen.points.max(axis=0))
+    measured = seen.points if measured is None else measured
+    middle = 0.5 * (measured.min(axis=0) + measured.max(axis=0))
     ends = camera.project([middle, middle + camera.view.matrix[0]])
     per_metre = float(ends[1, 0] - ends[0, 0]) * image[0]
     length = round_down(0.2 * image[0] / per_metre)
     unit, factor = ("mm", 1.0e3) if length < 0.1 else ("m", 1.0)
     add_scale_bar(foot, length * factor, length * per_metre, unit)
-    foot.text(width - 18, 16, words, fontsize=11, color=GREY, ha="right", va="center", parse_math=False)
+    add_words(foot, words, width, 18.0 + length * per_metre + _LABEL)
     return figure_png(figure)

@@ -456,15 +456,23 @@ class SolidPainter:
 
     def moorings(self, record: int, *, title: str, note: str = "") -> bytes:
         """One record with all of its mooring lines, as PNG."""
-        words = [note, time_words(self._times, record)]
+        return self._looking(record, title, note, self._others.moorings(record), None)
+
+    def close(self, record: int, *, title: str, note: str = "") -> bytes:
+        """One record of which the largest body fills the picture, as PNG."""
+        return self._looking(record, title, note, self._others.seen(record), self._others.largest(record))
+
+    def _looking(self, record: int, title: str, note: str, seen: Seen, at: Seen | None) -> bytes:
         content = touch_picture(
             self._renderer,
-            self._others.moorings(record),
+            seen,
             title=title,
-            note=", ".join(filter(None, words)),
+            note=f"{note}, {time_words(self._times, record)}",
             words=self._words,
             up=self._up,
             size=self._size,
+            camera=None if at is None else touch_camera([at], up=self._up, size=self._size),
+            measured=None if at is None else at.points,
         )
         assert content is not None
         return content

@@ -123,12 +123,15 @@ def still_sections(
     instants = [(0, "scene_start", "At the start"), (last, "scene_end", "At the end")]
     if case.simulate is not None and case.simulate.duration == 0.0:
         instants = [(last, "scene", "At rest")]
-    enlarged = f" Deformation × {others.factor:g}." if others.factor != 1.0 else ""
-    scale = "" if enlarged else ", true to scale"
+    scale = ", true to scale" if others.factor == 1.0 else ""
+    words = f" {painter.details}." if painter.details else ""
     for record, name, when in instants[: last + 1]:
         content = painter.picture(record, title=case.title, note=when)
-        caption = f"The scene {when.lower()}{scale}. {painter.details}.{enlarged}"
+        caption = f"The scene {when.lower()}{scale}.{words}"
         found.append(Figure(album.add(name, content), caption))
+    if others.scattered:
+        content = painter.close(last, title=case.title, note=f"The largest body {instants[-1][2].lower()}")
+        found.append(Figure(album.add("scene_close", content), "The largest body of the scene."))
     if others.reaches_far:
         content = painter.moorings(last, title=case.title, note=f"Mooring lines {instants[-1][2].lower()}")
         found.append(Figure(album.add("scene_moorings", content), "Mooring lines, true to scale."))
@@ -144,6 +147,7 @@ def _legend(case: Case, others: Others) -> list[str]:
     springs = [f"{kind}s" for kind in kinds]
     marked = ["joints"] * bool(case.joints) + ["centres of mass"] * bool(others.centres)
     return [
+        *[f"deformation × {others.factor:g}"] * (others.factor != 1.0),
         *["boxes: same mass and inertia"] * bool(others.boxes),
         *[f"brown: {' and '.join(ropes)}"] * bool(ropes),
         *[f"green: {' and '.join(springs)}"] * bool(springs),
@@ -290,7 +294,7 @@ def _animation(
     span = float(results.time[-1] - results.time[0])
     caption = (
         f"{number_words(span, 's')} of simulated time in {number_words(seconds, 's')}, {len(records)} frames. "
-        f"{painter.details}."
+        f"{painter.details}{'.' * bool(painter.details)}"
     )
     items: list[Figure | Text] = [Figure(album.take(path), caption)]
     if wanted.format not in {"auto", kind}:

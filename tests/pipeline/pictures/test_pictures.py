@@ -248,7 +248,7 @@ def test_missing_library_is_a_message_with_the_packages_to_install(monkeypatch):
         rendering_backend.__wrapped__()
 
 
-@pytest.mark.parametrize("words", [6, 12, 60])
+@pytest.mark.parametrize("words", [6, 8, 9, 10, 11, 12, 60])
 def test_a_heading_stays_within_its_picture(words):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.new_case import new_case
-from heavylift.pipeline.pictures.attached import Seen
+from heavylift.pipeline.pictures.attached import Others, Seen, elevations
 from heavylift.pipeline.pictures.contacts import touch_picture
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
 from heavylift.pipeline.pictures.scene import SolidPainter
 from heavylift.pipeline.report.scene import is_pictured, scene_others
 from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.water.waves.spectra import jonswap
+from heavylift.solver.water.waves.wave_trains import irregular_waves
 
 
 class Recorded(dict):
@@ -86,6 +91,13 @@ between = ["ground", "barge"]
 points = [[-700, 0, -100], [-50, 0, 4]]
 seabed = -100
 sections = [{ length = 680, weight = 1000, axial_stiffness = 1e9 }]
+
+[[fenders]]
+name = "quay"
+between = ["ground", "barge"]
+points = [[0, 16, 2], [0, 15, 2]]
+direction = [0, -1, 0]
+stiffness = 1e6
 """
 
 
@@ -100,9 +112,32 @@ def test_moorings_are_catenaries_that_a_picture_does_not_look_at(tmp_path):
     lying = line.points[np.abs(line.points[:, 2] + 100.0) < 1e-9]
     assert 100.0 < np.ptp(lying[:, 0]) < 600.0
     assert np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() == pytest.approx(680.0, rel=1e-3)
+    fender = min(near.patches, key=lambda part: np.ptp(part.points[:, 1]))
+    assert fender.points[:, 1].min() == pytest.approx(16.0)  # its face is at its tip, all else on the quay
     water = min((part for part in near.around if isinstance(part, Patch)), key=lambda part: part.opacity)
     np.testing.assert_allclose(water.points[:, 2], 0.0)
     assert water.points[:, 0].min() < -100.0
+
+
+def test_waves_on_a_grid_are_those_of_the_sea():
+    waves = irregular_waves(jonswap(3.0, 9.0), direction=0.7, seed=4, count=30, spreading=4.0, directions=5)
+    x, y = np.linspace(-80.0, 90.0, 7), np.linspace(-40.0, 30.0, 5)
+    expected = waves.elevation(*np.meshgrid(x, y, indexing="ij"), 12.5)
+    np.testing.assert_allclose(elevations(waves, x, y, 12.5), expected, atol=1e-12)
+
+
+def test_what_hides_other_bodies_is_seen_through():
+    """A block of 10 kg whose inertia is that of a cube of 2 m stands 0.5 m from another one; not one 5 m away."""
+    for place, opacity in ((0.5, 0.3), (5.0, 1.0)):
+        bodies = (
+            RigidBody("large", 10.0, 20.0 / 3.0 * np.eye(3)),
+            RigidBody("small", 1.0, 1e-3 * np.eye(3), position=np.array([place, 0.0, 0.0])),
+        )
+        found = Others(
+            Scene(bodies), {}, lambda _name, _record: np.empty(0), lambda _name, _record: None
+        ).seen(0)
+        assert sizes(found.patches)[-1] == (2.0, 2.0, 2.0)
+        assert [patch.opacity for patch in found.patches] == [opacity, opacity]
 
 
 class Sketch:
@@ -165,3 +200,17 @@ def test_pictures_of_a_run_have_one_camera():
     assert np.all((second[:, :2] > 0.0) & (second[:, :2] < 1.0))
     assert second[0, 1] < first[0, 1]
     assert sketch.cameras[0] is sketch.cameras[1]
+
+
+def test_scattered_bodies_have_a_picture_of_the_largest_one():
+    """Two cubes of 2 m and one of 4 m that stand 300 m apart: the large one fills a picture, with its own scale."""
+    bodies = tuple(
+        RigidBody(name, 6.0, side**2 * np.eye(3), position=np.array([300.0 * number, 0.0, 0.0]))
+        for number, (name, side) in enumerate((("a", 2.0), ("b", 4.0), ("c", 2.0)))
+    )
+    found = Others(Scene(bodies), {}, lambda _name, _record: np.empty(0), lambda _name, _record: None)
+    assert found.scattered
+    np.testing.assert_allclose(found.largest(0).points.mean(axis=0), [300.0, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(np.ptp(found.largest(0).points, axis=0), 4.0)
+    near = Scene(tuple(replace(body, position=0.01 * body.position) for body in bodies))
+    assert not Others(near, {}, lambda _name, _record: np.empty(0), lambda _name, _record: None).scattered
