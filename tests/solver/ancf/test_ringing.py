@@ -106,6 +106,7 @@ def test_what_rings_all_the_same_is_told() -> None:
     assert found["hoist.tension"] == pytest.approx(PLATE + HOOK, rel=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness_damping", [0.0, 20e-3])
 def test_what_is_left_of_a_search_for_rest_is_no_ringing(stiffness_damping: float) -> None:
     """At rest, before the puff, the plate moves by the rounding of its equilibrium, which means nothing."""
