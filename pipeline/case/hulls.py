@@ -143,7 +143,7 @@ class ComputeSection(Section):
     """A database that the mesh stage computes with Capytaine, from the surfaces of the hulls below the still water."""
 
     panel_size: Annotated[float, Positive("length")]
-    """Longest side of a panel [m]; at most a sixth of the shortest wave."""
+    """Side of a panel [m]; at most a sixth of the shortest wave. Round faces get smaller ones if volume asks."""
     frequencies: FrequenciesSection
     """[rad/s]; the limit of infinite frequency is computed besides."""
     heading_step: Annotated[float, Quantity("angle", minimum=0.0, maximum=0.1745329252, closed=True)] = (

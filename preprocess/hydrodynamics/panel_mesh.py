@@ -370,9 +370,13 @@ def _closest(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArr
     import trimesh
 
     found = np.empty_like(points)
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    middle = corners.mean(axis=1)
+    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     for row, point in enumerate(points):
-        near = trimesh.triangles.closest_point(np.stack([a, b, c], axis=1), np.tile(point, (len(a), 1)))
+        off = np.linalg.norm(middle - point, axis=1)
+        # none is nearer than its middle less its reach; all others are farther than the nearest middle
+        own = corners[off - reach <= off.min()]
+        near = trimesh.triangles.closest_point(own, np.tile(point, (len(own), 1)))
         found[row] = near[np.argmin(np.einsum("ij,ij->i", near - point, near - point))]
     return found
 
