@@ -272,7 +272,7 @@ def _moonpool_warnings(inputs: BemInputs, omega: NDArray[np.float64]) -> tuple[s
                 f"{hull.name}: the water in its moonpool, {pool.length:.3g} x {pool.breadth:.3g} m and "
                 f"{pool.draft:.3g} m deep, goes up and down with a natural frequency near {natural:.3g} rad/s; "
                 "potential theory, without eddies at the edges, gives several times the motion and force that "
-                f"are measured there; 'frequencies.leave_out = [{shown}]' interpolates over it"
+                f"are measured there; 'leave_out = [{shown}]' interpolates over it"
             )
     return tuple(warnings)
 
