@@ -53,7 +53,7 @@ _WATER_AROUND = 1.5  # and water
 _RIGGING = 3.0  # springs and joints so far away are looked at as well
 _LINES = 2.0  # mooring lines are drawn so far
 _SLIM, _SLIM_BESIDE = 0.015, 0.05  # radius of springs and fenders, and that beside the largest body
-_SCATTERED = 10.0  # times the largest body: a scene so wide has a picture of that body alone
+_SCATTERED = 30.0  # times the largest body: a scene so wide has a picture of that body alone
 _FACES = np.array([[0, 1, 3], [0, 3, 2], [4, 5, 7], [4, 7, 6]])  # two sides of a box of eight corners
 _GLASS = 0.3  # opacity of boxes that hide other bodies
 _EDGES = np.array(
@@ -386,7 +386,9 @@ class Others:
     @property
     def scattered(self) -> bool:
         """Whether bodies are so far apart that a picture of all shows none of them."""
-        return self._sizes != {} and self._span > _SCATTERED * max(self._sizes.values())
+        if self._surfaces or self._skins or not self._sizes:
+            return False
+        return self._span > _SCATTERED * max(self._sizes.values())
 
     def largest(self, record: int) -> Seen:
         """The largest rigid body alone, for a camera that looks at it."""

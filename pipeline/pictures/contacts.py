@@ -46,6 +46,7 @@ __all__ = [
     "ContactParts",
     "contour_parts",
     "force_arrow",
+    "kinks",
     "scene_size",
     "shape_parts",
     "touch_camera",
@@ -339,8 +340,10 @@ def _rgb(colour: str) -> NDArray[np.uint8]:
     return np.frombuffer(bytes.fromhex(colour[1:]), dtype=np.uint8)
 
 
-def _kinks(part: Patch) -> Lines:
-    """Edges at which a surface has corners, or ends."""
+def kinks(part: Patch) -> Lines:
+    """Edges at which a surface has corners, or ends; none of a very fine one."""
+    if len(part.triangles) > _EDGES:
+        return Lines(part.points, np.empty((0, 2), dtype=np.int64))
     return Lines(part.points, feature_edges(part.points, part.triangles, _KINK, wound=False), INK, 0.8, 0.6)
 
 
@@ -358,12 +361,12 @@ def _solid(seen: Seen) -> _Solid:
     starts = np.cumsum([0, *(len(part.points) for part in opaque)])
     triangles = [part.triangles + start for part, start in zip(opaque, starts[:-1], strict=True)]
     hues = [np.tile(_rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
-    kinks = (_kinks(part) for part in opaque if len(part.triangles) <= _EDGES)
+    edges = [kinks(part) for part in opaque]
     return _Solid(
         np.concatenate([np.empty((0, 3)), *(part.points for part in opaque)]),
         np.concatenate([np.empty((0, 3), dtype=np.int64), *triangles]),
         np.concatenate([np.empty((0, 3), dtype=np.uint8), *hues]),
-        (*seen.lines, *kinks),
+        (*seen.lines, *edges),
     )
 
 

@@ -287,8 +287,10 @@ class Renderer:
 
 def _aim(plotter: Any, camera: Camera, drawing: Drawing) -> None:
     matrix = camera.view.matrix
-    # VTK wants a point to look at: any point on the axis of sight; take it at the depth of the part
-    depth = np.mean((camera.position - drawing.points) @ matrix[2])
+    # VTK wants a point to look at: any point on the axis of sight; take it at the depth of the part, or of what is
+    # in front of the camera where most is behind it
+    depths = (camera.position - drawing.points) @ matrix[2]
+    depth = np.mean(depths) if np.mean(depths) > 0.0 else np.max(depths)
     vtk_camera = plotter.camera
     vtk_camera.position = tuple(camera.position)
     vtk_camera.focal_point = tuple(camera.position - depth * matrix[2])

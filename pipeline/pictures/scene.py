@@ -16,7 +16,7 @@ from heavylift.pipeline.pictures.annotations import (
 )
 from heavylift.pipeline.pictures.attached import Others, Seen
 from heavylift.pipeline.pictures.camera import Camera, View, choose_view, fit_camera, plane_view
-from heavylift.pipeline.pictures.contacts import SIZE, touch_camera, touch_picture
+from heavylift.pipeline.pictures.contacts import SIZE, kinks, touch_camera, touch_picture
 from heavylift.pipeline.pictures.drawings import INK, deformation_scale, round_down, stress_unit
 from heavylift.pipeline.pictures.meshes import (
     Exaggeration,
@@ -304,6 +304,7 @@ class ScenePainter:
                 Lines(skin.points, sides, colour=INK, width=0.8, opacity=0.35),
                 Lines(skin.points, skin.outline, colour=INK, width=1.5, opacity=0.85),
                 *seen.lines,
+                *(kinks(part) for part in seen.patches if part.opacity == 1.0),
                 *(part for part in seen.around if isinstance(part, Lines)),
             ),
             marks=seen.marks,
@@ -358,7 +359,8 @@ class ScenePainter:
         length, pixels_wide, unit = self._scale_bar(shot)
         add_scale_bar(foot, length, pixels_wide, unit)
         side = f"stress of the {self._side}" if self._shells and self._side != "largest" else ""
-        words = [side, self._exaggeration.words, "grey: unloaded shape"]
+        boxes = "boxes: same mass and inertia" if self._others is not None and self._others.boxes else ""
+        words = [side, self._exaggeration.words, boxes, "grey: unloaded shape"]
         foot.text(
             width - 18,
             16,

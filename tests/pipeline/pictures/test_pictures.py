@@ -267,3 +267,13 @@ def test_axes_stand_on_a_floor_rather_than_on_a_body():
     pixels[:150, :150:2] = 90
     pixels[-150:, ::3] = 90
     assert emptiest_corner(pixels) == (600 - 80, 400 - 80)
+
+
+def test_what_is_behind_the_camera_does_not_turn_it_round(renderer):
+    """A small square in front of the camera, and a large one far behind it."""
+    square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    camera = fit_camera(View.looking([0.0, 0, 1], [0.0, 1, 0]), square, 1.5)
+    points = np.concatenate([square, 2.0 * square + [60.0, 0.0, 500.0]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
+    pixels = renderer.render(Drawing(points, triangles), camera, (90, 60))
+    assert pixels[30, 45].max() < 250
