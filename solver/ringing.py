@@ -11,7 +11,7 @@ so the smaller of both changes counts, and none if they differ in sign (the minm
 Phys. 49, 1983).
 
 Forces of joints are known in the middle of steps and are carried on by half a step. Where one changes by turns, three
-steps on end, the part that does so is left out; where it has jumped, as in an impact, what it was before is no slope.
+steps on end, the part that does so is left out.
 
 A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with
 it: this drives the ringing, in shells by a percent a step, until it has as much energy as the motion. There the part
@@ -72,11 +72,8 @@ def steady_force(
 
     Notes
     -----
-    Of second order where the force is smooth: two slopes have opposite signs near an extreme only, where both are of
-    the order of the step. Twice the slope before bounds that of a jump.
+    Of second order where the force is smooth: three slopes on end never alternate there.
     """
-    if slope * before > 0.0:
-        return middle + 0.5 * step * (slope if abs(slope) < 2.0 * abs(before) else 2.0 * before)
     if slope * before < 0.0 and before * long_before < 0.0:
         return middle - 0.5 * spacing * alternating(alternating(slope, before), -long_before)
-    return middle
+    return middle + 0.5 * step * slope

@@ -73,7 +73,7 @@ def settle_contacts(
                 key="start",
                 expected="contacts, joints, springs or ropes that hold all bodies; 'check' or 'project'",
             )
-        if energy >= last:
+        if energy >= last and energy > 0.0:
             last = energy
             continue
         peaks += 1

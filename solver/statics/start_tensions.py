@@ -27,8 +27,9 @@ FITTED_WITH_CONTACTS = 1e-4
 
 SEARCHES = 60
 
-STALLED = 6
-"""Searches without a tenth less of the miss, after which nothing is expected of more."""
+STALLED = 12
+"""Searches without a tenth less of the miss, or of the bracket of a single rope, after which nothing is expected of
+more."""
 
 LONGEST_CHANGE, GROWTH = 0.1, 3.0
 """Of a length in one round, relative to it, and to the change before: a load that hangs free has its weight in the rope
@@ -81,11 +82,12 @@ def fit_start_tensions(
     found, slopes = tensions()
     inverse = np.diag(-1.0 / slopes)
     least, since, searches, longest = np.inf, 0, 0, LONGEST_CHANGE
-    too_short, too_long = 0.0, np.inf  # of a single rope
+    too_short, too_long, width = 0.0, np.inf, np.inf  # of a single rope
     while searches < SEARCHES and since < STALLED:
         searches += 1
         miss = wanted - found
-        since = 0 if np.abs(miss).max() < 0.9 * least else since + 1
+        nearer = np.abs(miss).max() < 0.9 * least or too_long - too_short < 0.9 * width
+        since, width = (0 if nearer else since + 1), too_long - too_short
         least = min(least, float(np.abs(miss).max()))
         if np.abs(miss).max() <= fitted * wanted.max():
             words = ", ".join(f"{length:.6g} m" for length in lengths)
