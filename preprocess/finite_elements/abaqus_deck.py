@@ -14,8 +14,8 @@ What is understood:
 * *materials*: ``*MATERIAL`` with ``*ELASTIC`` (isotropic; of a table over temperature the first row) and
   ``*DENSITY``; ``*SOLID SECTION``. What is plastic, viscous or thermal besides is left out, and said.
 
-What is left out, and said: constraints, contacts and loads; masses, springs, dashpots, gaps and couplings; shells,
-beams and plane elements without a section, which meshers write for groups.
+What is left out, and said: constraints, contacts and loads; masses (nonstructural ones too), springs, dashpots, gaps
+and couplings; shells, beams and plane elements without a section, which meshers write for groups; sections of no set.
 What is refused when a body is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric
 elements, solids with 4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
 
@@ -279,6 +279,11 @@ def _add(sets: dict[str, list[_Set]], name: str, instance: str = "") -> _Set:
     return pieces[-1]
 
 
+def _joined(first: dict[str, list[_Set]], second: dict[str, list[_Set]]) -> dict[str, list[_Set]]:
+    """Sets of both, in lists of their own."""
+    return {name: [*first.get(name, []), *second.get(name, [])] for name in [*first, *second]}
+
+
 # ---- materials ----
 
 
@@ -365,6 +370,8 @@ _GENERATORS = {
     "SUBSTRUCTURE": "elements",
     "PARAMETER": "parameters",
     "IMPORT": "instances of another analysis",
+    "SYMMETRICMODELGENERATION": "nodes and elements",
+    "IMPERFECTION": "shifts of nodes",
 }
 
 
@@ -382,7 +389,8 @@ def read_abaqus_deck(path: Path, root: Path | None = None) -> Deck:
     ------
     InputError
         A file that is no deck; a number, name or node that is wrong, with file and line; a file outside `root`; nodes
-        or elements that are generated (``*NGEN``, ``*ELGEN`` ...).
+        or elements that are generated (``*NGEN``, ``*ELGEN`` ...); a node, element or material that is defined twice
+        and differently.
     """
     reader = _Reader()
     count = 0
@@ -408,6 +416,9 @@ class _Reader:
         self.scope = self.flat
         self.materials: dict[str, _Material] = {}
         self.material: _Material | None = None
+        # the latter, the earlier material of its name, and this one
+        self.redefined: list[tuple[_Card, _Material, _Material]] = []
+        self.left_out: list[str] = []
         self.constraints: Counter[str] = Counter()
         self.held: list[tuple[str, int, int]] = []
         self.sectors = ""
@@ -459,6 +470,9 @@ class _Reader:
             )
         if key in self.verbs:
             self.verbs[key](card)
+        elif key == "NONSTRUCTURALMASS":
+            whose = card.parameters.get("ELSET", "")
+            self.left_out.append(f"left out: *{card.shown} of line {card.line}, set {whose!r}")
         elif key.endswith("SECTION") and "ELSET" in card.parameters:  # of shells, beams, ...
             self.scope.sections.append((card.parameters["ELSET"], ""))
         elif self.material is not None and key in _NONLINEAR:
@@ -479,7 +493,9 @@ class _Reader:
             label = _whole(card, words[:1], (file, line), "a node number")[0]
             x = _reals(card, words[1:4], (file, line))
             x += [0.0] * (3 - len(x))
-            self.scope.nodes[label] = self._placed(x, system)
+            position = self._placed(x, system)
+            if self.scope.nodes.setdefault(label, position) != position:
+                card.fail(f"node {label} is defined twice", "every node once", (file, line))
             if members is not None:
                 members.items.append((label, label, 1))
 
@@ -653,22 +669,30 @@ class _Reader:
         if made is not None and (own.nodes or own.elements):  # an independent instance has the mesh itself
             made.part = own
         elif made is not None:
-            for mine, theirs in (
-                (own.node_sets, made.part.node_sets),
-                (own.element_sets, made.part.element_sets),
-            ):
-                for name, pieces in mine.items():
-                    theirs.setdefault(name, []).extend(pieces)
+            # sets of an instance are its own, and the part serves others too
+            made.part = replace(
+                made.part,
+                node_sets=_joined(made.part.node_sets, own.node_sets),
+                element_sets=_joined(made.part.element_sets, own.element_sets),
+            )
         self.instance, self.scope = None, self.assembly
 
     # -- materials --
 
     def _section(self, card: _Card) -> None:
-        self.scope.sections.append((card.parameters.get("ELSET", ""), card.parameters.get("MATERIAL", "")))
+        elements, material = card.parameters.get("ELSET", ""), card.parameters.get("MATERIAL", "")
+        if elements:
+            self.scope.sections.append((elements, material))
+        else:
+            note = f"left out: *{card.shown} of line {card.line}, material {material!r}: it has no ELSET"
+            self.left_out.append(note)
 
     def _begin_material(self, card: _Card) -> None:
         name = card.parameters.get("NAME", "")
+        earlier = self.materials.get(name.upper())
         self.material = self.materials[name.upper()] = _Material(name)
+        if earlier is not None:
+            self.redefined.append((card, earlier, self.material))
 
     def _elastic(self, card: _Card) -> None:
         if self.material is None:
@@ -707,6 +731,9 @@ class _Reader:
 
     def deck(self, path: Path) -> Deck:
         """Put parts into place and resolve sets."""
+        for card, earlier, latter in self.redefined:
+            if not _deck_material(earlier).agrees(_deck_material(latter)):
+                card.fail(f"material {latter.name!r} is defined twice", "every material once")
         placed = list(self.instances.values())
         if self.flat.nodes or self.flat.elements or not placed:
             placed.insert(0, _Instance("", self.flat))
@@ -747,6 +774,7 @@ class _Assembler:
             notes.append(f"constraints and contacts of the file are left out, the case has its own: {words}")
         if reader.sectors:
             notes.append(f"cyclic symmetry is left out: the body is one sector of {reader.sectors}")
+        notes += reader.left_out
         notes += [
             f"numbers behind the nodes of {n} elements {name} are left out"
             for name, n in reader.extra.items()
@@ -1024,18 +1052,20 @@ def _first_place(card: _Card) -> tuple[Path, int]:
     return (card.data[0][0], card.data[0][1]) if card.data else (card.file, card.line)
 
 
+_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")  # what fits 64 bits
+
+
 def _is_whole(word: str) -> bool:
-    return word.lstrip("+-").isdigit()
+    return _WHOLE.fullmatch(word) is not None
 
 
 def _whole(card: _Card, words: list[str], at: tuple[Path, int], expected: str) -> list[int]:
     if not words:
         card.fail("an empty line", expected, at)
-    try:
-        return [int(word) for word in words]
-    except ValueError:
-        wrong = next(word for word in words if not _is_whole(word))
-        card.fail(f"{wrong!r}", expected, at)
+    for word in words:
+        if not _is_whole(word):
+            card.fail(f"{word!r}", expected, at)
+    return [int(word) for word in words]
 
 
 def _reals(card: _Card, words: list[str], at: tuple[Path, int]) -> list[float]:

@@ -4,17 +4,18 @@ What is understood:
 
 * *text*: small fields of 8 columns, large fields of 16 (``*``) and free fields with commas, mixed from line to line;
   continuation lines that follow their card, with or without names; comments ``$``; numbers like 1.5-3;
-  ``INCLUDE 'file'`` of files below the case folder; what stands before ``BEGIN BULK`` and after ``ENDDATA`` is
-  passed over;
+  ``INCLUDE 'file'`` of files below the case folder; what stands before ``BEGIN BULK`` (but
+  ``PARAM, WTMASS``) and after ``ENDDATA`` is passed over;
 * *mesh*: ``GRID`` in basic coordinates (``CP``, ``CD`` 0, also from ``GRDSET``), ``CHEXA`` of 8 and 20
   and ``CTETRA`` of 10 nodes;
 * *sets*: the elements of a ``PSOLID`` are the set ``PSOLID n``; nodes of ``SPC`` and ``SPC1`` are the group
   ``SPC n``, those of ``SET1`` the group ``SET1 n``;
 * *materials*: ``MAT1``, with ``PARAM, WTMASS`` on its density.
 
-What is left out, and said: constraints, contacts, masses, springs; shells and bars without a property, which meshers
-write for groups. What is refused when a body is taken, with type and
-number: shells, bars, rods, plane elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
+What is refused as text: replicated entries (``=``, ``=(n)``), superelements (``BEGIN SUPER``).
+What is left out, and said: constraints, contacts, masses (``NSM`` too), springs; shells and bars without a property,
+which meshers write for groups. What is refused when a body is taken, with type and number: shells, bars, rods, plane
+elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
 
 Source: MSC Nastran Quick Reference Guide, *Bulk Data Entries*.
 """
@@ -50,6 +51,9 @@ __all__ = ["read_nastran_deck"]
 # ---- text ----
 
 
+_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")  # what fits 64 bits
+
+
 @dataclass
 class _Card:
     """A bulk data entry: its name and the fields behind it."""
@@ -71,7 +75,7 @@ class _Card:
         word = self.word(index)
         if not word and default is not None:
             return default
-        if not word.lstrip("+-").isdigit():
+        if not _WHOLE.fullmatch(word):
             self.fail(f"{word!r}", f"a whole number: {what}")
         return int(word)
 
@@ -90,6 +94,13 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
     card: _Card | None = None
     for file, number, line in _bulk(deck, root):
         name, fields = _fields(line)
+        if name.startswith(("=", "*(")):
+            raise InputError(
+                f"{name!r} replicates the entry before",
+                source=file,
+                key=f"line {number}",
+                expected="a deck that writes every entry out",
+            )
         if name and name[0] not in "+*":
             if card is not None:
                 yield card
@@ -115,14 +126,26 @@ def _fields(line: str) -> tuple[str, list[str]]:
 
 
 def _bulk(deck: Path, root: Path) -> Iterator[tuple[Path, int, str]]:
-    """Lines of the bulk data."""
+    """Lines of the bulk data, behind the factor on masses if the case control section gives it."""
     lines = list(_lines(deck, deck, root, ()))
     begin = next(
         (k + 1 for k, (*_, line) in enumerate(lines) if re.match(r"\s*BEGIN\b", line, re.IGNORECASE)), 0
     )
-    for file, number, line in lines[begin:]:
+    for file, number, line in lines[:begin]:
+        if match := re.match(r"\s*PARAM[\s,]+WTMASS[\s,=]+([^\s,]+)", line, re.IGNORECASE):
+            yield file, number, f"PARAM,WTMASS,{match[1]}"
+    for file, number, line in lines[max(begin - 1, 0) :]:
         if re.match(r"ENDDATA\b", line, re.IGNORECASE):
             return
+        if re.match(r"\s*BEGIN\b", line, re.IGNORECASE):
+            if re.search(r"\bSUPER\b", line, re.IGNORECASE):
+                raise InputError(
+                    f"{line.strip()}: a superelement",
+                    source=file,
+                    key=f"line {number}",
+                    expected="one section of bulk data, BEGIN BULK",
+                )
+            continue
         yield file, number, line
 
 
@@ -226,6 +249,7 @@ def read_nastran_deck(path: Path, root: Path | None = None) -> Deck:
     ------
     InputError
         A file that is no deck; a number, name or node that is wrong, with file and line; nodes in coordinate systems;
+        replicated entries, superelements; a node, element, material or WTMASS that is given twice and differently;
         a file outside `root`.
     """
     reader = _Reader()
@@ -252,7 +276,9 @@ class _Reader:
         self.refused: dict[int, str] = {}
         self.groups: dict[str, list[tuple[int, int]]] = {}
         self.constraints: Counter[str] = Counter()
+        self.masses: Counter[str] = Counter()
         self.weight = 1.0
+        self.weight_said = False
         self.verbs: dict[str, Callable[[_Card], None]] = {
             "GRID": self._grid,
             "GRDSET": self._grid_defaults,
@@ -269,6 +295,8 @@ class _Reader:
         """One entry."""
         if _CONSTRAINTS.match(card.name):
             self.constraints[card.name] += 1
+        if re.match(r"NSM(L?1?|ADD)$", card.name):
+            self.masses[card.name] += 1
         if card.name in self.verbs:
             self.verbs[card.name](card)
         elif card.name in _SOLIDS:
@@ -290,6 +318,14 @@ class _Reader:
     def _grid(self, card: _Card) -> None:
         label = card.whole(0, "number of the node")
         x = [card.real(k, "a coordinate") or 0.0 for k in (2, 3, 4)]
+        if label in self.nodes:
+            before, known = self.nodes[label]
+            systems = [
+                [one.whole(k, "a coordinate system", self.default_systems[k > 1]) for k in (1, 5)]
+                for one in (known, card)
+            ]
+            if before != x or systems[0] != systems[1]:
+                card.fail(f"node {label} is defined twice", "every node once")
         self.nodes[label] = (x, card)
 
     def _solid(self, card: _Card) -> None:
@@ -325,11 +361,16 @@ class _Reader:
             E = 2.0 * G * (1.0 + nu)
         elif nu is None and E is not None and G is not None:
             nu = E / (2.0 * G) - 1.0
-        self.materials[label] = DeckMaterial(f"MAT1 {label}", E, nu, rho)
+        made = DeckMaterial(f"MAT1 {label}", E, nu, rho)
+        if self.materials.setdefault(label, made) != made:
+            card.fail(f"material {label} is defined twice", "every material once")
 
     def _parameter(self, card: _Card) -> None:
         if card.word(0).upper() == "WTMASS":
-            self.weight = card.real(1, "a factor on masses") or 1.0
+            weight = card.real(1, "a factor on masses") or 1.0
+            if self.weight_said and weight != self.weight:
+                card.fail(f"WTMASS is {self.weight:g} and {weight:g}", "one factor on masses")
+            self.weight, self.weight_said = weight, True
 
     def _spc(self, card: _Card) -> None:
         name = f"SPC {card.word(0)}"
@@ -380,6 +421,7 @@ class _Reader:
         if self.constraints:
             words = ", ".join(f"{n} {key}" for key, n in self.constraints.items())
             notes.append(f"constraints and contacts of the file are left out, the case has its own: {words}")
+        notes += [f"left out: {n} nonstructural masses {key}" for key, n in self.masses.items()]
         if self.weight != 1.0:
             notes.append(f"densities are multiplied by WTMASS = {self.weight:g}")
         points = np.array([x for x, _ in self.nodes.values()], dtype=np.float64).reshape(-1, 3)

@@ -464,3 +464,55 @@ def test_files_are_included_and_none_from_outside(tmp_path):
 )
 def test_numbers_as_fortran_writes_them(word, value):
     assert deck_number(word) == pytest.approx(value, rel=1e-15)
+
+
+def test_sets_given_in_an_instance_are_its_own(tmp_path):
+    text = f"*PART, NAME=P\n{CUBE}{BRICK}*END PART\n*ASSEMBLY, NAME=A\n"
+    text += "*INSTANCE, NAME=I, PART=P\n*NSET, NSET=Foot\n1, 2\n*ELSET, ELSET=One\n1,\n*END INSTANCE\n"
+    text += "*INSTANCE, NAME=J, PART=P\n3., 0., 0.\n*NSET, NSET=Foot\n8,\n*END INSTANCE\n"
+    text += "*INSTANCE, NAME=K, PART=P\n6., 0., 0.\n*END INSTANCE\n*END ASSEMBLY\n"
+    found = read_deck(deck(tmp_path, text))
+    assert found.node_sets["I.Foot"].tolist() == [0, 1]
+    assert found.node_sets["J.Foot"].tolist() == [15]
+    assert "K.Foot" not in found.node_sets
+    assert found.element_sets["I.One"].tolist() == [0]
+    assert not {"J.One", "K.One"} & found.element_sets.keys()
+    assert found.node_sets["K.All"].tolist() == list(range(16, 24))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            CUBE + BRICK + "*SYMMETRIC MODEL GENERATION, REVOLVE\n",
+            r"line 12: .* nodes and elements are generated",
+        ),
+        (CUBE + BRICK + "*IMPERFECTION, FILE=a, STEP=1\n", r"line 12: \*IMPERFECTION: shifts of nodes are"),
+        (CUBE + "8, 0., 1., 2.\n" + BRICK, r"line 10: \*NODE: node 8 is defined twice"),
+        (
+            CUBE + BRICK + STEEL + "*MATERIAL, NAME=STEEL\n*ELASTIC\n7.E4, 0.3\n",
+            r"line 18: \*MATERIAL: material 'STEEL' is defined twice",
+        ),
+        (CUBE.replace("7, 1.", "--1, 1.") + BRICK, r"line 8: \*NODE: '--1'; expected a node number"),
+        (CUBE + BRICK.replace("7, 8", "\u00b2, 8"), r"line 11: \*ELEMENT: '\u00b2'; expected whole numbers"),
+    ],
+)
+def test_generated_redefined_and_odd_numbers_are_refused(tmp_path, text, words):
+    path = tmp_path / "body.inp"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_mesh(path)
+
+
+def test_same_definitions_twice_pass(tmp_path):
+    same_as_cube(read_deck(deck(tmp_path, CUBE + CUBE + BRICK + STEEL + STEEL)).body())
+
+
+def test_nonstructural_mass_and_a_section_of_no_set_are_said(tmp_path):
+    text = CUBE + BRICK + "*NONSTRUCTURAL MASS, ELSET=Body, UNITS=TOTAL MASS\n5.\n"
+    text += STEEL.replace("ELSET=Body, ", "")
+    body = read_deck(deck(tmp_path, text)).body()
+    assert "left out: *NONSTRUCTURAL MASS of line 12, set 'Body'" in body.notes
+    assert "left out: *SOLID SECTION of line 19, material 'Steel': it has no ELSET" in body.notes
+    assert body.material is None
+    assert not any("do not exist" in note for note in body.notes)

@@ -215,3 +215,44 @@ def test_what_is_no_deck_is_refused(tmp_path):
     path.write_bytes(b"\0\1\2")
     with pytest.raises(InputError, match="is not a text file"):
         read_mesh(path)
+
+
+BLOCK = grids(free, HEX) + free("CHEXA", 1, 3, *range(1, 9)) + PROPERTY
+
+
+@pytest.mark.parametrize("line", ["PARAM,WTMASS,1.-3", "  param, wtmass, 0.001", "PARAM   WTMASS  1.0-3"])
+def test_factor_on_masses_of_case_control(tmp_path, line):
+    body = read_deck(deck(tmp_path, f"SOL 103\nCEND\n{line}\nBEGIN BULK\n{BLOCK}ENDDATA\n")).body()
+    assert body.material.density == pytest.approx(7.85e-12, rel=1e-14)
+    assert "densities are multiplied by WTMASS = 0.001" in body.notes
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("=,*(1),=,*(2.),==\n", r"line 14: '=' replicates the entry before"),
+        ("=(3)\n", r"line 14: '=\(3\)' replicates"),
+        ("*(1),=\n", r"line 14: '\*\(1\)' replicates"),
+        ("GRID,8,,9.,9.,9.\n", r"line 14: GRID: node 8 is defined twice"),
+        ("GRID,8,2,0.,1.,1.\n", r"line 14: GRID: node 8 is defined twice"),
+        ("GRID,8,0,0.,1.,1.\nGRID,8,,0.,1.,1.,5\n", r"line 15: GRID: node 8 is defined twice"),
+        ("MAT1,7,7.+4,,0.3,7.85-9\n", r"line 14: MAT1: material 7 is defined twice"),
+        ("BEGIN SUPER=2\n", r"line 14: BEGIN SUPER=2: a superelement"),
+        ("BEGIN BULK SUPER = 2\n", r"line 14: BEGIN BULK SUPER = 2: a superelement"),
+        ("PARAM,WTMASS,2.\nPARAM,WTMASS,3.\n", r"line 15: PARAM: WTMASS is 2 and 3"),
+        ("GRID,--1,,1.,1.,1.\n", r"line 14: GRID: '--1'; expected a whole number"),
+        ("GRID,\u00b2,,1.,1.,1.\n", r"line 14: GRID: '\u00b2'; expected a whole number"),
+    ],
+)
+def test_replicated_redefined_and_odd_numbers_are_refused(tmp_path, more, words):
+    path = tmp_path / "body.bdf"
+    path.write_text("BEGIN BULK\n" + BLOCK + more, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_mesh(path)
+
+
+def test_same_definitions_twice_pass_and_nonstructural_masses_are_said(tmp_path):
+    body = read_deck(deck(tmp_path, BLOCK + BLOCK + "NSM1,4,PSHELL,2.,3\nNSML,5,PSHELL,3,1.\n")).body()
+    assert body.mesh.volume == pytest.approx(1.0)
+    assert "left out: 1 nonstructural masses NSM1" in body.notes
+    assert "left out: 1 nonstructural masses NSML" in body.notes
