@@ -41,6 +41,7 @@ def test_hits_of_the_models_are_those_of_a_reference_collision_library(name, ver
     assert np.count_nonzero(kinds == EDGE_EDGE) == edges
 
 
+@pytest.mark.slow
 def test_contacts_of_the_models_are_found_as_early_as_the_first_hit():
     for name in ("bunny_bunny", "bunny_plane", "tank_hull", "tank_hull_tilted"):
         a, b, motion = query(name)

@@ -262,6 +262,7 @@ def report_text(folder):
     return (folder / "out" / "report" / "report.md").read_text()
 
 
+@pytest.mark.slow
 def test_the_report_of_a_killed_run_is_made_anew_when_the_run_is_whole(heavylift, small_case, slow_run):
     process = slow_run(small_case)
     os.kill(process.pid, signal.SIGKILL)

@@ -100,6 +100,7 @@ def test_matrices_agree_with_plain_loops(name, degree, request, steel):
     np.testing.assert_allclose(model.mass.toarray(), M, atol=1e-12 * np.abs(M).max())
 
 
+@pytest.mark.slow
 def test_reduced_bricks_of_20_nodes_have_eight_points_and_no_idle_motions_in_a_mesh(quadratic_bricks, steel):
     mesh = Mesh(quadratic_bricks.nodes, quadratic_bricks.elements, "hex20")
     K = elasticity.stiffness_matrix(mesh, steel, formulation="reduced").toarray()

@@ -16,6 +16,7 @@ from heavylift.pipeline.stages.stages import run_case
 CASE = Path(__file__).resolve().parents[2] / "cases" / "nafems"
 
 
+@pytest.mark.slow
 def test_case_meets_its_references(tmp_path: Path) -> None:
     result = verify_case(CASE, out=tmp_path, overrides=(), force=True, log=Log(quiet=True))
     assert result.outcome is Outcome.COMPLETED, [check for check in result.checks if not check.passed]

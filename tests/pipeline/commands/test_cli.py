@@ -186,6 +186,7 @@ def test_importing_the_command_line_imports_no_library_it_does_not_need():
 SHORT = ("--set", "simulate.duration=1 ms")
 
 
+@pytest.mark.slow
 def test_the_report_follows_what_the_other_stages_have_left(heavylift, small_case):
     report = small_case / "out" / "report" / "report.md"
     heavylift("modes", small_case, *SHORT)

@@ -107,6 +107,7 @@ def test_a_changed_load_makes_the_states_anew(folder):
     assert states["pull"].reaction[0] == pytest.approx(-2e6, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_report_shows_supports_and_load_cases(folder):
     case = load_case(folder)
     report = run_case(case)
