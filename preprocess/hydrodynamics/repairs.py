@@ -370,7 +370,7 @@ def _with_limit(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicD
     return _told(
         replace(database, added_mass_infinite=value),
         "no added mass of infinite frequency: found from the damping by Ogilvie's relation, "
-        f"within {max(scatter, 1e-4):.2%}",
+        f"which scatters by {max(scatter, 1e-4):.2%} over these frequencies and knows nothing of damping beyond them",
     )
 
 

@@ -84,8 +84,8 @@ class Rope:
     length: Annotated[float | None, Positive("length")] = None
     """Unstretched length at the start [m]; as drawn if absent."""
     tension: Annotated[float | None, Positive("force")] = None
-    """In place of `length`: tension at the start [N], from which that follows; of a search for equilibrium that in
-    the place of rest."""
+    """In place of `length`: tension at the start [N], without that of the damper, from which that follows; of a search
+    for equilibrium that in the place of rest."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Tension per rate of elongation [N s/m], while it is taut."""
     winch: Winch | None = None

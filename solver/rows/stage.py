@@ -253,19 +253,13 @@ def close_row_step(
     _check_closed(system, work)
     spacing = 0.5 * (step + work.control.last_step)
     rate, per_spacing = 1.0 / step, 1.0 / spacing
-    smooth = work.control.step_count < 2
     for node in range(system.attachments.shape[0] // 2):
         row = system.rows[node]
         for r in range(lanes):
             # of second order in the middle of the step only, and only with the part of the projection
             middle = rate * (2.0 * row.half_impulse[r] + row.impulse[r])
             slope = per_spacing * (middle - row.last_reaction[r])
-            if smooth:
-                row.reaction[r] = middle + 0.5 * step * slope
-            else:
-                row.reaction[r] = steady_force(
-                    middle, slope, row.slope[r], row.slope_before[r], step, spacing
-                )
+            row.reaction[r] = steady_force(middle, slope, row.slope[r], row.slope_before[r], step, spacing)
             row.last_reaction[r] = middle
             row.slope_before[r] = row.slope[r]
             row.slope[r] = slope
