@@ -247,7 +247,7 @@ class Simulation:
             if settled:
                 self._settle_contacts()
             start_contacts(layout, self.step, settled=settled)
-        elif layout.block_names and self.integrator == "dele2":
+        if layout.block_names and self.integrator == "dele2":
             self._probe()
 
     def _fit_joints(self) -> None:
@@ -322,23 +322,37 @@ class Simulation:
                 kind.frame["arc"] = 0.0
 
     def _probe(self) -> None:
-        """Reactions at the start, from one tiny step that is taken back.
+        """Reactions at the start, and forces of what is in contact there, from one step that is taken back.
 
-        Its accelerations are not kept: those of a stiff spring that is not at rest would mislead the first step.
+        Its accelerations are not kept: those of a stiff spring that is not at rest would mislead the first step. It is
+        tiny, but with contacts: what keeps those without compliance closed is the impulse of a whole step, and a step
+        with impacts tells no forces.
         """
         layout = self._layout
         before = {name: array.copy() for name, array in self._arrays()}
         length = max(PROBE_STEP * self.step, min(self.step, SMALLEST_PROBE))
         self._run(
             layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
-            length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),
+            self.step if self._touches else length, 0.0, 0, 1, 2, np.empty((0, self.column_count)),
         )  # fmt: skip
         system = layout.systems[0]
         found = system.rows["last_reaction"].copy()
         good = layout.work.status.outcome == 0
         layout.work.status.words[:] = 0.0
-        for name, array in self._arrays():
-            array[...] = before[name]
+        if self._touches:
+            from heavylift.solver.contact.check_start import forget_trials, put_forces, resting_forces
+
+            contacts = layout.systems[1]
+            forces = resting_forces(contacts)
+            good = good and forces is not None
+            for name, array in self._arrays():
+                array[...] = before[name]
+            forget_trials(layout)
+            if good:
+                put_forces(contacts, forces)
+        else:
+            for name, array in self._arrays():
+                array[...] = before[name]
         if good:
             system.rows["reaction"] = system.rows["last_reaction"] = found
 

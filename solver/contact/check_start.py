@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.contact.kind import (
@@ -20,11 +21,14 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.start import run_start
 
-__all__ = ["check_places", "forget_trials", "start_contacts"]
+__all__ = ["check_places", "forget_trials", "put_forces", "resting_forces", "start_contacts"]
 
 ON_CONTOUR = 1e-3
 """Distance from its contour relative to its size, at which a slider or bead may start: the first steps bring it
 there."""
+
+TOUCHING = 1e-6
+"""Gap relative to its size, at which a contact that nothing has moved yet touches."""
 
 DEEPEST = 0.05
 """Penetration relative to the size of a contour at which a point may start; a ball may by its radius."""
@@ -83,6 +87,52 @@ def forget_trials(layout: Any) -> None:
     control.watched = control.joins = -1
     control.effort = 0.0
     layout.work.control.split = 0.0
+
+
+def resting_forces(contacts: ContactRows) -> dict[tuple[int, ...], NDArray[np.void]] | None:
+    """What contacts without compliance have borne in the first step, by what touches; nothing if it had impacts.
+
+    Parameters
+    ----------
+    contacts
+        After the step, with the counts of impacts since the start.
+    """
+    state = contacts.state[: int(contacts.counts.total)]
+    if not contacts.control.uncut or np.any(state["impacts"] > 0):
+        return None
+    return {
+        _features(contacts, c): state[c].copy()
+        for c in range(len(state))
+        if state[c].closed and state[c].present and contacts.table[c].law != COMPLIANT
+    }
+
+
+def put_forces(contacts: ContactRows, forces: dict[tuple[int, ...], NDArray[np.void]]) -> None:
+    """Give contacts that touch at the start the forces of their first step, for the record of the start.
+
+    Parameters
+    ----------
+    contacts
+        At the start.
+    forces
+        Of `resting_forces`.
+    """
+    for c in range(int(contacts.counts.total)):
+        touches = (
+            contacts.state[c].closed or contacts.state[c].gap <= TOUCHING * contacts.values[c].length_scale
+        )
+        found = forces.get(_features(contacts, c))
+        if touches and found is not None:
+            for name in ("normal_force", "friction_force", "force"):
+                contacts.state[name][c] = found[name]
+
+
+def _features(contacts: ContactRows, c: int) -> tuple[int, ...]:
+    """What a contact is between: its number on contours; pair and features between triangles, whose numbers change."""
+    state = contacts.state[c]
+    if c < contacts.counts.of_contours:
+        return (c,)
+    return (int(state.pair), int(state.feature_kind), int(state.feature), int(state.other_feature))
 
 
 def _restore(contacts: ContactRows) -> None:

@@ -195,8 +195,11 @@ class ContactState(Record):
         Force on what touches [N]; touched point [m].
     impulse, impact_impulse, loss, impacts
         Sum of normal impulses [N s], and of those of impacts alone; energy lost [J]; number of impacts.
-    step_loss
-        Energy lost in the step, as long as it can be taken back [J].
+    step_loss, jump
+        Energy lost in the step, as long as it can be taken back [J]; what compliant contacts between triangles have
+        stored less because of other features or shares than those of the step before.
+    kept
+        Stored in the elastic slip [J].
     slip_path, slip_speed
         Of the slip [m], [m/s].
     normal_force, friction_force
@@ -258,6 +261,8 @@ class ContactState(Record):
     impact_impulse: float
     loss: float
     step_loss: float
+    jump: float
+    kept: float
     impacts: int
     slip_path: float
     slip_speed: float

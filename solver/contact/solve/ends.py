@@ -26,7 +26,7 @@ from heavylift.solver.contact.solve.stage import (
     assemble_response,
     friction_rows,
     present_at,
-    slip_stiffness,
+    slip_energy,
     softness_of,
     solve_present,
 )
@@ -338,17 +338,28 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
     state.slip_speed = speed if total != 0.0 else 0.0
     state.rate = a
     state.gap, state.second_gap = state.end_gap, state.second_end_gap
+    if kind == COMPLIANT:  # the stiffness of the end of the step, at which nothing slips
+        kept = slip_energy(contacts, c)
+        state.jump += state.kept - kept
+        state.kept = kept
     _keep_in_cone(contacts, c, reaction, kind)
     _write_force(contacts, c, reaction, kind)
 
 
 @kernel(internal=True)
 def _let_slip(contacts: ContactRows, c: int, most: float) -> None:
-    """What slides keeps no memory of where it stuck, but for what the largest force of friction [N] stretches."""
+    """What slides keeps no memory of where it stuck, but for what the largest force of friction [N] stretches.
+
+    With the stiffness of the step, with which what is kept was stored.
+    """
     state = contacts.state[c]
-    stretched = slip_stiffness(contacts, c) * math.hypot(state.slip[0], state.slip[1])
+    slip = math.hypot(state.slip[0], state.slip[1])
+    stretched = 2.0 * state.kept / slip if slip > 0.0 else 0.0
     share = min(1.0, most / stretched) if stretched > 0.0 else 0.0
     state.slip[0], state.slip[1] = share * state.slip[0], share * state.slip[1]
+    rest = share * share * state.kept
+    state.step_loss += state.kept - rest
+    state.kept = rest
 
 
 @kernel(internal=True)

@@ -20,7 +20,7 @@ from heavylift.solver.contact.kind import COMPLIANT, CURVE, RIGID, TRIANGLES, Co
 from heavylift.solver.contact.laws.normal_force import stored_energy
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.solve.delassus import contact_rates
-from heavylift.solver.contact.solve.stage import NEAR, looks_ahead
+from heavylift.solver.contact.solve.stage import NEAR, looks_ahead, slip_energy
 from heavylift.solver.contact.system_interface import after_step, before_advance, go_back
 from heavylift.solver.contact.triangles.interface import keep_found, search_surfaces
 from heavylift.solver.interface import Bodies, Joints, Workspace, add_row_work, end_rows, forget_accelerations
@@ -103,6 +103,11 @@ def _book_middle(contacts: ContactRows, c: int, work: Workspace, step: float) ->
     state.step_loss -= 2.0 * impulse[2] * d
     state.slip[0] += step * b
     state.slip[1] += step * d
+    if kind == COMPLIANT:
+        # the stiffness of the step: another one at its end is a jump
+        kept = slip_energy(contacts, c)
+        state.step_loss -= kept - state.kept
+        state.kept = kept
     if impulse[0] != 0.0 or kind == CURVE:
         state.slip_path += step * (abs(d) if kind == CURVE else math.hypot(b, d))
 

@@ -50,6 +50,7 @@ __all__ = [
     "friction_rows",
     "looks_ahead",
     "present_at",
+    "slip_energy",
     "slip_stiffness",
     "solve_present",
 ]
@@ -310,6 +311,13 @@ def slip_stiffness(contacts: ContactRows, c: int) -> float:
     if not depth > 0.0:
         return 0.0
     return contacts.values[c].stiffness * n * depth ** (n - 1.0) / 1.5
+
+
+@kernel(inline=True, internal=True)
+def slip_energy(contacts: ContactRows, c: int) -> float:
+    """Stored in the elastic slip [J], with the stiffness of now."""
+    slip = contacts.state[c].slip
+    return 0.5 * slip_stiffness(contacts, c) * (slip[0] * slip[0] + slip[1] * slip[1])
 
 
 @kernel(internal=True)

@@ -24,7 +24,7 @@ SAME_PLACE = 1e-7
 
 @kernel(internal=True)
 def book_jump(contacts: ContactRows, c: int, gap: float) -> None:
-    """What a compliant contact has lost because its gap at the end of the step is no longer the given one [m].
+    """What a compliant contact has stored less because its gap at the end of the step is no longer the given one [m].
 
     Notes
     -----
@@ -34,7 +34,7 @@ def book_jump(contacts: ContactRows, c: int, gap: float) -> None:
     state, values = contacts.state[c], contacts.values[c]
     if contacts.table[c].law == COMPLIANT and state.present:
         law, k, n = contacts.table[c].force_law, values.stiffness, values.exponent
-        state.loss += stored_energy(law, k, n, -gap) - stored_energy(law, k, n, -state.end_gap)
+        state.jump += stored_energy(law, k, n, -gap) - stored_energy(law, k, n, -state.end_gap)
 
 
 @kernel(internal=True)

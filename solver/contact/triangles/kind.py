@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from heavylift.solver.contact.triangles.feature_search import FeatureSearches, FoundCount
 
 __all__ = [
+    "PLACED_WIDTH",
     "Clearing",
     "ContactHeader",
     "GoneContacts",
@@ -101,6 +102,9 @@ class GoneContacts(Record):
     ----------
     impulse, impact_impulse, loss, impacts, slip_path
         Sums.
+    jumps, lost_jumps
+        Of the pair: sum of what its contacts have stored less by jumps, and the largest that it has been [J]. What they
+        store more again comes from nowhere, so it is not taken off what is lost but stays in the balance.
     forces, gaps
         Extremes of the sum of the normal forces and of the smallest gap.
     """
@@ -110,6 +114,8 @@ class GoneContacts(Record):
     loss: float
     impacts: int
     slip_path: float
+    jumps: float
+    lost_jumps: float
     forces: Extremes
     gaps: Extremes
 
@@ -126,6 +132,9 @@ placed_pose, gone_contacts, contact_header = (
     record_at(ContactHeader),
 )
 """What rows of `placed` begin with: poses of the surfaces, then one row for each pair, then a single one."""
+
+PLACED_WIDTH = max(one.layout.itemsize // 8 for one in (RelativePose, GoneContacts, ContactHeader))
+"""Words in a row of `placed`."""
 
 
 class Clearing(Table):

@@ -32,6 +32,7 @@ from heavylift.solver.contact.packed_collisions import PackedCollisions
 from heavylift.solver.contact.triangles.clearance import make_clearances
 from heavylift.solver.contact.triangles.facet_kind import FacetSurface, FacetSurfaces
 from heavylift.solver.contact.triangles.kind import (
+    PLACED_WIDTH,
     Clearing,
     PairSide,
     SurfacePair,
@@ -197,7 +198,7 @@ def pack_collisions(
         facets=_pack_facets(scene, packed, deforming, dofs, first_pose),
         contours=contours,
         poses=placed,
-        placed=np.zeros((len(moved) + count + 1, 12)),
+        placed=np.zeros((len(moved) + count + 1, PLACED_WIDTH)),
         most=most,
         # hulls are no free bodies: their inverse mass is that of the water too
         all_rigid=not deforming and bool(np.isin(sides["holder"], (DIAGONAL, PRESCRIBED)).all()),

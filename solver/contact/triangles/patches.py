@@ -196,8 +196,8 @@ def share_stiffness(
 ) -> None:
     """Contacts that touch share the stiffness of their patch equally; one that comes near takes its share by and by.
 
-    So forces do not jump when it touches. What the others have stored more or less by that is booked as lost, and so is
-    what is stored by one that did not take part in the step.
+    So forces do not jump when it touches. What the others have stored more or less by that is booked as a jump, and so
+    is what is stored by one that did not take part in the step.
     """
     for k in range(patches):
         meshes.sums[k] = 0.0
@@ -218,5 +218,5 @@ def share_stiffness(
         values.damping = state.share * meshes.pair_values[pair].damping
         law, exponent, depth = contacts.table[c].force_law, values.exponent, -state.end_gap
         paid = depth if state.present else -state.gap
-        state.loss += stored_energy(law, before, exponent, paid)
-        state.loss -= stored_energy(law, values.stiffness, exponent, depth)
+        state.jump += stored_energy(law, before, exponent, paid)
+        state.jump -= stored_energy(law, values.stiffness, exponent, depth)

@@ -12,7 +12,6 @@ from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
-from heavylift.solver.contact.solve.stage import slip_stiffness
 from heavylift.solver.contact.triangles.interface import record_clearance, record_pairs, watch_pairs
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts
 from heavylift.solver.contact.triangles.slots import count_members, surface_count
@@ -62,19 +61,22 @@ collision_columns, contact_columns = record_at(CollisionColumns), record_at(Cont
 @implement(watch_pairs, SurfacePairs)
 @kernel(internal=True)
 def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int) -> None:
-    """Sums as in a record; a gap is known where there are contacts."""
+    """Sums as in a record, and jumps; a gap is known where there are contacts."""
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
         one.force, one.gap = 0.0, one.reach
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         one = meshes.pairs[state.pair]
+        gone_contacts(contacts.placed[surface_count(contacts, meshes) + state.pair], 0).jumps += state.jump
+        state.jump = 0.0
         one.gap = min(one.gap, state.gap)
         if state.normal_force > 0.0 or state.closed:
             one.force += state.normal_force
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
+        gone.lost_jumps = max(gone.lost_jumps, gone.jumps)
         if contacts.control.uncut or one.law == COMPLIANT:
             note_value(gone.forces, interval, one.force)
         if one.gap < one.reach:
@@ -104,7 +106,7 @@ def _record_sums(
         row[at + k] = 0.0
     sums = collision_columns(row, at)
     sums.gap = meshes.pairs[pair].reach
-    sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss, gone.impacts
+    sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss + gone.lost_jumps, gone.impacts
     sums.impact_impulse = gone.impact_impulse
     highest = -1.0
     first, last = contacts.counts.of_contours, contact_count(contacts)
@@ -122,9 +124,7 @@ def _record_sums(
             work.sums.elastic += stored_energy(
                 contacts.table[c].force_law, values.stiffness, values.exponent, -state.gap
             )
-            kept = 0.5 * slip_stiffness(contacts, c) * (state.slip[0] ** 2 + state.slip[1] ** 2)
-            work.sums.elastic += kept  # in the elastic slip, which comes back
-            sums.dissipated -= kept
+            work.sums.elastic += state.kept
         force = state.normal_force
         if not (force > 0.0 or state.closed):
             continue

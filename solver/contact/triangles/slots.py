@@ -139,7 +139,7 @@ def keep_found_contacts(meshes: SurfacePairs, contacts: ContactRows, before: boo
         state = contacts.state[c]
         copy_record(state, meshes.kept[c])
         state.gap, state.rate = state.start_gap, state.start_rate
-        state.loss = state.step_loss = state.share = 0.0
+        state.loss = state.step_loss = state.jump = state.kept = state.share = 0.0
     _set_count(contacts, contact_count(contacts))
     restore_contacts(meshes, contacts)
 

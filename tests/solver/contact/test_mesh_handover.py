@@ -134,7 +134,7 @@ def test_a_jump_of_the_gap_costs_the_difference_of_the_stored_energies(touched, 
     state.present = present
     book_kernel(contacts, -3.0 * DEPTH)
     lost = share * 0.5 * STIFFNESS * (9.0 - 1.0) * DEPTH**2
-    assert np.isclose(state.loss, lost, rtol=1e-14, atol=0.0)
+    assert np.isclose(state.jump, lost, rtol=1e-14, atol=0.0)
     state.end_gap = 1.0
     book_kernel(contacts, -DEPTH)
-    assert np.isclose(state.loss, lost + share * 0.5 * STIFFNESS * DEPTH**2, rtol=1e-14, atol=0.0)
+    assert np.isclose(state.jump, lost + share * 0.5 * STIFFNESS * DEPTH**2, rtol=1e-14, atol=0.0)
