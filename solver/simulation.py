@@ -30,6 +30,7 @@ from heavylift.solver.stop_message import (
     contact_warning,
     energy_remedy,
     force_warning,
+    hull_warning,
     mesh_warning,
     stop_message,
 )
@@ -447,8 +448,8 @@ class Simulation:
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
         layout = self._layout
-        parts = (self._watch.warning, force_warning(layout), mesh_warning(layout), contact_warning(layout))
-        found = "; ".join(filter(None, parts))
+        seen = (force_warning, mesh_warning, hull_warning, contact_warning)
+        found = "; ".join(filter(None, [self._watch.warning, *(look(layout) for look in seen)]))
         if found:
             return found
         if self.integrator == "accurate":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,14 @@ import numpy as np
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.layout import Layout
 
-__all__ = ["contact_warning", "energy_remedy", "force_warning", "mesh_warning", "stop_message"]
+__all__ = [
+    "contact_warning",
+    "energy_remedy",
+    "force_warning",
+    "hull_warning",
+    "mesh_warning",
+    "stop_message",
+]
 
 COMPLIANT_LAW = "a compliant law ('linear') where bodies wedge or are pressed together"
 """Helps where a smaller step and less friction do not: what has no compliance bears any load without giving way."""
@@ -186,6 +194,32 @@ def mesh_warning(layout: Layout) -> str:
                     f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
                     " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
                     " 'auto'"
+                )
+    return "; ".join(parts)
+
+
+LARGEST_TILT = math.radians(20.0)
+"""Of a hull, beyond which it is told what its database leaves out: potential theory is one of small motions."""
+
+
+def hull_warning(layout: Layout) -> str:
+    """Hulls with a database that tilted far, as a sentence; empty if none.
+
+    Parameters
+    ----------
+    layout
+        Packed scene after a run.
+    """
+    parts = []
+    for kind in layout.bodies:
+        if "hulls" not in kind._fields:
+            continue
+        for entry, hull, state in zip(kind.table, kind.hulls, kind.state, strict=True):
+            tilt = math.acos(max(-1.0, 1.0 - state.tipped))
+            if hull.radiates and tilt > LARGEST_TILT:
+                parts.append(
+                    f"{layout.body_names[entry.number]!r} tilts by up to {math.degrees(tilt):.3g} deg: its added mass,"
+                    " radiation and wave forces are those of the upright hull, along axes that follow its heading only"
                 )
     return "; ".join(parts)
 

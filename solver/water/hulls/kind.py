@@ -76,6 +76,8 @@ class HullData(Record):
         Frequency of the filter through which the waves see it [rad/s].
     least_volume
         Displaced volume [m3] below which its database does not hold; 0 if it has none.
+    radiates
+        Whether it has a database.
     """
 
     group: int
@@ -97,6 +99,7 @@ class HullData(Record):
     quadratic_damping: Vector6
     cut_off: float
     least_volume: float
+    radiates: bool
 
 
 class HullGroup(Record):
@@ -163,6 +166,8 @@ class HullState(Record):
         step, in hydrodynamic coordinates.
     yaw
         Heading with all its turns [rad].
+    tipped
+        1 less the cosine of the largest tilt so far.
     """
 
     low_pass: Vector6
@@ -170,6 +175,7 @@ class HullState(Record):
     supplied: float
     lag: Vector6
     yaw: float
+    tipped: float
 
 
 class TankData(Record):

@@ -180,6 +180,7 @@ def _cover(
 ) -> None:
     """What a hull displaces must fit its database, at the reference point and as long as it floats."""
     hull = rows[row]
+    hull.radiates = True
     if hull.restoring != CLIPPED:
         return
     points = surfaces.all_points[hull.first_point : hull.last_point]

@@ -528,6 +528,7 @@ def finish_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     for hull in range(kind.table.shape[0]):
         advance_filter(kind, hull, step, True)
         put_end(kind, hull, kind.stage[hull].heading)
+        kind.state[hull].tipped = max(kind.state[hull].tipped, 1.0 - _uprightness(kind, hull))
         to_hydrodynamic(
             kind.stage[hull].end_transform,
             hull,
@@ -538,6 +539,14 @@ def finish_hulls(kind: Hulls, step: float, work: Workspace) -> None:
     turned = turned_energy(kind, kind.vectors.finish) - water_energy(kind, kind.vectors.finish)
     kind.state[0].supplied += kind.stage[0].turned + turned
     keep_memory(kind.radiation, kind.vectors)
+
+
+@kernel(inline=True, internal=True)
+def _uprightness(kind: Hulls, hull: int) -> float:
+    """Cosine of the tilt at the end of the step: the vertical component of the axis of the body that points up."""
+    up = cross(vector(kind.hulls[hull].axis_x), vector(kind.hulls[hull].axis_y))
+    R = kind.stage[hull].rotation
+    return R[6] * up[0] + R[7] * up[1] + R[8] * up[2]
 
 
 @kernel(internal=True)

@@ -215,6 +215,22 @@ class TestHullsAlone:
         np.testing.assert_allclose(z[:, 2], 0.2 * np.cos(shifted * times), atol=1e-11)
         np.testing.assert_allclose(z[:, :2], 0.0, atol=1e-9)
 
+    @pytest.mark.parametrize("database", [True, False])
+    @pytest.mark.parametrize("roll", [0.3, 0.4])
+    def test_what_tilts_beyond_its_database_is_told(self, roll: float, database: bool) -> None:
+        """0.4 rad are 22.9 degrees; without a database nothing is wrong with that."""
+        made = scene(
+            barge(turn=(roll, 0.0, 0.0)),
+            hulls=(hull(),),
+            radiation=(Radiation(bodies=("barge",), database=constant((1.0,) * 6), memory="none"),)
+            if database
+            else (),
+        )
+        simulation = Simulation(made, 0.05)
+        simulation.advance(20)
+        told = "'barge' tilts by up to 22.9 deg" in simulation.warning
+        assert told == (database and roll == 0.4)
+
     def test_roll_with_added_mass_larger_than_the_mass(self) -> None:
         """Period of small roll: heave's and sway's added mass at the water plane has a part in it, by the matrices."""
         ratios = (5.0, 3.0, 4.0, 5.0, 2.0, 1.0)
