@@ -694,7 +694,7 @@ def _columns(records: list[NDArray[np.float64]]) -> NDArray[np.float64]:
 
 def _sum(values: NDArray[np.float64], before: int = 0) -> int:
     """Checksum of numbers, going on from that of those before them."""
-    return zlib.crc32(memoryview(np.ascontiguousarray(values)).cast("B"), before)
+    return zlib.crc32(np.ascontiguousarray(values).ravel().data, before)
 
 
 def _read_back(path: Path, of_times: int, sums: Mapping[str, int]) -> None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 __all__ = [
+    "FULL",
     "OutputFolder",
     "StopError",
     "digest_bytes",
@@ -33,7 +34,8 @@ __all__ = [
     "write_json",
 ]
 
-_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
+"""Faults of a disk, quota or limit that is full."""
 
 
 class StopError(RuntimeError):
@@ -140,7 +142,7 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.replace(path)
         _sync_folder(path.parent)
     except OSError as error:
-        if error.errno in _FULL or "No space left" in str(error):
+        if error.errno in FULL or "No space left" in str(error):
             raise StopError(
                 Outcome.DISK_FULL, f"no space left to write {path}; what was written before is intact"
             ) from None
@@ -197,7 +199,7 @@ class _Stream(io.RawIOBase):
         try:
             os.posix_fallocate(self._file.fileno(), 0, size)
         except OSError as error:
-            if error.errno in _FULL:
+            if error.errno in FULL:
                 raise
 
     def seekable(self) -> bool:

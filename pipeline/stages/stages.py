@@ -13,8 +13,9 @@ import socket
 import stat
 import time
 from dataclasses import dataclass, field, replace
+from io import FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline.log import Log
@@ -114,7 +115,7 @@ _LOCK_BYTES = 4096
 _LOCK_WORD = "process "
 
 
-def _lock_file(path: Path) -> TextIO:
+def _lock_file(path: Path) -> FileIO:
     """The lock file, open to read and write; anything else of that name is refused as it is."""
     problem, expected = "", "a lock file of heavylift, or none; move it away, or choose another --out"
     try:
@@ -125,14 +126,14 @@ def _lock_file(path: Path) -> TextIO:
             raise
         problem = "is a link" if error.errno == errno.ELOOP else "is no file"
         raise InputError(problem, source=path, expected=expected) from None
-    stream = os.fdopen(handle, "r+", encoding="utf-8", errors="replace")
+    stream = FileIO(handle, "r+")
     status = os.fstat(handle)
     if not stat.S_ISREG(status.st_mode):
         problem = "is no file"
     elif status.st_nlink > 1:
         problem = "is the file of another name too"
     elif status.st_size and not (
-        status.st_size < _LOCK_BYTES and stream.read(_LOCK_BYTES).startswith(_LOCK_WORD)
+        status.st_size < _LOCK_BYTES and (stream.read(_LOCK_BYTES) or b"").startswith(_LOCK_WORD.encode())
     ):
         problem = "has another content"
     if problem:
@@ -165,21 +166,22 @@ def locked(folder: Path) -> Iterator[None]:
                 yield  # a file system without locks: better to run than to refuse
                 return
             stream.seek(0)
-            holder = stream.read(_LOCK_BYTES).strip() or "another process"
+            text = stream.read(_LOCK_BYTES) or b""
+            holder = text.decode("utf-8", errors="replace").strip() or "another process"
             raise StopError(
                 Outcome.LOCKED,
                 f"{folder}: {holder} works in this folder; wait for it, stop it, or choose another --out",
             ) from None
-        stream.seek(0)
-        stream.truncate()
         started = time.strftime("%Y-%m-%d %H:%M:%S")
-        stream.write(f"{_LOCK_WORD}{os.getpid()} on {socket.gethostname()}, started {started},")
-        stream.flush()
+        holder = f"{_LOCK_WORD}{os.getpid()} on {socket.gethostname()}, started {started},"
+        with contextlib.suppress(OSError):  # on a full disk the lock holds without its text
+            stream.truncate(0)
+            os.pwrite(stream.fileno(), holder.encode(), 0)
         try:
             yield
         finally:
-            stream.seek(0)
-            stream.truncate()
+            with contextlib.suppress(OSError):
+                stream.truncate(0)
 
 
 STAGES = ("mesh", "modes", "simulate", "report")

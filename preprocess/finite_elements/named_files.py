@@ -136,6 +136,8 @@ def _refuse_links(path: Path) -> None:
     try:
         with h5py.File(path, "r") as file:
             look(file, "", {file.id})
+    except InputError:
+        raise
     except (OSError, RuntimeError, KeyError, ValueError, RecursionError):
         return  # a damaged file, of which its reader says so
 
