@@ -2,6 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+import stat
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
@@ -35,6 +36,8 @@ from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
 CASE_FILE = "case.toml"
+LARGEST_CASE = 32 * 2**20
+"""Bytes of a case file."""
 
 
 _NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
@@ -383,6 +386,17 @@ def _in_block(key: str) -> bool:
 def read_document(file: Path) -> dict[str, Any]:
     """Read a TOML file; a syntax error is one line with its place."""
     try:
+        status = file.stat()
+        if not stat.S_ISREG(status.st_mode) and not stat.S_ISDIR(status.st_mode):
+            raise InputError(
+                "is no file", source=file, expected=f"a {CASE_FILE}: a pipe or device has no end"
+            )
+        if status.st_size > LARGEST_CASE:
+            raise InputError(
+                f"has {status.st_size / 2**20:.0f} MiB",
+                source=file,
+                expected=f"at most {LARGEST_CASE // 2**20} MiB",
+            )
         return tomllib.loads(file.read_bytes().decode("utf-8"))
     except FileNotFoundError:
         raise InputError(

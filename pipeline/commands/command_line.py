@@ -74,7 +74,7 @@ Json = Annotated[
 def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
     """Run a command; whatever a user can cause ends as one message and an exit code."""
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.results.storage import StopError
+    from heavylift.pipeline.results.storage import FULL, StopError
 
     try:
         return command(Log(quiet=quiet, stream=sys.stderr if json else None))
@@ -96,9 +96,13 @@ def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
             raise
         message, outcome, details = f"cannot compile: {error}", Outcome.BAD_INPUT, []
     except OSError as error:
-        if error.filename is None:
+        full = error.errno in FULL
+        if error.filename is None and not full:
             raise
         message, outcome, details = f"{error.filename}: {error.strerror}", Outcome.BAD_INPUT, []
+        if full:
+            where = error.filename or "standard output, or a file"
+            message, outcome = f"no space left to write {where}", Outcome.DISK_FULL
     complain(message)
     if json:
         print_json({"error": message, "outcome": outcome.name.lower(), "details": details})

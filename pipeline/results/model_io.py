@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.results.storage import replacing
+from heavylift.pipeline.results.storage import hdf5_stream, replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     import h5py
@@ -27,6 +28,7 @@ __all__ = [
     "read_model",
     "read_reduced",
     "read_states",
+    "replacing_hdf5",
     "write_model",
     "write_reduced",
 ]
@@ -48,6 +50,15 @@ def open_hdf5(path: Path, remedy: str) -> h5py.File:
         raise InputError(f"is damaged: {reason}", source=path, expected=f"a whole file; {remedy}") from None
 
 
+@contextlib.contextmanager
+def replacing_hdf5(path: Path) -> Iterator[h5py.File]:
+    """An HDF5 file to write, which replaces `path` in one step; errors as `storage.replacing`."""
+    import h5py
+
+    with replacing(path) as temporary, hdf5_stream(temporary) as stream, h5py.File(stream, "w") as file:
+        yield file
+
+
 def write_model(path: Path, model: FEModel, header: Mapping[str, Any]) -> None:
     """Write a finite-element model in SI units.
 
@@ -60,9 +71,7 @@ def write_model(path: Path, model: FEModel, header: Mapping[str, Any]) -> None:
     header
         Plain values kept as attributes, such as digests and versions.
     """
-    import h5py
-
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    with replacing_hdf5(path) as file:
         _write_header(file, MODEL_FORMAT, header)
         file.attrs["name"] = model.name
         file.attrs["notes"] = json.dumps(model.notes)
@@ -128,9 +137,7 @@ def write_reduced(
     path: Path, body: ReducedBody, header: Mapping[str, Any], states: Sequence[StaticState] = ()
 ) -> None:
     """Write a reduced body and its static load cases in SI units; parameters as `write_model`."""
-    import h5py
-
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    with replacing_hdf5(path) as file:
         _write_header(file, REDUCED_FORMAT, header)
         file.attrs["mean_axis"] = body.mean_axis
         file.attrs["orthogonality"] = body.orthogonality

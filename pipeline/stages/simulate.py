@@ -10,7 +10,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.results.histories import ChannelInfo, load_results, merge_segments, remove_segments
 from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
-from heavylift.pipeline.results.storage import StopError, read_json, write_json
+from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.advance import Advancer, stop_requests
 from heavylift.pipeline.stages.stages import StageReport
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from heavylift.pipeline.log import Log
+    from heavylift.pipeline.results.histories import SegmentMark
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.stages import Work
     from heavylift.solver.simulation import Simulation
@@ -93,7 +94,8 @@ def simulate_stage(work: Work) -> StageReport:
     manifest = read_json(folder.manifest("simulate")) or {}
     forced = "simulate" in work.force
     if not forced and manifest.get("digest") == digest and manifest.get("finished"):
-        if folder.results.is_file() and folder.results.stat().st_size == manifest["size"]:
+        if unchanged(folder.results, manifest):
+            remove_segments(folder.segments)  # of a run that was killed when all was done
             outcome = Outcome[manifest["outcome"].upper()]
             note = "" if outcome is Outcome.COMPLETED else f"; it ended: {manifest['message']}"
             log.say(f"simulate: unchanged, skipped{note}")
@@ -161,12 +163,17 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         where = "record" if adaptive else "step"
         reached = done * simulation.step
         log.say(f"simulate: resumed from the checkpoint at t = {reached:.9g} s, {where} {done}")
+        if advancer.loss:
+            log.say(f"simulate: WARNING: {advancer.loss}: something else has changed the files of the run")
     elif advancer.restart_reason or cut_off:
         forced = "--force" if "simulate" in work.force else "nothing had been written"
         log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)
+        finished = outcome is not Outcome.INTERRUPTED
+        if finished:
+            _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
     except StopError as error:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
@@ -182,9 +189,6 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         "energy_drift": None,
         **about,
     }
-    finished = outcome is not Outcome.INTERRUPTED
-    if finished:
-        _merge(work, simulation, digest, outcome, message, about, meshes)
     if simulation.step_index:
         drift = _energy_drift(work)
         details["energy_drift"] = drift if math.isfinite(drift) else None
@@ -235,6 +239,7 @@ def _words(details: dict[str, Any]) -> str:
 def _merge(
     work: Work,
     simulation: Simulation,
+    segments: Sequence[SegmentMark],
     digest: str,
     outcome: Outcome,
     message: str,
@@ -270,6 +275,7 @@ def _merge(
         {channel.name: channel.sentence for channel in simulation.channels},
         metadata,
         meshes,
+        expected=segments,
     )
 
 
@@ -295,7 +301,7 @@ def _write_manifest(
             "digest": digest,
             "sources_digest": source_digest("simulate"),
             "versions": versions("simulate"),
-            "size": results.stat().st_size if finished else 0,
+            **(stored(results) if finished else {}),
             "details": details,
         },
     )

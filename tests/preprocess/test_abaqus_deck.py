@@ -7,8 +7,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.abaqus_deck import read_abaqus_deck
-from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_files, deck_number, material_of
+from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_number, material_of
 from heavylift.preprocess.finite_elements.geometry import read_deck, read_mesh
+from heavylift.preprocess.finite_elements.named_files import mesh_files
 from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
 CUBE = """\
@@ -440,7 +441,7 @@ def test_files_are_included_and_none_from_outside(tmp_path):
     path = deck(folder, text)
     body = read_deck(path, folder.parent).body()
     same_as_cube(body)
-    names = {file.name for file in deck_files(path, folder.parent)}
+    names = {file.name for file in mesh_files(path, folder.parent)}
     assert names == {"body.inp", "nodes.inc", "cells.inc"}
     with pytest.raises(
         InputError, match=r"body.inp: line 1: includes '../nodes.inc', which leaves the folder"

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_files
+from heavylift.preprocess.finite_elements.deck import DeckMaterial
 from heavylift.preprocess.finite_elements.geometry import load_geometry, read_deck, read_mesh
+from heavylift.preprocess.finite_elements.named_files import mesh_files
 from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
 TET = 0.5 * REFERENCE_NODES["tet10"]
@@ -200,7 +201,7 @@ def test_files_are_included_and_none_from_outside(tmp_path):
     (folder / "nodes.inc").write_text(grids(free, HEX))
     path = deck(folder, "include 'nodes.inc'\n" + free("CHEXA", 1, 3, *range(1, 9)))
     assert read_mesh(path).volume == pytest.approx(1.0)
-    assert [file.name for file in deck_files(path, folder)] == ["body.bdf", "nodes.inc"]
+    assert [file.name for file in mesh_files(path, folder)] == ["body.bdf", "nodes.inc"]
     (tmp_path / "secret.inc").write_text(grids(free, HEX))
     with pytest.raises(InputError, match=r"line 1: includes '../secret.inc', which leaves the folder"):
         read_mesh(deck(folder, "INCLUDE '../secret.inc'\n"))
