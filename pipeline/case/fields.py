@@ -374,10 +374,15 @@ class InFolder:
         if not isinstance(context, CaseContext):
             return value
         root = context.folder.resolve()
-        target = (root / value).resolve()
+        try:
+            target = (root / value).resolve()
+            there = target.is_dir() if self.folder else target.is_file()
+        except (OSError, ValueError, RuntimeError) as error:  # too long, a NUL, a loop of links
+            problem = getattr(error, "strerror", None) or str(error).partition(" from ")[0].lower()
+            reject(f"{value!r} is not a path: {problem}", f"the name of a {what} in the case folder")
         if Path(value).is_absolute() or not target.is_relative_to(root):
             reject(f"{value!r} leaves the case folder", f"a relative path of a {what} inside the case folder")
-        if not (target.is_dir() if self.folder else target.is_file()):
+        if not there:
             reject(f"{what} {value!r} does not exist", f"a {what} in the case folder")
         return value
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 __all__ = [
+    "FULL",
     "OutputFolder",
     "StopError",
     "digest_bytes",
@@ -27,7 +28,8 @@ __all__ = [
     "write_json",
 ]
 
-_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+"""Errors of the operating system that mean: no space left."""
 
 
 class StopError(RuntimeError):
@@ -127,7 +129,7 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.replace(path)
         _sync_folder(path.parent)
     except OSError as error:
-        if error.errno in _FULL or "No space left" in str(error):
+        if error.errno in FULL or "No space left" in str(error):
             raise StopError(
                 Outcome.DISK_FULL, f"no space left to write {path}; what was written before is intact"
             ) from None
@@ -159,12 +161,13 @@ def write_json(path: Path, document: Any) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
-def read_json(path: Path) -> Any:
-    """Content of a JSON file, or None if it is absent or damaged."""
+def read_json(path: Path) -> dict[str, Any] | None:
+    """Table of a JSON file, or None if it is absent, damaged or holds something else."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
         return None
+    return found if isinstance(found, dict) else None
 
 
 def _plain(value: Any) -> Any:
