@@ -62,12 +62,14 @@ _TEXTS = {
 
 LONGEST = 400
 """Characters of a part of a message; of a longer one the middle is left out."""
+LONGEST_LIST = 20_000
+"""Of what was expected, which may be a list of all that there is."""
 
 
-def in_one_line(text: str) -> str:
+def in_one_line(text: str, longest: int = LONGEST) -> str:
     """A text without line breaks and other controls, and not longer than a person reads."""
-    if len(text) > LONGEST:
-        text = f"{text[: LONGEST // 2]} ... ({len(text):,} characters) ... {text[-LONGEST // 4 :]}"
+    if len(text) > longest:
+        text = f"{text[: longest // 2]} ... ({len(text):,} characters) ... {text[-longest // 4 :]}"
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
@@ -94,7 +96,7 @@ class InputError(ValueError):
         self.problem = problem = in_one_line(problem)
         self.source = in_one_line(str(source))
         self.key = key = in_one_line(key)
-        self.expected = expected
+        self.expected = expected = in_one_line(expected, LONGEST_LIST)
         place = ": ".join(part for part in (self.source, key) if part)
         message = f"{place}: {problem}" if place else problem
         super().__init__(f"{message}; expected {expected}" if expected else message)
