@@ -345,12 +345,13 @@ class Simulation:
 
             contacts = layout.systems[1]
             forces = resting_forces(contacts)
-            good = good and forces is not None
             for name, array in self._arrays():
                 array[...] = before[name]
             forget_trials(layout)
-            if good:
+            if good and forces is not None:
                 put_forces(contacts, forces)
+            else:
+                good = False
         else:
             for name, array in self._arrays():
                 array[...] = before[name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -290,7 +291,10 @@ def start_of_frame(
         from heavylift.numerics.rotation import quaternion_from_rotation_vector
 
         axis: NDArray[np.float64] = np.array(initial.orientation.axis)
-        orientation = quaternion_from_rotation_vector(initial.orientation.angle * axis / np.linalg.norm(axis))
+        angle = math.fmod(
+            initial.orientation.angle, 4.0 * math.pi
+        )  # whole turns would overflow, if there are many
+        orientation = quaternion_from_rotation_vector(angle * axis / np.linalg.norm(axis))
     return {
         "position": origin.copy() if initial.position is None else np.array(initial.position),
         "orientation": orientation,

@@ -2,7 +2,6 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-import stat
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
@@ -36,8 +35,6 @@ from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
 CASE_FILE = "case.toml"
-LARGEST_CASE = 32 * 2**20
-"""Bytes of a case file."""
 
 
 _NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
@@ -300,8 +297,8 @@ class Case(SceneTables, _CaseHeading):
 
     @property
     def name(self) -> str:
-        """Name of the case folder."""
-        return self._file.resolve().parent.name
+        """Name of the case folder; letters that are no UTF-8 as escapes, so that every file can hold it."""
+        return self._file.resolve().parent.name.encode("utf-8", "backslashreplace").decode()
 
     @property
     def document(self) -> dict[str, Any]:
@@ -353,7 +350,11 @@ def load_case(
     file = Path(path)
     if file.is_dir():
         file = file / CASE_FILE
-    document, changed = apply_overrides(read_document(file), overrides, Case)
+    document = read_document(file)
+    check_values(document, file)
+    document, changed = apply_overrides(document, overrides, Case)
+    if overrides:
+        check_values(document, file)
     expansion = expand(document, file)
     names = declared(expansion.document)
     errors = [*expansion.errors, *group_errors(expansion.document, file)]
@@ -383,19 +384,29 @@ def _in_block(key: str) -> bool:
     return key.partition(".")[0] in {"parameters", "repeat"}
 
 
+LARGEST_FILE = 64 * 2**20
+"""Bytes of a case file; histories and meshes are files of their own."""
+DEEPEST = 60
+"""Tables and lists within each other."""
+LARGEST_INTEGER = 2**63 - 1
+"""What TOML asks of those who read it; a larger number is written with a point or an exponent."""
+
+
 def read_document(file: Path) -> dict[str, Any]:
     """Read a TOML file; a syntax error is one line with its place."""
     try:
-        status = file.stat()
-        if not stat.S_ISREG(status.st_mode) and not stat.S_ISDIR(status.st_mode):
+        if file.exists() and not file.is_file():
             raise InputError(
-                "is no file", source=file, expected=f"a {CASE_FILE}: a pipe or device has no end"
-            )
-        if status.st_size > LARGEST_CASE:
-            raise InputError(
-                f"has {status.st_size / 2**20:.0f} MiB",
+                "is a folder" if file.is_dir() else "is no regular file",
                 source=file,
-                expected=f"at most {LARGEST_CASE // 2**20} MiB",
+                expected=f"a readable {CASE_FILE}",
+            )
+        size = file.stat().st_size
+        if size > LARGEST_FILE:
+            raise InputError(
+                f"has {size:,} bytes",
+                source=file,
+                expected=f"at most {LARGEST_FILE:,}; histories and meshes in files of their own",
             )
         return tomllib.loads(file.read_bytes().decode("utf-8"))
     except FileNotFoundError:
@@ -404,9 +415,48 @@ def read_document(file: Path) -> dict[str, Any]:
             source=file,
             expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes one to begin with",
         ) from None
-    except (IsADirectoryError, NotADirectoryError, PermissionError) as error:
+    except OSError as error:
         raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"byte {error.start} is no UTF-8", source=file, expected="text in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise InputError(
+            "is nested too deeply", source=file, expected=f"at most {DEEPEST} tables within each other"
+        ) from None
+    except ValueError as error:  # no TOML, an integer of thousands of digits, a NUL in the name
         raise InputError(str(error), source=file, expected="TOML") from None
+
+
+def check_values(document: dict[str, Any], file: Path) -> None:
+    """See that a document has values that numbers of the machine hold, and a depth that can be walked.
+
+    Raises
+    ------
+    InputErrors
+        One for each integer beyond 64 bits; the first key that is too deep.
+    """
+    errors: list[InputError] = []
+    waiting: list[tuple[Any, tuple[str, ...]]] = [(document, ())]
+    while waiting:
+        node, keys = waiting.pop()
+        if isinstance(node, (dict, list)):
+            if len(keys) >= DEEPEST:
+                raise InputError(
+                    "is nested too deeply",
+                    source=file,
+                    key=".".join(keys),
+                    expected=f"at most {DEEPEST} tables within each other",
+                )
+            pairs = node.items() if isinstance(node, dict) else enumerate(node)
+            waiting += [(value, (*keys, str(key))) for key, value in pairs]
+        elif isinstance(node, int) and abs(node) > LARGEST_INTEGER:
+            errors.append(
+                InputError(
+                    f"an integer of {node.bit_length()} bits",
+                    source=file,
+                    key=".".join(keys),
+                    expected="at most 64 bits; a larger number with a point or an exponent",
+                )
+            )
+    if errors:
+        raise InputErrors(errors[::-1])

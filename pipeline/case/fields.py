@@ -71,6 +71,8 @@ GROUND = "ground"
 """Name of the world as a side of a joint, spring or rope."""
 TAG = "type "
 """Beginning of the tags that `type_tag` gives."""
+LONGEST_DIRECTION = 1e100
+"""Length of a direction, which is divided by it; its inverse is the shortest."""
 PARALLEL = 1e-9
 """Sine of the angle below which two directions are parallel."""
 _SHOWN = 20  # names of a list in a message at most
@@ -238,9 +240,12 @@ def _known_hull(name: str, info: ValidationInfo) -> str:
 
 
 def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Refuse a direction of no length."""
+    """Refuse a direction of no length, or whose length is no number that can be squared."""
     if not any(axis):
         reject("a direction of length zero", "three numbers that are not all zero")
+    length = math.hypot(*axis)
+    if not 1.0 / LONGEST_DIRECTION <= length <= LONGEST_DIRECTION:
+        reject(f"a direction of length {length:.3g}", "three numbers of about 1")
     return axis
 
 
@@ -410,10 +415,15 @@ class InFolder:
         if not isinstance(context, CaseContext):
             return value
         root = context.folder.resolve()
-        target = (root / value).resolve()
+        try:
+            target = (root / value).resolve()
+            there = target.is_dir() if self.folder else target.is_file()
+        except (OSError, ValueError, RuntimeError) as error:  # too long, a NUL, a loop of links
+            problem = getattr(error, "strerror", None) or str(error).partition(" from ")[0].lower()
+            reject(f"{value!r} is not a path: {problem}", f"the name of a {what} in the case folder")
         if Path(value).is_absolute() or not target.is_relative_to(root):
             reject(f"{value!r} leaves the case folder", f"a relative path of a {what} inside the case folder")
-        if not (target.is_dir() if self.folder else target.is_file()):
+        if not there:
             odd = target.exists() and not (target.is_dir() or target.is_file())
             reject(
                 f"{value!r} is no file" if odd else f"{what} {value!r} does not exist",

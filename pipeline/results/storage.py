@@ -307,14 +307,15 @@ def write_json(path: Path, document: Any) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
-def read_json(path: Path) -> Any:
-    """Content of a JSON file, or None if it is absent, damaged or no file."""
+def read_json(path: Path) -> dict[str, Any] | None:
+    """Table of a JSON file, or None if it is absent, damaged, no file or holds something else."""
     try:
         if not path.is_file():
             return None
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
         return None
+    return found if isinstance(found, dict) else None
 
 
 def _plain(value: Any) -> Any:

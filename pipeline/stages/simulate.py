@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import math
+import shutil
 from typing import TYPE_CHECKING, Any
 
-from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.memory import amount_of_bytes
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.results.histories import ChannelInfo, load_results, merge_segments, remove_segments
 from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
@@ -136,6 +138,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         options["start"] = section.start
     with in_case(work.case):
         simulation = Simulation(scene, section.solver_step, section.integrator, **options)
+    _refuse_beyond_disk(work, simulation)
     with contextlib.suppress(FileNotFoundError):
         folder.results.unlink()  # from here on it would belong to other inputs
     save_meshes(folder.meshes, meshes)
@@ -200,6 +203,23 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         log.say(f"simulate: {simulation.warning}")
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
+    )
+
+
+def _refuse_beyond_disk(work: Work, simulation: Simulation) -> None:
+    """Refuse histories that the disk cannot hold: segments while they grow, and the file that they are merged into."""
+    section = work.case.simulate
+    assert section is not None
+    records = section.interval_count + 1
+    width = 1 + sum(len(channel.components) for channel in simulation.channels)
+    needed, free = 2.0 * 8.0 * records * width, shutil.disk_usage(work.folder.root).free
+    if needed <= free:
+        return
+    raise InputError(
+        f"{records:,} records of {width:,} numbers, {amount_of_bytes(needed)} while they are written",
+        source=work.case.file,
+        key="simulate.output_interval",
+        expected=f"a longer interval or a shorter duration: {amount_of_bytes(free)} of {work.folder.root} are free",
     )
 
 

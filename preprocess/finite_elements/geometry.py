@@ -163,7 +163,9 @@ def read_step(
             for face in filter(None, (f"face {tag}", label)):
                 tags_of.setdefault(face, []).append(tag)
         wishes = _curve_sizes(gmsh, groups, refine, tags_of, str(path)) if refine else []
-        nodes, elements, face_nodes = mesh_tetrahedra(gmsh, target, curved=curved, refine=wishes)
+        nodes, elements, face_nodes = mesh_tetrahedra(
+            gmsh, target, source=str(path), curved=curved, refine=wishes
+        )
     faces = {
         face: np.unique(np.concatenate([face_nodes[tag] for tag in tags])) for face, tags in tags_of.items()
     }

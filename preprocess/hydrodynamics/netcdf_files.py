@@ -197,10 +197,10 @@ def write_netcdf(
             ("phase_convention", PHASE_CONVENTION),
             ("digest", digest),
         ):
-            file.attrs[key] = np.bytes_(text.encode())
+            file.attrs[key] = np.bytes_(text.encode("utf-8", "backslashreplace"))
         file.attrs["symmetric"] = np.int32(database.symmetric)
         if database.repairs:
-            file.attrs["repairs"] = np.bytes_("\n".join(database.repairs).encode())
+            file.attrs["repairs"] = np.bytes_("\n".join(database.repairs).encode("utf-8", "backslashreplace"))
         for name, values in axes.items():
             is_text = isinstance(values, list)
             scale = file.create_dataset(

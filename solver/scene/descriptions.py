@@ -78,6 +78,9 @@ __all__ = [
     "recorded_channels",
 ]
 
+LONGEST_WORD = 100
+"""Characters of a word that may be the name of a file."""
+
 T = TypeVar("T")
 U = TypeVar("U")
 XYZ = ("x", "y", "z")
@@ -261,7 +264,7 @@ class Family(Generic[T]):
 
     def get(self, word: str) -> type[T] | None:
         """Description that a word stands for; None if there is none."""
-        if word not in self._members and word.isidentifier():
+        if word not in self._members and word.isidentifier() and len(word) <= LONGEST_WORD:
             for folder in self._folders:
                 if (file := folder / f"{word}.py").is_file():
                     _read(file, f"{self.package}.{word}")
