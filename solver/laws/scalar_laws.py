@@ -39,9 +39,11 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, pull
 from heavylift.solver.laws.rows import (
     RETURN,
+    Store,
     check_drift,
     fit_law,
     law_impulse,
+    note_stored,
     put_law,
     put_residual,
     put_stick,
@@ -106,6 +108,8 @@ class ScalarLawState(Record):
         Of a spring: force at the end of the last step [N, N m], and its extremes.
     agreement
         Of a spring or stop: of the force with the elongation.
+    store
+        Elastic energy of a spring or stop from step to step.
     last_rate, last_force, rounds
         Scratch of the iteration: of its last round, and how many there were.
     """
@@ -121,6 +125,7 @@ class ScalarLawState(Record):
     load: float
     extremes: Extremes
     agreement: Agreement
+    store: Store
     last_rate: float
     last_force: float
     rounds: int
@@ -283,6 +288,15 @@ def _beyond(law: ScalarLaw, q: float) -> float:
     return max(0.0, q - law.upper, law.lower - q)
 
 
+@kernel(inline=True, internal=True)
+def _stored(kind: ScalarLaws, law: ScalarLaw, q: float) -> float:
+    """Elastic energy of a spring or stop at a value [J]."""
+    if law.law == SPRING:
+        return stored_energy(kind.curves, law, q - law.rest)
+    beyond = _beyond(law, q)
+    return 0.5 * law.stiffness * beyond * beyond
+
+
 @implement(watch_joints, ScalarLaws)
 @kernel(internal=True)
 def watch_scalar_laws(kind: ScalarLaws, work: Workspace, system: RowArrays) -> None:
@@ -291,6 +305,7 @@ def watch_scalar_laws(kind: ScalarLaws, work: Workspace, system: RowArrays) -> N
         law, state = kind.table[i], kind.state[i]
         if law.law != FRICTION:  # whose value makes no force
             check_drift(law.block, state.drift, law.largest_drift, work)
+            note_stored(state.store, _stored(kind, law, state.value))
         if law.law != SPRING:
             continue
         rate = 0.0
@@ -315,6 +330,7 @@ def record_scalar_laws(
         work.sums.dissipated += state.loss
         if law.law != FRICTION:
             work.sums.drift = max(work.sums.drift, abs(state.drift))
+            work.sums.elastic += _stored(kind, law, q)
         if law.law == SPRING:
             e = q - law.rest
             load = state.load
@@ -328,9 +344,6 @@ def record_scalar_laws(
                 row[law.column + 1] = geometric
                 row[law.column + 2] = largest_of(state.extremes, work.control.interval, load)
                 row[law.column + 3] = smallest_of(state.extremes, work.control.interval, load)
-            work.sums.elastic += stored_energy(kind.curves, law, e)
         elif law.law == STOP:
-            beyond = _beyond(law, q)
-            work.sums.elastic += 0.5 * law.stiffness * beyond * beyond
             expected = law.stiffness * _beyond(law, geometric)
-            compare_force(state.agreement, time, law.stiffness * beyond, expected, expected)
+            compare_force(state.agreement, time, law.stiffness * _beyond(law, q), expected, expected)

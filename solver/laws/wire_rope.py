@@ -47,7 +47,16 @@ from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
-from heavylift.solver.laws.rows import RETURN, check_drift, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.laws.rows import (
+    RETURN,
+    Store,
+    check_drift,
+    fit_law,
+    note_stored,
+    put_law,
+    put_residual,
+    row_rate,
+)
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import ROPE_CHANNELS, ROPES, RopePoint, Winch, check_path
@@ -252,6 +261,8 @@ class RopeState(Record):
         Of the tension.
     agreement
         Of the recorded tension with the elongation of the path.
+    store
+        Its elastic energy from step to step.
     """
 
     fresh: bool
@@ -268,6 +279,7 @@ class RopeState(Record):
     tension: float
     extremes: Extremes
     agreement: Agreement
+    store: Store
 
 
 class Ropes(Arrays):
@@ -563,6 +575,8 @@ def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
         rate = _rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         state.tension = _end_tension(kind, i, state.hauling, rate)
         note_value(state.extremes, work.control.interval, state.tension)
+        e = max(0.0, state.stretched - state.rest)
+        note_stored(state.store, 0.5 * _stiffness(kind, i, 1.0 / state.rest) * e * e)
         check_drift(kind.table[i].block, state.drift, kind.table[i].largest_drift, work)
 
 
