@@ -30,6 +30,7 @@ class Outcome(IntEnum):
     TOO_MANY_CONTACTS = 12
     LINE_OVERSTRETCHED = 13
     OUTSIDE_DATABASE = 14
+    ENERGY_NOT_KEPT = 15
     FAULT = 70
     OUT_OF_MEMORY = 71
 
@@ -49,11 +50,12 @@ _TEXTS = {
     Outcome.DISK_FULL: "stopped: the disk is full",
     Outcome.LOCKED: "another run works in this folder",
     Outcome.NOT_CONVERGED: "stopped: an iteration did not converge",
-    Outcome.NOT_CLOSED: "stopped: a joint came apart",
+    Outcome.NOT_CLOSED: "stopped: a joint or rope came apart",
     Outcome.STRAINS_LOST: "stopped: carried strains have left those of the shape",
     Outcome.TOO_MANY_CONTACTS: "stopped: more contacts at once than there is room for",
     Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit, or has no equilibrium",
     Outcome.OUTSIDE_DATABASE: "stopped: a hull has left what its hydrodynamic database covers",
+    Outcome.ENERGY_NOT_KEPT: "not to be believed: steps made or lost as much energy as there is",
     Outcome.FAULT: "stopped by a fault of the program",
     Outcome.OUT_OF_MEMORY: "stopped: there is not enough memory",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",

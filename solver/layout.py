@@ -151,9 +151,14 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     forces += made.forces
     if made.sea is not None:
         forces += made.sea.forces
+    velocities = sum(velocity_count(body, made.bases) for body in ordered)
+    if step > 0.0 and integrator == "dele2":
+        from heavylift.solver.measures.step_counts import pack_step_counts
+
+        forces.append(pack_step_counts(step, velocities))
     widths = [end.width for end in map(attachments(ordered, dofs, made.bases), dofs)]
     work = Workspace.empty(
-        sum(velocity_count(body, made.bases) for body in ordered),
+        velocities,
         book.count,
         max(6, *widths),
         scene_corners(scene),

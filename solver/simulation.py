@@ -21,7 +21,8 @@ from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.integrate.run_watch import RunWatch
+from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
+from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.contacts import RigidLaw
@@ -250,6 +251,7 @@ class Simulation:
             start_contacts(layout, self.step, settled=settled)
         if layout.block_names and self.integrator == "dele2":
             self._probe()
+        prepare_counts(layout)
 
     def _fit_joints(self) -> None:
         """Bring the joints to a start that fits, and find out what they leave free."""
@@ -446,11 +448,27 @@ class Simulation:
         self.step_index, self.outcome, self.message, self.cpu_seconds = done, outcome, message, cpu
 
     @property
+    def energy_drift(self) -> float:
+        """Largest change of the energy balance over the energy turned over; not a number where records have none."""
+        return self._watch.drift
+
+    @property
+    def periods(self) -> str:
+        """Steps in the shortest periods that the scene is known to have, as a sentence; empty with steps that vary."""
+        return period_words(self._layout, self._scene.sea)
+
+    @property
+    def verdict(self) -> tuple[Outcome, str]:
+        """Whether a run that has come to its end is to be believed, and a message why not."""
+        return self._watch.verdict
+
+    @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
         layout = self._layout
         seen = (force_warning, mesh_warning, hull_warning, contact_warning)
-        found = "; ".join(filter(None, [self._watch.warning, *(look(layout) for look in seen)]))
+        steps = step_warning(layout, self._watch.floor)
+        found = "; ".join(filter(None, [self._watch.warning, steps, *(look(layout) for look in seen)]))
         if found:
             return found
         if self.integrator == "accurate":
@@ -487,7 +505,7 @@ class Simulation:
             **shapes,
             "step_index": (),
             "cpu_seconds": (),
-            "watch": (5,),
+            "watch": (STATE,),
             "scene": own.shape,
         }.items():
             foreign = name == "scene" and name in state and not np.array_equal(state[name], own)

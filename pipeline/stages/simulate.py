@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.memory import amount_of_bytes
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.results.histories import ChannelInfo, load_results, merge_segments, remove_segments
+from heavylift.pipeline.results.histories import ChannelInfo, merge_segments, remove_segments
 from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
 from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
@@ -47,13 +47,15 @@ def diagnosis(simulation: Any) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``integrator``, ``choice`` (why, if it was chosen), ``start`` (what was done to it), and of a scene
+        ``integrator``, ``choice`` (why, if it was chosen), ``start`` (what was done to it), ``periods`` (steps in the
+        shortest that are known), and of a scene
         with joints ``degrees_of_freedom``, ``redundant`` and ``free_motions`` (sentences that name joints).
     """
     found: dict[str, Any] = {
         "integrator": str(getattr(simulation, "integrator", "")),
         "choice": str(getattr(simulation, "choice", "") or ""),
         "start": str(getattr(simulation, "start_text", "") or ""),
+        "periods": str(getattr(simulation, "periods", "") or ""),
     }
     about = getattr(simulation, "diagnosis", None)
     if about is not None:
@@ -67,7 +69,7 @@ def diagnosis(simulation: Any) -> dict[str, Any]:
 
 def diagnosis_lines(found: Mapping[str, Any]) -> list[str]:
     """Lines for a person; none for a scene without joints whose integrator is the one asked for."""
-    lines = [found[key] for key in ("choice", "start") if found.get(key)]
+    lines = [found[key] for key in ("choice", "start", "periods") if found.get(key)]
     if "degrees_of_freedom" in found:
         count = found["degrees_of_freedom"]
         words = [f"{count} degree{'' if count == 1 else 's'} of freedom"]
@@ -101,6 +103,8 @@ def simulate_stage(work: Work) -> StageReport:
             outcome = Outcome[manifest["outcome"].upper()]
             note = "" if outcome is Outcome.COMPLETED else f"; it ended: {manifest['message']}"
             log.say(f"simulate: unchanged, skipped{note}")
+            if manifest["details"].get("warning"):
+                log.say(f"simulate: WARNING: {manifest['details']['warning']}")
             return StageReport(
                 "simulate",
                 outcome,
@@ -174,6 +178,9 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)
+        if outcome is Outcome.COMPLETED:
+            outcome, message = simulation.verdict
+        about["warning"] = simulation.warning if outcome is not Outcome.ENERGY_NOT_KEPT else ""
         finished = outcome is not Outcome.INTERRUPTED
         if finished:
             _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
@@ -182,6 +189,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
     steps = steps_taken(simulation)
+    drift = simulation.energy_drift if simulation.step_index else math.nan
     details: dict[str, Any] = {
         "outcome": outcome.name.lower(),
         "steps": steps,
@@ -189,18 +197,15 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
         "start_s": simulation.start_seconds,
         "compile_s": compile_s,
-        "energy_drift": None,
+        "energy_drift": drift if math.isfinite(drift) else None,
         **about,
     }
-    if simulation.step_index:
-        drift = _energy_drift(work)
-        details["energy_drift"] = drift if math.isfinite(drift) else None
     _write_manifest(work, digest, details["outcome"], message, finished=finished, details=details)
     if finished:
         remove_segments(folder.segments)
     log.say(f"simulate: {outcome.text}: {_words(details)}")
-    if simulation.warning:
-        log.say(f"simulate: {simulation.warning}")
+    if about["warning"]:
+        log.say(f"simulate: WARNING: {about['warning']}")
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
@@ -281,6 +286,7 @@ def _merge(
         "output_interval": section.output_interval,
         "steps": steps_taken(simulation),
         "sees_every_step": bool(getattr(simulation, "sees_every_step", False)),
+        "energy_drift": simulation.energy_drift,
         **about,
         "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
         "start_s": simulation.start_seconds,
@@ -297,12 +303,6 @@ def _merge(
         meshes,
         expected=segments,
     )
-
-
-def _energy_drift(work: Work) -> float:
-    from heavylift.pipeline.checks.quantities import energy_drift
-
-    return energy_drift(load_results(work.case, work.folder.root))
 
 
 def _write_manifest(

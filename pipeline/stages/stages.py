@@ -197,6 +197,7 @@ REPORTED = {
     Outcome.STEP_TOO_SMALL,
     Outcome.STRAINS_LOST,
     Outcome.TOO_MANY_CONTACTS,
+    Outcome.ENERGY_NOT_KEPT,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 

@@ -27,6 +27,7 @@ from heavylift.solver.joints.coordinate import (
     spring_markers,
 )
 from heavylift.solver.joints.packing import start_frames
+from heavylift.solver.joints.registry import largest_opening
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
@@ -309,7 +310,9 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
     for force, curve in springs:
         place = (sum(map(len, curves)), len(curve))
         entry = _spring(packing, force, place, as_row=True)
-        rows.append((*entry, SPRING, 0.0, 0.0, 0.0))
+        coordinate, joint = _sides(packing, force)
+        drift = largest_opening(joint, packing.scales, turns=coordinate == ANGLE)
+        rows.append((*entry, SPRING, 0.0, 0.0, 0.0, drift))
         curves.append(curve)
         expected.append(float(force.length if isinstance(force, Spring) else force.rest))
     for joint in limited:
@@ -317,14 +320,15 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
         limits = _checked_limits(joint)
         stiffness = limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale
         load = (0.0, stiffness, limits.damping, 0, 0)
-        rows.append((*row, *load, STOP, limits.lower, limits.upper, 0.0))
+        drift = largest_opening(joint, packing.scales, turns=row[0] == ANGLE)
+        rows.append((*row, *load, STOP, limits.lower, limits.upper, 0.0, drift))
         ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
         expected.append(sum(ends) / len(ends) if ends else 0.0)
     for joint in rubbing:
         friction = float(getattr(joint, "friction", 0.0))
         if not 0.0 < friction < np.inf:
             raise InputError(f"{friction}", source=joint.name, key="friction", expected="0 or more")
-        rows.append((*_joint_row(packing, joint), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction))
+        rows.append((*_joint_row(packing, joint), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction, np.inf))
         expected.append(0.0)
     state = records(ScalarLawState, len(rows))
     state["fresh"], state["value"] = True, expected

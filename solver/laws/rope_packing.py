@@ -32,6 +32,10 @@ from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["pack_ropes"]
 
+LARGEST_DRIFT, LARGEST_SHARE = 1.0, 0.1
+"""Of a carried stretch from the path [m], and relative to the length: the smaller one ends the run. Ropes break at a
+strain of two hundredths."""
+
 
 def pack_ropes(
     ropes: Sequence[Any],
@@ -75,7 +79,10 @@ def pack_ropes(
             places.append((book.point(point.body, point.point, level), axis, side))
         stiffness = getattr(rope, "axial_stiffness", 0.0), getattr(rope, "stiffness", 0.0)
         numbers = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
-        table.append((*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0))
+        drift = min(LARGEST_DRIFT, LARGEST_SHARE * max(length, start_length(path)))
+        table.append(
+            (*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0, drift)
+        )
         winches += rows
         paths += [(place.centre, place.axis, place.radius) for place in path]
         state.append((start_length(path), length))

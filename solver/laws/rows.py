@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.records import Record
 from heavylift.solver.interface import Workspace
 from heavylift.solver.rows.structure import (
     REGULARISATION,
@@ -22,8 +24,11 @@ from heavylift.solver.rows.structure import (
 
 __all__ = [
     "FREE_SOFTNESS",
+    "Store",
+    "check_drift",
     "fit_law",
     "law_impulse",
+    "note_stored",
     "put_law",
     "put_residual",
     "put_stick",
@@ -40,6 +45,8 @@ Elongations are carried by the rate of the row, because only then their energy i
 leave the geometry with the third power of the step. Without a return a rope that swings for hours and is
 never slack would creep.
 """
+
+NOT_CLOSED = int(Outcome.NOT_CLOSED)
 
 FITTED = 1e-13
 """Relative miss of a force or a row that counts as fitted."""
@@ -67,6 +74,45 @@ def put_residual(system: RowArrays, block: int, value: float) -> None:
 def law_impulse(system: RowArrays, block: int) -> float:
     """Impulse of the first row of a block in the stage."""
     return system.rows[block].impulse[0]
+
+
+class Store(Record):
+    """Energy [J] that a law stores, from step to step: whether steps resolve how it takes up a motion.
+
+    Attributes
+    ----------
+    begun
+        Whether a step has been made.
+    energy
+        At the end of the last step.
+    largest, change
+        Largest of all, and largest change within a step.
+    """
+
+    begun: bool
+    energy: float
+    largest: float
+    change: float
+
+
+@kernel(inline=True, internal=True)
+def note_stored(store: Store, energy: float) -> None:
+    """Take the energy at the end of a step."""
+    if store.begun:
+        store.change = max(store.change, abs(energy - store.energy))
+    store.begun, store.energy = True, energy
+    store.largest = max(store.largest, energy)
+
+
+@kernel(inline=True, internal=True)
+def check_drift(block: int, drift: float, largest: float, work: Workspace) -> None:
+    """Refuse a step after which a carried elongation has nothing to do with the geometry any more.
+
+    Energies and forces are those of what is carried, so nothing else would tell.
+    """
+    if not abs(drift) <= largest:
+        work.status.outcome = NOT_CLOSED
+        work.status.block = block
 
 
 @kernel(internal=True)

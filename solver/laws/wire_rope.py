@@ -47,7 +47,16 @@ from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
-from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.laws.rows import (
+    RETURN,
+    Store,
+    check_drift,
+    fit_law,
+    note_stored,
+    put_law,
+    put_residual,
+    row_rate,
+)
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import ROPE_CHANNELS, ROPES, RopePoint, Winch, check_path
@@ -190,6 +199,8 @@ class RopeEntry(Record):
         Unstretched length at the start [m].
     wanted
         Tension at the start [N]; 0 if none is given.
+    largest_drift
+        Of the carried stretch from the path, beyond which a run ends [m].
     """
 
     block: int
@@ -204,6 +215,7 @@ class RopeEntry(Record):
     damping: float
     start_length: float
     wanted: float
+    largest_drift: float
 
 
 class PlaceMarkers(Record):
@@ -249,6 +261,8 @@ class RopeState(Record):
         Of the tension.
     agreement
         Of the recorded tension with the elongation of the path.
+    store
+        Its elastic energy from step to step.
     """
 
     fresh: bool
@@ -265,6 +279,7 @@ class RopeState(Record):
     tension: float
     extremes: Extremes
     agreement: Agreement
+    store: Store
 
 
 class Ropes(Arrays):
@@ -552,7 +567,7 @@ def add_ropes(kind: Ropes, time: float, work: Workspace) -> None:
 @implement(watch_joints, Ropes)
 @kernel(internal=True)
 def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
-    """Tensions at the end of the step."""
+    """Tensions at the end of the step; paths that have left what is carried end the run."""
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
         if kind.table[i].block < 0:
@@ -560,6 +575,9 @@ def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
         rate = _rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         state.tension = _end_tension(kind, i, state.hauling, rate)
         note_value(state.extremes, work.control.interval, state.tension)
+        e = max(0.0, state.stretched - state.rest)
+        note_stored(state.store, 0.5 * _stiffness(kind, i, 1.0 / state.rest) * e * e)
+        check_drift(kind.table[i].block, state.drift, kind.table[i].largest_drift, work)
 
 
 @kernel(internal=True)
@@ -594,6 +612,7 @@ def record_ropes(
                 tension = _end_tension(kind, i, winch_state(kind, i, time)[1], _path_rate(kind, i, work))
             elif state.paced:
                 _compare_tension(kind, i, time, length, tension)
+            work.sums.drift = max(work.sums.drift, abs(state.drift))
         e = max(0.0, state.stretched - state.rest)
         work.sums.elastic += 0.5 * _stiffness(kind, i, 1.0 / state.rest) * e * e
         row[column] = tension

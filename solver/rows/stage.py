@@ -315,7 +315,7 @@ def record_row_system(
     time: float,
     row: NDArray[np.float64],
 ) -> None:
-    """Largest violation of a rigid row, and smallest pivot of the last projection."""
+    """Largest violation of a rigid row, smallest pivot of the last projection, largest drift of a law."""
     lanes = len(system.shape[1])
     fill_rows(joints, True, work, system)
     set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
@@ -330,3 +330,4 @@ def record_row_system(
     if system.monitor >= 0:
         row[system.monitor] = violation
         row[system.monitor + 1] = smallest_pivot(system)
+        row[system.monitor + 2] = work.sums.drift

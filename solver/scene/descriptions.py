@@ -87,13 +87,16 @@ XYZ = ("x", "y", "z")
 
 
 def interval_extremes(
-    name: str, quantity: str, seen: str = "at the ends of all steps"
+    name: str,
+    quantity: str,
+    seen: str = "at the ends of all steps",
+    components: tuple[str, ...] | None = (),
 ) -> tuple[ChannelKind, ...]:
     """Channels of the largest and smallest value since the last record of what a channel shows of an instant."""
     words = f"value of `{name}` since the last record, {seen} and at this record"
     return (
-        ChannelKind(f"{name}_max", quantity, f"largest {words}"),
-        ChannelKind(f"{name}_min", quantity, f"smallest {words}"),
+        ChannelKind(f"{name}_max", quantity, f"largest {words}", components),
+        ChannelKind(f"{name}_min", quantity, f"smallest {words}", components),
     )
 
 
