@@ -64,7 +64,8 @@ class Equipped:
         for count in range(2, len(parts) + 1):
             part = self.built.get(".".join(parts[:count]))
             if part is not None:
-                return part.key, f"{part.what}, {'.'.join(parts[count:])}".removesuffix(", ")
+                outer = self.locate(part.key)[0]  # of a builder that another one wrote
+                return outer, f"{part.what}, {'.'.join(parts[count:])}".removesuffix(", ")
         return key, ""
 
     def told(self, errors: Sequence[InputError]) -> list[InputError]:
@@ -102,7 +103,7 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
         key: value.copy() if isinstance(value, (dict, list)) else value for key, value in document.items()
     }
     for table, described in BUILDERS.items():
-        rows = document.get(table, [])
+        rows = found.document.get(table, [])
         for index, row in enumerate(rows if isinstance(rows, list) else ()):
             key = f"{table}.{index}"
             try:
@@ -113,9 +114,8 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
                 continue
             except InputError as error:
                 place = f"{key}.{error.key}".removesuffix(".")
-                found.errors.append(
-                    InputError(error.problem, source=file, key=place, expected=error.expected)
-                )
+                told = InputError(error.problem, source=file, key=place, expected=error.expected)
+                found.errors += found.told([told])
                 continue
             for part in made.parts:
                 _put(found, part, f"{key}.{part.key}".removesuffix("."), file)
@@ -143,7 +143,14 @@ def _put(found: Equipped, part: Part, key: str, file: Path) -> None:
         entries.append(part.entry)
 
 
-_ONE = {"bodies": "body", "joints": "joint", "ropes": "rope", "relative_motions": "relative motion"}
+_ONE = {
+    "bodies": "body",
+    "joints": "joint",
+    "ropes": "rope",
+    "relative_motions": "relative motion",
+    "falls": "falls",
+    "surfaces": "surface",
+}
 
 
 class _Places:

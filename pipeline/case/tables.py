@@ -89,10 +89,16 @@ def _move_path(entry: dict[str, Any], move: Vector) -> None:
 
 
 def _move_hook(entry: dict[str, Any], move: Vector) -> None:
-    """Move the hook of a piece of equipment on the ground."""
-    hook = entry.get("hook")
-    if isinstance(hook, dict) and hook.get("body") == GROUND and "point" in hook:
-        hook["point"] = _moved(hook["point"], move)
+    """Move the places of a piece of equipment on the ground."""
+    for key in ("hook", "crown", "drum", "other_drum"):
+        hook = entry.get(key)
+        if isinstance(hook, dict) and hook.get("body") == GROUND and "point" in hook:
+            hook["point"] = _moved(hook["point"], move)
+
+
+def _move_crane(entry: dict[str, Any], move: Vector) -> None:
+    """Move a crane."""
+    entry["position"] = _moved(entry.get("position", [0.0, 0.0, 0.0]), move)
 
 
 def _move_surface(entry: dict[str, Any], move: Vector) -> None:
@@ -293,6 +299,16 @@ class SceneTables(Section):
         Table("Ropes", "rope", move=_move_path, is_outer=_rope_on_ground),
     ] = ()
     """Ropes."""
+    gantry_cranes: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="gantry_cranes")], ...],
+        Table("Gantry cranes", "gantry crane", records=(), move=_move_crane),
+    ] = ()
+    """Gantry cranes: trolleys that run on a girder, with hoists."""
+    falls: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="falls")], ...],
+        Table("Falls", "falls", records=(), move=_move_hook),
+    ] = ()
+    """Hook blocks on ropes of n parts."""
     equalizers: Annotated[
         tuple[Annotated[Any, Chosen(EQUIPMENT, word="equalizers")], ...],
         Table("Equalizers", "equalizer", records=(), move=_move_hook),

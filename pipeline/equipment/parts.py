@@ -82,6 +82,10 @@ class Made:
             "initial": upright(position, angle),
             **more,
         }
+        self.body(name, entry, key=key)
+
+    def body(self, name: str, entry: dict[str, Any], key: str) -> None:
+        """A body."""
         self.parts.append(Part("bodies", name, entry, key))
 
     def add(self, table: str, entry: dict[str, Any], key: str) -> None:
