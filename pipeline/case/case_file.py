@@ -15,6 +15,7 @@ from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
+from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
@@ -31,6 +32,7 @@ from heavylift.pipeline.case.report import ReportSection
 from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
+from heavylift.pipeline.equipment.builders import BUILDERS
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -71,6 +73,7 @@ class Case(SceneTables, _CaseHeading):
     _file: Path = PrivateAttr(default=Path(CASE_FILE))
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
     _expansion: Expansion = PrivateAttr(default_factory=lambda: Expansion({}))
+    _equipped: Equipped = PrivateAttr(default_factory=lambda: Equipped({}))
     _names: Declared = PrivateAttr(default_factory=Declared)
     _overrides: tuple[str, ...] = PrivateAttr(default=())
 
@@ -104,7 +107,7 @@ class Case(SceneTables, _CaseHeading):
                 problem = self._missing_for(one)
                 if problem:
                     reject(f"{member!r} needs {problem}", "a quantity that the case has", key=key)
-                whole = one.family in {"channel", "frequency"} and not one.component
+                whole = one.family in {"channel", "frequency", "angular_frequency"} and not one.component
                 components = single_components(one.item, self._names) if whole else None
                 if components is not None and len(components) > 1:
                     expected = f"one of its components: {', '.join(components)}; or {', '.join(ACROSS)}"
@@ -260,8 +263,8 @@ class Case(SceneTables, _CaseHeading):
         return parse_quantity_name(text, self._names)
 
     def place(self, key: str) -> str:
-        """Dotted key in the case file of a dotted key of this model: that of the block, if it was written out."""
-        return self._expansion.locate(key)[0]
+        """Dotted key in the case file of a dotted key of this model: that of the block or builder that wrote it."""
+        return self._expansion.locate(self._equipped.locate(key)[0])[0]
 
     @property
     def meshes(self) -> dict[str, FrameBodySection | ShellBodySection]:
@@ -356,32 +359,40 @@ def load_case(
     if overrides:
         check_values(document, file)
     expansion = expand(document, file)
-    names = declared(expansion.document)
-    errors = [*expansion.errors, *group_errors(expansion.document, file)]
+    equipped = equip(expansion.document, file)
+    names = declared(equipped.document)
+    errors = [*expansion.errors, *equipped.errors, *group_errors(equipped.document, file)]
     more: list[InputError] = []
     try:
-        case = Case.model_validate(expansion.document, context=CaseContext(file.parent, names))
+        case = Case.model_validate(equipped.document, context=CaseContext(file.parent, names))
     except ValidationError as error:
-        errors += input_errors(error, expansion.document, Case, file)
+        errors += input_errors(error, equipped.document, Case, file)
     else:
         case._file = file  # noqa: SLF001
         case._document = document  # noqa: SLF001
         case._expansion = expansion  # noqa: SLF001
+        case._equipped = equipped  # noqa: SLF001
         case._names = names  # noqa: SLF001
         case._overrides = tuple(overrides)  # noqa: SLF001
         errors += case._misfits()  # noqa: SLF001
-        if errors and further is not None:
+        if errors and further is not None and not equipped.errors:
             more = further(case)
-    # what is wrong with a block or a parameter is told alone: the rest would follow from it
+    # what is wrong with a block, a parameter or a builder is told alone: the rest would follow from it
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
+    errors = [e for e in errors if _in_builder(e.key)] or errors
     if errors:
-        raise InputErrors([*expansion.told(errors, changed), *more])
+        raise InputErrors([*expansion.told(equipped.told(errors), changed), *more])
     return case
 
 
 def _in_block(key: str) -> bool:
     """Whether a key is that of the parameters, or of a block itself."""
     return key.partition(".")[0] in {"parameters", "repeat"}
+
+
+def _in_builder(key: str) -> bool:
+    """Whether a key is that of the table of a builder of equipment."""
+    return key.partition(".")[0] in BUILDERS
 
 
 LARGEST_FILE = 64 * 2**20

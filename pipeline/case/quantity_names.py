@@ -23,6 +23,7 @@
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
+``angular_frequency.OWNER.KIND[.COMPONENT]``   the same in rad/s
 ``deviation.NAME``                             largest distance of a channel from the reference history
                                                NAME, divided by its scale if it has one;
                                                ``deviation.NAME.rms``: root mean square over its times
@@ -189,7 +190,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             return _group(text, members, names)
     if parts[0] == "channel":
         return _channel(text, parts, names)
-    if parts[0] == "frequency":
+    if parts[0] in {"frequency", "angular_frequency"}:
         return _frequency(text, parts, names)
     if parts[0] == "stress":
         return _stress(text, parts, names)
@@ -209,6 +210,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             "channel",
             "stress",
             "frequency",
+            "angular_frequency",
             "deviation",
             "lines",
             "hydrostatics",
@@ -228,7 +230,7 @@ def _members(text: str, parts: list[str], names: Declared) -> tuple[tuple[str, s
         "lines": sorted(names.lines),
         "hydrostatics": sorted(names.hulls),
     }
-    owners |= dict.fromkeys(("frequency", "stress"), owners["channel"])
+    owners |= dict.fromkeys(("frequency", "angular_frequency", "stress"), owners["channel"])
     owners |= dict.fromkeys(("mesh", "modes", "static", "ringdown"), flexible)
     if family not in owners or not rest:
         return ()
@@ -362,12 +364,13 @@ def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityN
     if len(parts) < (2 if "(" in text else 3) or "" in parts:
         raise InputError(
             f"quantity {text!r} is unknown",
-            expected="frequency.OWNER.KIND or frequency.OWNER.KIND.COMPONENT",
+            expected=f"{parts[0]}.OWNER.KIND or {parts[0]}.OWNER.KIND.COMPONENT",
         )
     owner, name, component = _channel_parts(parts[1:])
     channel_kind(name, text, names)
     _check_component(name, component, text, names)
-    return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
+    kind = KINDS["frequency" if parts[0] == "frequency" else "angular velocity"]
+    return QuantityName(text, parts[0], owner, name, component, "", kind)
 
 
 def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName:

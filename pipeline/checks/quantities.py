@@ -165,6 +165,7 @@ class Quantities:
             "channel": self._channel,
             "stress": self._stress,
             "frequency": self._frequency,
+            "angular_frequency": lambda name: 2.0 * math.pi * self._frequency(name),
             "deviation": self._deviation,
             "lines": self._lines,
             "hydrostatics": self._hydrostatics,
