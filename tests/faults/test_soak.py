@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 PROGRAM = Path(__file__).with_name("soak.py")
 
 
@@ -17,3 +19,12 @@ def test_every_part_can_be_asked_for():
     assert done.returncode == 0, done.stderr
     for name in names:
         assert f"\n    {name} " in done.stdout
+
+
+@pytest.mark.slow
+def test_runs_that_are_killed_leave_nothing_else_than_others():
+    done = subprocess.run(
+        [sys.executable, str(PROGRAM), "kills", "--count", "20"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "kills              20\n" in done.stdout
