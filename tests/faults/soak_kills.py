@@ -38,7 +38,7 @@ CASES: dict[str, tuple[str, ...]] = {
     "linkage": ("simulate.duration=40 s",),
     "collisions": ("simulate.duration=1 s",),
     "frame_and_shell": (),
-    "sea": ("simulate.step=2 ms",),
+    "sea": ("simulate.step=2 ms", "simulate.output_interval=100 ms"),
 }
 """A modal body; joints and ropes; triangles that touch; frames and a shell; a hull with a database, in waves."""
 
