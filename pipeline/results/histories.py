@@ -147,6 +147,7 @@ def read_segments(folder: Path) -> Iterator[Segment]:
         index += 1
 
 
+_ASIDE = ".damaged"
 _NAME = re.compile(rf"^segment_(\d+){re.escape(SUFFIX)}$")
 
 
@@ -168,6 +169,8 @@ def remove_segments(folder: Path, *, after: int = -1) -> None:
             segment_path(folder, number).unlink()
     remove_left_over(folder, alone=True)
     if after < 0:
+        for path in folder.glob(f"segment_*{SUFFIX}{_ASIDE}"):
+            path.unlink()
         with contextlib.suppress(OSError):
             folder.rmdir()
 
@@ -663,11 +666,14 @@ def _batches(
         segment = _read_segment(path, number)
         if segment is None or segment.mark != mark:
             first = sum(one.records for one in expected[:number])
+            there = path.exists()
+            if there:  # also one that is whole in itself: no later run shall go on from it
+                path.replace(path.with_name(path.name + _ASIDE))
             raise StopError(
                 Outcome.INTERRUPTED,
-                f"{path} is {'not there' if not path.exists() else 'damaged'}: something else has changed the files "
-                f"of this run; the records from number {first} on are not whole, so nothing was merged and nothing "
-                "removed; the same command goes on from what is before them",
+                f"{path} is {'damaged, and was put aside' if there else 'not there'}: something else has changed the "
+                f"files of this run; the records from number {first} on are not whole, so nothing was merged and "
+                "nothing removed; the same command goes on from what is before them",
             )
         times.append(segment.times)
         records.append(segment.records)

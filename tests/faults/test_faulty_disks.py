@@ -97,16 +97,38 @@ def test_a_segment_that_changes_while_the_run_goes_on(
     assert not folder.results.exists()
     assert read_json(folder.manifest("simulate"))["finished"] is False
     assert set(numbers_on_disk(folder.segments)) >= {0, 1, 3, 4, 5, 6, 7}
-    if how != "another":  # only who wrote it knows that one
-        kept = load_results(small_case)
-        assert kept.outcome == "unfinished"
-        assert np.array_equal(kept.time, reference.time[: len(kept.time)])
-        result = heavylift("simulate", small_case, *SHORT)
-        assert result.code == 0
-        assert "resumed from the checkpoint" in result.out
-        assert "WARNING: segment 2 is" in result.out
-        same(load_results(small_case), reference)
-        assert not folder.segments.exists()
+    kept = load_results(small_case)
+    assert kept.outcome == "unfinished"
+    assert np.array_equal(kept.time, reference.time[: len(kept.time)])
+    result = heavylift("simulate", small_case, *SHORT)
+    assert result.code == 0
+    assert "resumed from the checkpoint" in result.out
+    assert "WARNING: segment 2 is missing" in result.out
+    same(load_results(small_case), reference)
+    assert not folder.segments.exists()
+
+
+@pytest.mark.parametrize("how", ["removed", "a bit", "shorter"])
+def test_a_segment_that_changes_after_a_kill(heavylift, small_case, reference, often, monkeypatch, how):
+    from heavylift.pipeline.stages import simulate
+
+    class KilledError(BaseException):
+        """Ends a process where it stands, as far as the disk is concerned."""
+
+    def killed(*_arguments, **_keywords):
+        raise KilledError
+
+    monkeypatch.setattr(simulate, "merge_segments", killed)
+    with pytest.raises(KilledError):
+        heavylift("simulate", small_case, *SHORT)
+    monkeypatch.setattr(simulate, "merge_segments", merge_segments)
+    folder = OutputFolder(small_case / "out").segments
+    damage(segment_path(folder, 7), how, folder)
+    result = heavylift("simulate", small_case, *SHORT)
+    assert result.code == 0
+    state = "missing" if how == "removed" else "damaged"
+    assert f"WARNING: segment 7 is {state}; it is computed again, and 4 behind it" in result.out
+    same(load_results(small_case), reference)
 
 
 def test_a_merged_file_that_reads_back_otherwise(heavylift, small_case, reference, often, monkeypatch):
@@ -352,3 +374,33 @@ def test_a_run_that_was_killed_when_all_was_done_leaves_no_segments(
     assert segments.exists()
     assert "unchanged, skipped" in heavylift("simulate", small_case, *SHORT).out
     assert not segments.exists()
+
+
+@pytest.mark.parametrize("kept", [0, 1, 3])
+def test_a_write_that_fails_while_a_model_is_written(tmp_path, monkeypatch, kept):
+    from heavylift.pipeline.results.model_io import replacing_hdf5
+
+    file = tmp_path / "model.h5"
+    file.write_bytes(b"the old one")
+    real, calls = os.pwrite, []
+
+    def pwrite(handle, data, offset):
+        calls.append(offset)
+        if len(calls) > kept:
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
+        return real(handle, data, offset)
+
+    monkeypatch.setattr(os, "pwrite", pwrite)
+
+    def write():
+        with replacing_hdf5(file) as target:
+            for number in range(40):  # far more than HDF5 keeps in memory, and read again while it writes
+                target.create_dataset(f"a{number}", data=np.arange(200_000.0))
+                assert target[f"a{number // 2}"].shape == (200_000,)
+                target.flush()
+
+    with pytest.raises(StopError, match="no space left"):
+        write()
+    assert len(calls) > kept
+    assert file.read_bytes() == b"the old one"
+    assert list(tmp_path.iterdir()) == [file]
