@@ -67,7 +67,7 @@ NOT_COMPARED = {"cpu_s", "start_s", "overrides"}
 """Attributes of results that tell of the run and not of the case."""
 MOST_KILLS = 5
 """Of one folder."""
-WHOLE_RUNS = 0.15
+WHOLE_RUNS = 0.1
 """Part of the folders whose runs end with the report, which takes longer than all the rest."""
 
 
@@ -100,6 +100,8 @@ def run(count: int, seed: int) -> dict[str, int]:
         while counts["kills"] < count:
             reference = references[counts["folders"] % len(references)]
             _torment(reference, generator, counts, count)
+            sys.stdout.write(f"{counts['kills']} kills, {counts['failures']} failures\n")
+            sys.stdout.flush()
     return counts
 
 
@@ -175,7 +177,8 @@ def _reference(place: Path, name: str) -> Reference:
         write_netcdf(folder / "still.nc", module.smooth_database())
     made = Reference(folder, CASES[name], {}, {}, {}, 1, 0)
     seconds, operations, code = {}, {}, 0
-    _command(made, "simulate", often=False)  # what is compiled for the first time is not part of the time
+    # once here, so that what the processes below import and compile is there already
+    _call(made, "simulate")
     for command in ("simulate", "run"):
         shutil.rmtree(folder / "out")
         noted = place / f"{name}.operations"
@@ -239,10 +242,19 @@ def _command(
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
+def _call(reference: Reference, command: str) -> int:
+    """The command line, in this process."""
+    from heavylift.pipeline.commands.cli import app
+
+    tokens = [command, str(reference.case), "--quiet"]
+    for text in reference.overrides:
+        tokens += ["--set", text]
+    return int(app(tokens, result_action="return_value"))
+
+
 def _in_child(
     reference: Reference, command: str, *, often: bool, operation: int | None, note: Path | None
 ) -> int:
-    from heavylift.pipeline.commands.cli import app
     from heavylift.pipeline.stages import advance
 
     silent = os.open(os.devnull, os.O_WRONLY)
@@ -253,11 +265,8 @@ def _in_child(
         advance.SEGMENT_SECONDS = 0.0
         advance.FIRST_PIECE = piece
         advance._next_piece = lambda *_arguments: piece
-    tokens = [command, str(reference.case)]
-    for text in reference.overrides:
-        tokens += ["--set", text]
     with _watched(reference.case / "out", operation) as seen:
-        code = int(app(tokens, result_action="return_value"))
+        code = _call(reference, command)
     if note is not None:
         note.write_text(str(len(seen)))
     return code

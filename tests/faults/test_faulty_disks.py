@@ -283,7 +283,7 @@ def test_batches_and_pieces_do_not_change_what_is_merged(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EFBIG, errno.EDQUOT])
 def test_a_write_that_fails_anywhere_while_merging(tmp_path, monkeypatch, fault):
-    infos, values, marks = segments_of(tmp_path / "segments", 40, 300, 3)
+    infos, values, marks = segments_of(tmp_path / "segments", 40, 100, 3)
     real, calls = os.pwrite, []
 
     def pwrite(handle, data, offset):
@@ -296,7 +296,7 @@ def test_a_write_that_fails_anywhere_while_merging(tmp_path, monkeypatch, fault)
     allowed = 10**9
     merged(tmp_path, infos, marks)
     count = len(calls)
-    assert count > 300
+    assert count > 100
     (tmp_path / "results.h5").unlink()
     for allowed in (0, 1, 2, 10, count // 2, count - 2, count - 1):  # noqa: B007
         calls.clear()
