@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import h5py
 import numpy as np
 
+from heavylift.pipeline.results.histories import numbers_on_disk
 from heavylift.pipeline.results.storage import OutputFolder
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ def run(count: int, seed: int) -> dict[str, int]:
     for module in ("case.case_file", "commands.cli", "report.report", "stages.simulate"):
         importlib.import_module(f"heavylift.pipeline.{module}")  # once, and not in each process
     importlib.import_module("heavylift.solver.simulation")
+    counts["last runs that found checkpoints"] = 0
     with tempfile.TemporaryDirectory() as place:
         references = [_reference(Path(place), name) for name in CASES]
         while counts["kills"] < count:
@@ -129,6 +131,7 @@ def _torment(reference: Reference, generator: random.Random, counts: dict[str, i
             counts["ended before"] += 1
             if code != reference.code:
                 _fail(counts, history, f"a run that was not killed ended with {code}")
+    counts["last runs that found checkpoints"] += bool(numbers_on_disk(OutputFolder(out).segments))
     code = _command(reference, command, often=False)
     if code != reference.code:
         _fail(counts, history, f"the last run ended with {code}")
