@@ -147,6 +147,7 @@ def read_segments(folder: Path) -> Iterator[Segment]:
         index += 1
 
 
+_ASIDE = ".damaged"
 _NAME = re.compile(rf"^segment_(\d+){re.escape(SUFFIX)}$")
 
 
@@ -168,6 +169,8 @@ def remove_segments(folder: Path, *, after: int = -1) -> None:
             segment_path(folder, number).unlink()
     remove_left_over(folder, alone=True)
     if after < 0:
+        for path in folder.glob(f"segment_*{SUFFIX}{_ASIDE}"):
+            path.unlink()
         with contextlib.suppress(OSError):
             folder.rmdir()
 
@@ -467,8 +470,8 @@ class _Hdf5Columns(dict[str, Any]):
 
 CHUNK = 2**20
 """Bytes of a channel that are stored together at most; a channel that is smaller is one piece of its own size."""
-BATCH = 2**28
-"""Bytes of records that are merged at once."""
+BATCH = 2**27
+"""Bytes of records that are merged, or read back, at once."""
 
 _REMEDY = "make it again with `heavylift simulate CASE --force`"
 
@@ -663,11 +666,14 @@ def _batches(
         segment = _read_segment(path, number)
         if segment is None or segment.mark != mark:
             first = sum(one.records for one in expected[:number])
+            there = path.exists()
+            if there:  # also one that is whole in itself: no later run shall go on from it
+                path.replace(path.with_name(path.name + _ASIDE))
             raise StopError(
                 Outcome.INTERRUPTED,
-                f"{path} is {'not there' if not path.exists() else 'damaged'}: something else has changed the files "
-                f"of this run; the records from number {first} on are not whole, so nothing was merged and nothing "
-                "removed; the same command goes on from what is before them",
+                f"{path} is {'damaged, and was put aside' if there else 'not there'}: something else has changed the "
+                f"files of this run; the records from number {first} on are not whole, so nothing was merged and "
+                "nothing removed; the same command goes on from what is before them",
             )
         times.append(segment.times)
         records.append(segment.records)
@@ -697,6 +703,22 @@ def _sum(values: NDArray[np.float64], before: int = 0) -> int:
     return zlib.crc32(np.ascontiguousarray(values).ravel().data, before)
 
 
+def _sum_on_disk(dataset: Any) -> int:
+    """Checksum of a data set of HDF5, some of its rows at a time."""
+    import h5py
+
+    count, *width = dataset.shape
+    most = max(1, BATCH // (8 * int(np.prod(width))))
+    found = 0
+    for first in range(0, count, most):
+        values = np.empty((min(most, count - first), *width))
+        space = dataset.get_space()
+        space.select_hyperslab((first, *(0 for _ in width)), values.shape)
+        dataset.read(h5py.h5s.create_simple(values.shape), space, values)
+        found = _sum(values, found)
+    return found
+
+
 def _read_back(path: Path, of_times: int, sums: Mapping[str, int]) -> None:
     """Compare a file with what was written into it, from the disk as far as the system allows."""
     import h5py
@@ -713,10 +735,7 @@ def _read_back(path: Path, of_times: int, sums: Mapping[str, int]) -> None:
                 *((name, group, expected) for name, expected in sums.items()),
             ):
                 # the calls of the library itself: there may be thousands of channels
-                dataset = h5py.h5d.open(place, name.encode())
-                values = np.empty(dataset.shape)
-                dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, values)
-                if _sum(values) != expected:
+                if _sum_on_disk(h5py.h5d.open(place, name.encode())) != expected:
                     wrong = f"{name} is not what was written"
                     break
     except (OSError, KeyError, RuntimeError) as error:
