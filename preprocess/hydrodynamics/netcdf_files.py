@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import opened_hdf5, told_of_file
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import check_word
 from heavylift.preprocess.hydrodynamics.database import (
@@ -58,30 +59,37 @@ def load_variables(path: Path) -> tuple[dict[str, Variable], dict[str, Any]]:
     if not path.is_file():
         raise InputError("no such file", source=path, expected="a netCDF file")
     if h5py.is_hdf5(path):
-        with h5py.File(path, "r") as file:
+        with opened_hdf5(path, "a netCDF file", foreign=True) as file:
             return (
-                {name: _from_hdf5(item) for name, item in file.items() if isinstance(item, h5py.Dataset)},
+                {
+                    name: _from_hdf5(name, item, path)
+                    for name, item in file.items()
+                    if isinstance(item, h5py.Dataset)
+                },
                 {key: _text(value) for key, value in file.attrs.items()},
             )
     from scipy.io import netcdf_file
 
-    try:
-        with netcdf_file(path, "r", mmap=False) as classic:
-            variables = {
-                name: Variable(tuple(item.dimensions), _letters(np.array(item.data)), _attributes_of(item))
-                for name, item in classic.variables.items()
-            }
-            return variables, {key: _text(value) for key, value in classic._attributes.items()}  # noqa: SLF001
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{error}", source=path, expected="a netCDF file") from None
+    with told_of_file(path, "a netCDF file"), netcdf_file(path, "r", mmap=False) as classic:
+        variables = {
+            name: Variable(tuple(item.dimensions), _letters(np.array(item.data)), _attributes_of(item))
+            for name, item in classic.variables.items()
+        }
+        return variables, {key: _text(value) for key, value in classic._attributes.items()}  # noqa: SLF001
 
 
-def _from_hdf5(item: Any) -> Variable:
+def _from_hdf5(name: str, item: Any, path: Path) -> Variable:
     """One HDF5 data set: its axes are the scales attached to it, or itself if it is one."""
     values = item.asstr()[()] if item.dtype.kind == "O" else item[()]
-    axes = [
-        (scales[0] if len(scales) else item).name.rsplit("/", 1)[-1] for scales in item.dims if item.shape
-    ]
+    scales = [(along[0] if len(along) else item).name for along in item.dims if item.shape]
+    if None in scales:
+        raise InputError(
+            f"the scale of its axis {scales.index(None)} is not in the file",
+            source=path,
+            key=name,
+            expected="a netCDF file, which has a variable for each axis",
+        )
+    axes = [scale.rsplit("/", 1)[-1] for scale in scales]
     hidden = ("REFERENCE_LIST", "DIMENSION_LIST", "CLASS", "NAME")
     attributes = {key: _text(item.attrs[key]) for key in item.attrs if key not in hidden}
     return Variable(tuple(axes), np.asarray(values), attributes)
@@ -250,10 +258,22 @@ def read_netcdf(
         Not such a file, something is missing (a variable, one of six coordinates, the time convention, the reference
         points), units other than SI, a forward speed, or what `repaired` refuses.
     """
-    variables, attributes = load_variables(Path(path))
-    source = str(path)
     if time_convention is not None:
-        check_word(time_convention, TimeConvention, source=source, key="time_convention")
+        check_word(time_convention, TimeConvention, source=str(path), key="time_convention")
+    variables, attributes = load_variables(Path(path))
+    with told_of_file(Path(path), "variables with the axes and types of a hydrodynamic database"):
+        database = _database_of(variables, attributes, str(path), time_convention, reference_points)
+    return repaired(database, repair) if checked else database
+
+
+def _database_of(
+    variables: dict[str, Variable],
+    attributes: dict[str, Any],
+    source: str,
+    time_convention: TimeConvention | None,
+    reference_points: NDArray[np.float64] | None,
+) -> HydrodynamicDatabase:
+    """What the variables of a file say, in our order."""
     convention = time_convention or _convention(attributes, source)
     bodies, order = _coordinates(variables, source)
     n = len(order)
@@ -262,7 +282,7 @@ def read_netcdf(
     if speed is not None and np.any(np.asarray(speed.values, dtype=float) != 0.0):
         raise InputError("a forward speed", source=source, key="forward_speed", expected="0")
     steps = _named(variables, "omega", source)
-    omega = np.atleast_1d(steps.values).astype(np.float64)
+    omega = np.atleast_1d(_numbers(variables, "omega", source))
     along = (
         steps.axes[0] if steps.axes else "omega"
     )  # Capytaine has periods or wave numbers there if asked for them
@@ -282,7 +302,7 @@ def read_netcdf(
     elif len(set(parts) & variables.keys()) == 1:
         repairs = (*repairs, "Froude-Krylov force or diffraction alone are no exciting forces: left out")
     if all(part in variables for part in parts):
-        headings = np.atleast_1d(_named(variables, "wave_direction", source).values).astype(np.float64)
+        headings = np.atleast_1d(_numbers(variables, "wave_direction", source))
         turned = np.argsort(headings)
         real, imaginary = np.sum([_arranged(variables, part, waves, source) for part in parts], axis=0)
         excitation = (real + 1j * imaginary)[finite][:, turned][:, :, order]
@@ -294,7 +314,7 @@ def read_netcdf(
         drift = _arranged(variables, "drift_force", waves[1:], source)[finite][:, turned][:, :, order]
     constants = {key: _scalar(variables, key, source) for key in ("rho", "g", "water_depth")}
     volumes, centres = _displaced(variables, len(bodies), constants["rho"])
-    database = HydrodynamicDatabase(
+    return HydrodynamicDatabase(
         bodies=bodies,
         omega=omega[finite],
         headings=headings[turned],
@@ -314,7 +334,6 @@ def read_netcdf(
         hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"]),
         repairs=repairs,
     )
-    return repaired(database, repair) if checked else database
 
 
 def read_digest(path: Path | str) -> str:
@@ -347,9 +366,17 @@ def _named(variables: dict[str, Variable], name: str, source: str) -> Variable:
     return variables[name]
 
 
+def _numbers(variables: dict[str, Variable], name: str, source: str) -> NDArray[np.float64]:
+    """Values of a variable that has numbers."""
+    values = _named(variables, name, source).values
+    if values.dtype.kind not in "iuf":
+        raise InputError(f"is of type {values.dtype}", source=source, key=name, expected="numbers")
+    return values.astype(np.float64)
+
+
 def _scalar(variables: dict[str, Variable], name: str, source: str) -> float:
     """One number, of an array of one if need be."""
-    values = np.ravel(_named(variables, name, source).values)
+    values = np.ravel(_numbers(variables, name, source))
     if values.size != 1:
         raise InputError(f"{values.size} values", source=source, key=name, expected="one")
     return float(values[0])
@@ -359,7 +386,7 @@ def _arranged(
     variables: dict[str, Variable], name: str, axes: tuple[str, ...], source: str
 ) -> NDArray[np.float64]:
     """The variable with its axes in this order; an axis that was left out has the length one."""
-    variable = _named(variables, name, source)
+    variable, numbers = _named(variables, name, source), _numbers(variables, name, source)
     extra = [
         axis
         for axis in variable.axes
@@ -371,9 +398,9 @@ def _arranged(
         )
     present = [axis for axis in axes if axis in variable.axes]
     rest = [axis for axis in variable.axes if axis not in axes]
-    values = np.transpose(
-        np.asarray(variable.values, dtype=np.float64), [variable.axes.index(a) for a in (*present, *rest)]
-    ).reshape([variable.values.shape[variable.axes.index(a)] for a in present])
+    values = np.transpose(numbers, [variable.axes.index(a) for a in (*present, *rest)]).reshape(
+        [variable.values.shape[variable.axes.index(a)] for a in present]
+    )
     for place, axis in enumerate(axes):
         if axis not in present:
             values = np.expand_dims(values, place)
