@@ -90,12 +90,28 @@ class Repair:
         Whether unsymmetric matrices and damping that drives are repaired. Without, they are refused.
     tolerance
         How much of it is repaired, as a share of the largest entry or eigenvalue; more is refused.
+
+    Raises
+    ------
+    InputError
+        A number that is none, a range upside down, a frequency to be left out that is not positive, a tolerance of one
+        or more.
     """
 
     frequency_range: tuple[float, float] | None = None
     leave_out: tuple[float, ...] = ()
     symmetrise: bool = True
     tolerance: float = TOLERANCE
+
+    def __post_init__(self) -> None:
+        low, high = self.frequency_range or (0.0, np.inf)
+        for key, good, expected in (
+            ("frequency_range", 0.0 <= low < high, "[lowest, highest] in rad/s"),
+            ("leave_out", all(0.0 < omega < np.inf for omega in self.leave_out), "frequencies > 0 [rad/s]"),
+            ("tolerance", 0.0 <= self.tolerance < 1.0, "a share of the largest, from 0 to less than 1"),
+        ):
+            if not good:  # comparisons with what is not a number are false
+                raise InputError(f"{getattr(self, key)}", source="Repair", key=key, expected=expected)
 
     @property
     def limits(self) -> Limits:

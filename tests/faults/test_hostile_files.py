@@ -159,7 +159,7 @@ def test_files_of_ours_that_are_cut(heavylift, small_case, share):
     ):
         content = file.read_bytes()
         file.write_bytes(content[: int(share * len(content))])
-        with pytest.raises(InputError, match="heavylift .* CASE --force") as caught:
+        with pytest.raises(InputError, match=r"heavylift .* CASE --force") as caught:
             read(file)
         assert str(file) in str(caught.value)
         with h5py.File(file, "w") as empty:
