@@ -29,6 +29,7 @@ from heavylift.preprocess.hydrodynamics.database import (
     length_scales,
     mass_scales,
 )
+from heavylift.preprocess.hydrodynamics.plausibility import check_plausibility
 from heavylift.preprocess.hydrodynamics.retardation import infinite_added_mass, ogilvie_deviation
 
 if TYPE_CHECKING:
@@ -140,7 +141,8 @@ def repaired(
     Raises
     ------
     InputError
-        What cannot be repaired, with file, entry and what to set; what `check_database` and `check_phase` refuse.
+        What cannot be repaired, with file, entry and what to set; what `check_database`, `check_phase` and
+        `check_plausibility` refuse.
     """
     repair = repair or Repair()
     check_shapes(database)
@@ -157,6 +159,7 @@ def repaired(
         database = step(database, repair)
     check_database(database)
     check_phase(database)
+    check_plausibility(database)
     return database
 
 
