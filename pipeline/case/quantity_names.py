@@ -413,10 +413,10 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
     combination = combination_of(name)
     if combination is not None:
         kinds = [_term_kind(term, text, names) for term in combination.terms]
-        kind = combined_kind(name, combination.function, kinds)
+        combined = combined_kind(name, combination.function, kinds)
         if names is not None:
             _check_same_components(name, combination.terms, names)
-        return kind
+        return combined
     owner, _, last = name.partition(".")
     scene = owner in RESERVED_NAMES
     known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()

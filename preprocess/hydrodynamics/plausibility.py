@@ -6,7 +6,7 @@ Each relation sees some errors and not others:
   resonates, so a single negative value tells nothing; a sign that is turned is seen.
 * What changes from one frequency to its neighbours by the same factor in all coordinates is a factor on that frequency.
   A resonance changes the coordinates by different factors, so it is none; an error of one coordinate alone is not seen,
-  nor one at the first and the last frequency.
+  nor one at the first two and the last two frequencies.
 * Haskind's relation: the waves that a motion radiates carry the energy that its damping takes, and excite it as much,
 
       B_ii = k / (8 pi rho g c_g) int |X_i|^2 d(heading),        c_g the group velocity.

@@ -16,7 +16,9 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import hashlib
 import math
+import os
 import random
 import shutil
 import signal
@@ -32,10 +34,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["mutant", "run", "run_loader", "run_simulations"]
+__all__ = ["mutant", "run", "run_hostile", "run_loader", "run_simulations"]
 
 TREE = Path(__file__).resolve().parents[2]
-LOADER_SECONDS, SIMULATION_SECONDS = 20.0, 60.0
+LOADER_SECONDS, SIMULATION_SECONDS = 20.0, 20.0
 STOPPED = {3, 4, 5, 8, 9, 10, 11, 12, 13, 14}
 
 VALUES: tuple[Any, ...] = (
@@ -292,8 +294,171 @@ def _all_finite(folder: Path) -> bool:
     return not any(np.isinf(results[name]).any() for name in results)
 
 
+def _flipped(content: bytes, rng: random.Random) -> bytes:
+    """A file that is cut, or has other bits or bytes."""
+    found = bytearray(content)
+    match rng.randrange(5):
+        case 0:
+            return content[: rng.randrange(len(content))]
+        case 1:
+            for _ in range(rng.choice([1, 2, 8, 64])):
+                found[rng.randrange(len(found))] ^= 1 << rng.randrange(8)
+        case 2:  # where the tables of the file are
+            for _ in range(rng.choice([1, 2, 8])):
+                found[rng.randrange(min(len(found), 8000))] = rng.choice([0, 255, 127, rng.randrange(256)])
+        case 3:
+            at, length = rng.randrange(len(found)), rng.choice([4, 64, 512])
+            found[at : at + length] = bytes([rng.choice([0, 255])]) * len(found[at : at + length])
+        case _:
+            at, other, length = rng.randrange(len(found)), rng.randrange(len(found)), rng.choice([8, 64, 512])
+            found[at : at + length] = found[other : other + length]
+    return bytes(found)
+
+
+def _of_other_types(path: Path, rng: random.Random) -> None:
+    """An HDF5 file with something of another type, shape or place."""
+    import h5py
+    import numpy as np
+
+    with h5py.File(path, "r+") as file:
+        names: list[str] = []
+        file.visit(names.append)
+        name = rng.choice(names)
+        shape = getattr(file[name], "shape", None) or (1,)
+        makes: list[dict[str, Any]] = [
+            {"data": "text"},
+            {"data": np.array([b"a", b"b"])},
+            {"data": np.zeros(shape, dtype=[("x", "f8"), ("y", "i4")])},
+            {"data": np.zeros(shape, dtype=complex)},
+            {"data": np.full(shape, rng.choice([math.nan, math.inf, -1.0, 0.0, 1e300]))},
+            {"data": np.zeros([max(1, length + rng.choice([-1, 0, 1])) for length in shape])},
+            {"data": h5py.Empty("f8")},
+            {"shape": (10**6, 10**6), "dtype": "f8", "chunks": (100, 100)},
+            {"shape": (10**12,), "dtype": "f8", "chunks": (1000,)},
+        ]
+        links = [
+            h5py.SoftLink(f"/{name}"),
+            h5py.ExternalLink(path, f"/{name}"),
+            h5py.ExternalLink("/dev/zero", "/x"),
+        ]
+        made = rng.choice([*makes, *links, None, "group", "top", "attribute"])
+        keys = list(file[name].attrs)
+        if made == "attribute":
+            if keys:
+                file[name].attrs[rng.choice(keys)] = rng.choice(
+                    [b"\xff", 1.5, np.array([1, 2]), "{", "null", "x"]
+                )
+            return
+        del file[name]
+        match made:
+            case None:
+                return
+            case "group":
+                file.create_group(name)
+            case "top":
+                file[name] = file["/"]
+            case dict():
+                file.create_dataset(name, **made)
+            case _:
+                file[name] = made
+
+
+def _readers(top: Path) -> dict[str, tuple[Path, Callable[[Path], object]]]:
+    """Sound files of each kind, and what reads them."""
+    from heavylift.numerics import objects
+    from heavylift.pipeline import load_case, load_results, run_case
+    from heavylift.pipeline.results.model_io import read_header, read_model, read_reduced
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf
+
+    folder = top / "beam"
+    folder.mkdir()
+    shutil.copyfile(TREE / "tests" / "pipeline" / "small_beam.toml", folder / "case.toml")
+    case = load_case(folder, ("simulate.duration=1 ms",))
+    run_case(case, stages=("mesh", "modes", "simulate"))
+    database = TREE / "cases" / "transport_barge" / "barge.nc"
+    out = folder / "out"
+
+    def histories(path: Path) -> object:
+        results = load_results(path)
+        return [results[name] for name in results], results.meshes
+
+    def again(path: Path) -> object:
+        shutil.copyfile(path, out / "simulate" / "manifest.json")
+        return run_case(case, stages=("mesh", "modes", "simulate"))
+
+    def restarted(path: Path) -> object:
+        shutil.copyfile(path, out / "mesh" / "manifest.json")
+        return run_case(case, stages=("mesh", "modes", "simulate"))
+
+    whole = top / "Unit.o"
+    content = bytes(range(256)) * 40
+    whole.write_bytes(objects.MAGIC + hashlib.blake2b(content, digest_size=32).digest() + content)
+    return {
+        "database": (database, read_netcdf),
+        "digest": (database, read_digest),
+        "model": (out / "mesh" / "beam.h5", read_model),
+        "reduced": (out / "modes" / "beam.h5", read_reduced),
+        "header": (out / "modes" / "beam.h5", read_header),
+        "histories": (out / "simulate" / "results.h5", histories),
+        "manifest": (out / "simulate" / "manifest.json", again),
+        "mesh manifest": (out / "mesh" / "manifest.json", restarted),
+        "kernel": (whole, objects._read),
+    }
+
+
+def run_hostile(count: int, seed: int, tell: Callable[[str], object] = print) -> Counter[str]:
+    """Files that are cut, flipped or of other types to what reads them, each in a process of its own."""
+    counts: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        top = Path(name)
+        readers = _readers(top)
+        for number in range(count):
+            rng = random.Random(f"{seed} hostile {number}")  # noqa: S311
+            kind = rng.choice(list(readers))
+            sound, read = readers[kind]
+            path = top / f"hostile{sound.suffix}"
+            path.write_bytes(_flipped(sound.read_bytes(), rng))
+            if sound.suffix in {".h5", ".nc"} and rng.random() < 0.5:
+                shutil.copyfile(sound, path)
+                _of_other_types(path, rng)
+            how, words = _read_apart(lambda read=read, path=path: read(path))  # type: ignore[misc]
+            counts[how] += 1
+            if how == "failures":
+                tell(f"hostile: file {number} of seed {seed}, {kind}: {words}")
+    return counts
+
+
+def _read_apart(read: Callable[[], object]) -> tuple[str, str]:
+    """How reading ends in a process of its own, which may crash or hang."""
+    from heavylift.numerics.outcome import InputError
+
+    told, tells = os.pipe()
+    child = os.fork()
+    if child == 0:
+        how = ("ok", "")
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(60)
+        try:
+            read()
+        except InputError as error:
+            how = _told(error)
+        except BaseException:  # noqa: BLE001  what is looked for
+            how = "failures", traceback.format_exc()
+        finally:
+            os.write(tells, "\n".join(how)[:60000].encode("utf-8", "replace"))
+            os._exit(0)
+    os.close(tells)
+    with os.fdopen(told, "rb") as stream:
+        words = stream.read().decode("utf-8", "replace")
+    status = os.waitpid(child, 0)[1]
+    if os.WIFSIGNALED(status):
+        return "failures", f"ended by {signal.Signals(os.WTERMSIG(status)).name}"
+    how, _, rest = words.partition("\n")
+    return how, rest
+
+
 def run(count: int, seed: int) -> dict[str, int]:
-    """`count` mutants to the loader, a twentieth of them simulated, and as many hostile files.
+    """`count` mutants to the loader, a twentieth of them simulated, and a tenth as many hostile files.
 
     Returns
     -------
@@ -303,6 +468,7 @@ def run(count: int, seed: int) -> dict[str, int]:
     parts = {
         "loader": run_loader(count, seed),
         "simulation": run_simulations(max(count // 20, 1), seed),
+        "hostile file": run_hostile(max(count // 10, 1), seed),
     }
     found: dict[str, int] = {}
     for part, counts in parts.items():

@@ -143,7 +143,7 @@ def test_sound_databases_pass(case):
 
 
 def test_what_no_relation_sees(barge):
-    """The first and the last frequency, one coordinate alone, a factor that everything has: said in the module."""
+    """The first frequencies, and one coordinate alone: said in the module."""
     repaired(replace(barge, added_mass=scaled(barge.added_mass, 2.0, 0)))
     alone = barge.damping.copy()
     alone[30, 5, 5] *= 1.5
