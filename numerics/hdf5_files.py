@@ -31,7 +31,12 @@ BYTES_A_SECOND = 20e6
 
 SURVEY = """
 import json, sys
+sys.path[:] = json.loads(sys.argv[3])
+import contextlib
 import h5py
+with contextlib.suppress(ImportError, OSError, ValueError):
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (int(float(sys.argv[2])) + 2**31,) * 2)
 found = {"bytes": 0.0, "largest": ["", 0.0]}
 limit = float(sys.argv[2])
 def fails(name, error):
@@ -89,7 +94,7 @@ def check_hdf5(path: Path, expected: str) -> None:
 def _survey(path: str, size: int, _changed: int) -> tuple[str, str] | None:
     """Key and problem of a file; None if it can be read."""
     limit, seconds = available_memory(), SECONDS + size / BYTES_A_SECOND
-    command = [sys.executable, "-I", "-c", SURVEY, path, str(limit)]
+    command = [sys.executable, "-I", "-c", SURVEY, path, str(limit), json.dumps(sys.path)]
     try:
         ended = subprocess.run(  # noqa: S603  Python itself, with a program of ours
             command, capture_output=True, text=True, errors="replace", timeout=seconds, check=False
