@@ -313,7 +313,7 @@ def _database_of(
     if len(headings) and "drift_force" in variables and attributes.get("title") == FORMAT:
         drift = _arranged(variables, "drift_force", waves[1:], source)[finite][:, turned][:, :, order]
     constants = {key: _scalar(variables, key, source) for key in ("rho", "g", "water_depth")}
-    volumes, centres = _displaced(variables, len(bodies), constants["rho"])
+    volumes, centres = _displaced(variables, len(bodies), constants["rho"], source)
     return HydrodynamicDatabase(
         bodies=bodies,
         omega=omega[finite],
@@ -331,7 +331,7 @@ def _database_of(
         drift=drift,
         volumes=volumes,
         centres_of_buoyancy=centres,
-        hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"]),
+        hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"], source),
         repairs=repairs,
     )
 
@@ -477,7 +477,8 @@ def _reference_points(
             expected="'reference_points = [[x, y, z]]', the point of each hull about which its moments are (of "
             "Capytaine's most often the centre of mass)",
         )
-    points = np.asarray(given if stated is None else stated.values, dtype=np.float64).reshape(-1, 3)
+    read = given if stated is None else _numbers(variables, "rotation_center", source)
+    points = np.asarray(read, dtype=np.float64).reshape(-1, 3)
     if points.shape != (count, 3):
         raise InputError(
             f"{len(points)} reference points", source=source, key="rotation_center", expected=f"{count}"
@@ -497,32 +498,36 @@ def _reference_points(
 
 
 def _displaced(
-    variables: dict[str, Variable], count: int, density: float
+    variables: dict[str, Variable], count: int, density: float, source: str
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
     """Volumes and centres of buoyancy, where the file has them."""
     volumes = centres = None
     if "volume" in variables:
-        volumes = np.asarray(variables["volume"].values, dtype=np.float64).reshape(count)
+        volumes = _numbers(variables, "volume", source).reshape(count)
     elif "disp_mass" in variables:
-        volumes = np.asarray(variables["disp_mass"].values, dtype=np.float64).reshape(count) / density
+        volumes = _numbers(variables, "disp_mass", source).reshape(count) / density
     if "center_of_buoyancy" in variables:
-        centres = np.asarray(variables["center_of_buoyancy"].values, dtype=np.float64).reshape(count, 3)
+        centres = _numbers(variables, "center_of_buoyancy", source).reshape(count, 3)
     return volumes, centres
 
 
 def _stiffness(
-    variables: dict[str, Variable], order: NDArray[np.int64], references: NDArray[np.float64], gravity: float
+    variables: dict[str, Variable],
+    order: NDArray[np.int64],
+    references: NDArray[np.float64],
+    gravity: float,
+    source: str,
 ) -> NDArray[np.float64] | None:
     """(N, 6, 6) without the terms of weight; those of Capytaine have them, from its mass and its centre."""
     count = len(references)
     if "hydrostatic_stiffness_without_weight" in variables:
-        return np.asarray(variables["hydrostatic_stiffness_without_weight"].values, dtype=np.float64)
+        return _numbers(variables, "hydrostatic_stiffness_without_weight", source)
     needed = ("hydrostatic_stiffness", "inertia_matrix", "center_of_mass")
     if any(name not in variables for name in needed):
         return None
-    whole = np.asarray(variables["hydrostatic_stiffness"].values, dtype=np.float64)[np.ix_(order, order)]
-    inertia = np.asarray(variables["inertia_matrix"].values, dtype=np.float64)[np.ix_(order, order)]
-    arms = np.asarray(variables["center_of_mass"].values, dtype=np.float64).reshape(count, 3) - references
+    whole = _numbers(variables, "hydrostatic_stiffness", source)[np.ix_(order, order)]
+    inertia = _numbers(variables, "inertia_matrix", source)[np.ix_(order, order)]
+    arms = _numbers(variables, "center_of_mass", source).reshape(count, 3) - references
     stiffness = np.zeros((count, 6, 6))
     for body, (x, y, z) in enumerate(arms):
         block = slice(6 * body, 6 * body + 6)
