@@ -78,7 +78,7 @@ from heavylift.pipeline.case.channel_names import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
 __all__ = ["QuantityName", "channel_kind", "channel_members", "parse_quantity_name", "single_components"]
 
@@ -416,7 +416,10 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
     combination = combination_of(name)
     if combination is not None:
         kinds = [_term_kind(term, text, names) for term in combination.terms]
-        return combined_kind(name, combination.function, kinds)
+        combined = combined_kind(name, combination.function, kinds)
+        if names is not None:
+            _check_same_components(name, combination.terms, names)
+        return combined
     owner, _, last = name.partition(".")
     scene = owner in RESERVED_NAMES
     known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()
@@ -460,6 +463,38 @@ def _term_kind(term: str, text: str, names: Declared | None) -> Kind:
     kind = channel_kind(name, text, names)
     _check_component(name, component, text, names, across=False)
     return kind
+
+
+def _check_same_components(name: str, terms: Sequence[str], names: Declared) -> None:
+    """Refuse a combination of a vector with a number, or of vectors of other components, as far as the case tells."""
+    known = [
+        (term, components) for term in terms if (components := _term_components(term, names)) is not None
+    ]
+    for term, components in known[1:]:
+        first, of_first = known[0]
+        if len(components) != len(of_first) or (len(components) > 1 and components != of_first):
+            raise InputError(
+                f"{name!r} combines {first!r}, of {_in_words(of_first)}, with {term!r}, of {_in_words(components)}",
+                expected="channels with the same components, or one component of each",
+            )
+
+
+def _in_words(components: Sequence[str]) -> str:
+    return "one number" if len(components) == 1 else f"components {', '.join(components)}"
+
+
+def _term_components(term: str, names: Declared) -> tuple[str, ...] | None:
+    """Components of a term of a combination, one of a number; None if the case does not tell."""
+    if patterns_in(term):
+        return None
+    _, name, component = _channel_parts(split_name(term))
+    if component:
+        return ("",)
+    combination = combination_of(name)
+    if combination is None:
+        return single_components(name, names)
+    found = (_term_components(inner, names) for inner in combination.terms)
+    return next((components for components in found if components is not None), None)
 
 
 def single_components(name: str, names: Declared) -> tuple[str, ...] | None:

@@ -15,6 +15,7 @@ import os
 import signal
 import sys
 import time
+import warnings
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ def main() -> None:
                 signal.signal(number, _stop)
             sys.unraisablehook = _swallowed
         _open_streams()
+        # numbers that overflow are looked for where they matter; what NumPy says of them is no word for a user
+        warnings.filterwarnings("ignore", category=RuntimeWarning)
         gc.set_threshold(YOUNG, 2, 2)
         atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
         from heavylift.pipeline.commands.cli import app

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import opened_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.results.storage import hdf5_stream, replacing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
     import h5py
@@ -37,17 +39,9 @@ MODEL_FORMAT = "heavylift finite-element model 1"
 REDUCED_FORMAT = "heavylift reduced body 1"
 
 
-def open_hdf5(path: Path, remedy: str) -> h5py.File:
-    """Open an HDF5 file for reading; an absent or damaged one is an `InputError` with a remedy."""
-    import h5py
-
-    try:
-        return h5py.File(path, "r")
-    except FileNotFoundError:
-        raise InputError("does not exist", source=path, expected=f"a result file; {remedy}") from None
-    except OSError as error:
-        reason = str(error).partition("(")[2].rstrip(")") or str(error)
-        raise InputError(f"is damaged: {reason}", source=path, expected=f"a whole file; {remedy}") from None
+def open_hdf5(path: Path, remedy: str) -> AbstractContextManager[h5py.File]:
+    """Open an HDF5 file of ours for reading; one that is absent, damaged or another one is an error with a remedy."""
+    return opened_hdf5(path, f"a whole result file; {remedy}")
 
 
 @contextlib.contextmanager

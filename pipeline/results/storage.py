@@ -308,14 +308,33 @@ def write_json(path: Path, document: Any) -> None:
 
 
 def read_json(path: Path) -> dict[str, Any] | None:
-    """Table of a JSON file, or None if it is absent, damaged, no file or holds something else."""
+    """Table of a JSON file, or None if it is absent, damaged, no file or holds something else.
+
+    Of a manifest only those items are there that say what every stage says of what it has made.
+    """
     try:
         if not path.is_file():
             return None
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) else None
+    if not isinstance(found, dict):
+        return None
+    items = found.get("items")
+    if items is not None:
+        known = items.items() if isinstance(items, dict) else ()
+        found["items"] = {name: item for name, item in known if _says_all(item)}
+    return found
+
+
+def _says_all(item: Any) -> bool:
+    """Whether an item of a manifest has its digest, its size and what it took."""
+    return (
+        isinstance(item, dict)
+        and isinstance(item.get("digest"), str)
+        and isinstance(item.get("size"), int)
+        and isinstance(item.get("cpu_s"), (int, float))
+    )
 
 
 def _plain(value: Any) -> Any:

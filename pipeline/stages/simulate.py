@@ -97,7 +97,7 @@ def simulate_stage(work: Work) -> StageReport:
     digest = simulate_digest(work.case)
     manifest = read_json(folder.manifest("simulate")) or {}
     forced = "simulate" in work.force
-    if not forced and manifest.get("digest") == digest and manifest.get("finished"):
+    if not forced and manifest.get("digest") == digest and manifest.get("finished") and _says_all(manifest):
         if unchanged(folder.results, manifest):
             remove_segments(folder.segments)  # of a run that was killed when all was done
             outcome = Outcome[manifest["outcome"].upper()]
@@ -119,6 +119,19 @@ def simulate_stage(work: Work) -> StageReport:
         remove_segments(folder.segments)
     cut_off = bool(manifest) and not manifest.get("finished")
     return _simulate(work, digest, cut_off=cut_off)
+
+
+def _says_all(manifest: Mapping[str, Any]) -> bool:
+    """Whether the manifest of a run that has ended tells how."""
+    details, outcome = manifest.get("details"), manifest.get("outcome")
+    return (
+        isinstance(details, dict)
+        and isinstance(details.get("cpu_s"), (int, float))
+        and isinstance(manifest.get("size"), int)
+        and isinstance(manifest.get("message"), str)
+        and isinstance(outcome, str)
+        and outcome.upper() in Outcome.__members__
+    )
 
 
 def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:

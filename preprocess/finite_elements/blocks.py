@@ -119,6 +119,14 @@ def mesh_blocks(
     if repeated is not None:
         raise InputError(f"box {repeated!r} is given twice", source=name, expected="one box a name")
     planes = {axis: _planes([*add, *cut], k, _diagonal(add)) for axis, k in AXES.items()}
+    for axis, values in planes.items():
+        if len(values) < 2:
+            raise InputError(
+                f"along {axis} all boxes are thinner than {_SNAP:g} of their diagonal, {_diagonal(add):.3g} m",
+                source=name,
+                key="add",
+                expected="boxes of one size (a unit that is missing?)",
+            )
     if size is None:
         size = _default_size(add, planes)
     if not (np.isfinite(size) and size > 0.0):

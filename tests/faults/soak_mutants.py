@@ -1,9 +1,9 @@
 """Mutants of the case files of this project, and hostile files beside them, to the loader and to simulations.
 
-Each mutant is a case file of `cases/` or of `heavylift new` in which one to three things are changed: a value becomes one
-of another type, unit, sign or size, a key is renamed, dropped or written twice, a table becomes a list, a name becomes
-that of something else, lines are swapped, characters are garbled. Of the ways in which a command may end these are
-counted:
+Each mutant is a case file of `cases/` or of `heavylift new` in which one to three things are changed: a value becomes
+one of another type, unit, sign or size, a key is renamed, dropped or written twice, a table becomes a list, a name
+becomes that of something else, lines are swapped, characters are garbled. Of the ways in which a command may end these
+are counted:
 
 * ``ok``: the mutant is as good as the case;
 * ``refused``: one line or more with file and key, exit code 2;
@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
-import io
+import hashlib
 import math
 import os
 import random
@@ -34,18 +34,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["HOSTILE", "mutant", "run", "run_hostile", "run_loader", "run_simulations"]
+__all__ = ["mutant", "run", "run_hostile", "run_loader", "run_simulations"]
 
 TREE = Path(__file__).resolve().parents[2]
-LOADER_SECONDS, SIMULATION_SECONDS = 20.0, 60.0
+LOADER_SECONDS, SIMULATION_SECONDS = 20.0, 20.0
 STOPPED = {3, 4, 5, 8, 9, 10, 11, 12, 13, 14}
 
 VALUES: tuple[Any, ...] = (
-    0, -1, 1, 2, 10**9, 2**63 - 1, 2**63, -(2**31), 0.0, -0.0, -1.0, 1e-300, 5e-324, 1e300, 1e9, 1e-9, math.nan, math.inf,
-    -math.inf, "", " ", "nan", "inf", "0", "1", "-1 m", "1 m", "0 m", "1 nm", "1e9 m", "1 kg", "1 s", "1 N", "1 Pa",
-    "3 deg", "1 km^400", "1 degC", "{i}", "{n+1}", "ground", "energy", "x" * 3000, "\u00e9", "\n", "a.b", "../x", "/", "*",
-    "none", "free", "fixed", "auto", True, False, [], {}, [[]], [{}], [0, 0, 0], [0.0, 0.0, 1.0], [1, 2], ["1 m"] * 3,
-    [1] * 40, {"type": "x"}, {"a": {"b": [1]}}, "channel.a.b.max", [math.nan] * 3, ["ground", "ground"],
+    0, -1, 1, 2, 10**9, 2**63 - 1, 2**63, -(2**31), 0.0, -0.0, -1.0, 1e-300, 5e-324, 1e300, 1e9, 1e-9, math.nan,
+    math.inf, -math.inf, "", " ", "nan", "inf", "0", "1", "-1 m", "1 m", "0 m", "1 nm", "1e9 m", "1 kg", "1 s", "1 N",
+    "1 Pa", "3 deg", "1 km^400", "1 degC", "{i}", "{n+1}", "ground", "energy", "x" * 3000, "\u00e9", "\n", "a.b",
+    "../x", "/", "*", "none", "free", "fixed", "auto", True, False, [], {}, [[]], [{}], [0, 0, 0], [0.0, 0.0, 1.0],
+    [1, 2], ["1 m"] * 3, [1] * 40, {"type": "x"}, {"a": {"b": [1]}}, "channel.a.b.max", [math.nan] * 3,
+    ["ground", "ground"],
 )  # fmt: skip
 
 
@@ -201,17 +202,14 @@ def _loaded(folder: Path) -> tuple[str, str]:
 
     try:
         with _within(LOADER_SECONDS):
-            case = load_changed_case(folder)
-            errors = scene_errors(case)
-            if errors:
-                raise InputErrors(errors)
+            errors = scene_errors(load_changed_case(folder))
     except _SlowError:
         return "slow", ""
     except InputError as error:
         return _told(error)
     except Exception:  # noqa: BLE001  what is looked for
         return "failures", traceback.format_exc()
-    return "ok", ""
+    return _told(InputErrors(errors)) if errors else ("ok", "")
 
 
 def _told(error: Any) -> tuple[str, str]:
@@ -231,7 +229,7 @@ def run_loader(count: int, seed: int, tell: Callable[[str], object] = print) -> 
     known = sources()
     with tempfile.TemporaryDirectory() as top:
         for number in range(count):
-            rng = random.Random(f"{seed} {number}")
+            rng = random.Random(f"{seed} {number}")  # noqa: S311
             source = rng.choice(known)
             text = mutant(source, rng)
             folder = _mutated_folder(Path(top), source, text)
@@ -250,7 +248,7 @@ def run_simulations(count: int, seed: int, tell: Callable[[str], object] = print
     with tempfile.TemporaryDirectory() as top:
         while done < count:
             number += 1
-            rng = random.Random(f"{seed} simulated {number}")
+            rng = random.Random(f"{seed} simulated {number}")  # noqa: S311
             source = rng.choice(known)
             folder = _mutated_folder(Path(top), source, mutant(source, rng))
             if _loaded(folder)[0] != "ok":
@@ -296,8 +294,171 @@ def _all_finite(folder: Path) -> bool:
     return not any(np.isinf(results[name]).any() for name in results)
 
 
+def _flipped(content: bytes, rng: random.Random) -> bytes:
+    """A file that is cut, or has other bits or bytes."""
+    found = bytearray(content)
+    match rng.randrange(5):
+        case 0:
+            return content[: rng.randrange(len(content))]
+        case 1:
+            for _ in range(rng.choice([1, 2, 8, 64])):
+                found[rng.randrange(len(found))] ^= 1 << rng.randrange(8)
+        case 2:  # where the tables of the file are
+            for _ in range(rng.choice([1, 2, 8])):
+                found[rng.randrange(min(len(found), 8000))] = rng.choice([0, 255, 127, rng.randrange(256)])
+        case 3:
+            at, length = rng.randrange(len(found)), rng.choice([4, 64, 512])
+            found[at : at + length] = bytes([rng.choice([0, 255])]) * len(found[at : at + length])
+        case _:
+            at, other, length = rng.randrange(len(found)), rng.randrange(len(found)), rng.choice([8, 64, 512])
+            found[at : at + length] = found[other : other + length]
+    return bytes(found)
+
+
+def _of_other_types(path: Path, rng: random.Random) -> None:
+    """An HDF5 file with something of another type, shape or place."""
+    import h5py
+    import numpy as np
+
+    with h5py.File(path, "r+") as file:
+        names: list[str] = []
+        file.visit(names.append)
+        name = rng.choice(names)
+        shape = getattr(file[name], "shape", None) or (1,)
+        makes: list[dict[str, Any]] = [
+            {"data": "text"},
+            {"data": np.array([b"a", b"b"])},
+            {"data": np.zeros(shape, dtype=[("x", "f8"), ("y", "i4")])},
+            {"data": np.zeros(shape, dtype=complex)},
+            {"data": np.full(shape, rng.choice([math.nan, math.inf, -1.0, 0.0, 1e300]))},
+            {"data": np.zeros([max(1, length + rng.choice([-1, 0, 1])) for length in shape])},
+            {"data": h5py.Empty("f8")},
+            {"shape": (10**6, 10**6), "dtype": "f8", "chunks": (100, 100)},
+            {"shape": (10**12,), "dtype": "f8", "chunks": (1000,)},
+        ]
+        links = [
+            h5py.SoftLink(f"/{name}"),
+            h5py.ExternalLink(path, f"/{name}"),
+            h5py.ExternalLink("/dev/zero", "/x"),
+        ]
+        made = rng.choice([*makes, *links, None, "group", "top", "attribute"])
+        keys = list(file[name].attrs)
+        if made == "attribute":
+            if keys:
+                file[name].attrs[rng.choice(keys)] = rng.choice(
+                    [b"\xff", 1.5, np.array([1, 2]), "{", "null", "x"]
+                )
+            return
+        del file[name]
+        match made:
+            case None:
+                return
+            case "group":
+                file.create_group(name)
+            case "top":
+                file[name] = file["/"]
+            case dict():
+                file.create_dataset(name, **made)
+            case _:
+                file[name] = made
+
+
+def _readers(top: Path) -> dict[str, tuple[Path, Callable[[Path], object]]]:
+    """Sound files of each kind, and what reads them."""
+    from heavylift.numerics import objects
+    from heavylift.pipeline import load_case, load_results, run_case
+    from heavylift.pipeline.results.model_io import read_header, read_model, read_reduced
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf
+
+    folder = top / "beam"
+    folder.mkdir()
+    shutil.copyfile(TREE / "tests" / "pipeline" / "small_beam.toml", folder / "case.toml")
+    case = load_case(folder, ("simulate.duration=1 ms",))
+    run_case(case, stages=("mesh", "modes", "simulate"))
+    database = TREE / "cases" / "transport_barge" / "barge.nc"
+    out = folder / "out"
+
+    def histories(path: Path) -> object:
+        results = load_results(path)
+        return [results[name] for name in results], results.meshes
+
+    def again(path: Path) -> object:
+        shutil.copyfile(path, out / "simulate" / "manifest.json")
+        return run_case(case, stages=("mesh", "modes", "simulate"))
+
+    def restarted(path: Path) -> object:
+        shutil.copyfile(path, out / "mesh" / "manifest.json")
+        return run_case(case, stages=("mesh", "modes", "simulate"))
+
+    whole = top / "Unit.o"
+    content = bytes(range(256)) * 40
+    whole.write_bytes(objects.MAGIC + hashlib.blake2b(content, digest_size=32).digest() + content)
+    return {
+        "database": (database, read_netcdf),
+        "digest": (database, read_digest),
+        "model": (out / "mesh" / "beam.h5", read_model),
+        "reduced": (out / "modes" / "beam.h5", read_reduced),
+        "header": (out / "modes" / "beam.h5", read_header),
+        "histories": (out / "simulate" / "results.h5", histories),
+        "manifest": (out / "simulate" / "manifest.json", again),
+        "mesh manifest": (out / "mesh" / "manifest.json", restarted),
+        "kernel": (whole, objects._read),
+    }
+
+
+def run_hostile(count: int, seed: int, tell: Callable[[str], object] = print) -> Counter[str]:
+    """Files that are cut, flipped or of other types to what reads them, each in a process of its own."""
+    counts: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        top = Path(name)
+        readers = _readers(top)
+        for number in range(count):
+            rng = random.Random(f"{seed} hostile {number}")  # noqa: S311
+            kind = rng.choice(list(readers))
+            sound, read = readers[kind]
+            path = top / f"hostile{sound.suffix}"
+            path.write_bytes(_flipped(sound.read_bytes(), rng))
+            if sound.suffix in {".h5", ".nc"} and rng.random() < 0.5:
+                shutil.copyfile(sound, path)
+                _of_other_types(path, rng)
+            how, words = _read_apart(lambda read=read, path=path: read(path))  # type: ignore[misc]
+            counts[how] += 1
+            if how == "failures":
+                tell(f"hostile: file {number} of seed {seed}, {kind}: {words}")
+    return counts
+
+
+def _read_apart(read: Callable[[], object]) -> tuple[str, str]:
+    """How reading ends in a process of its own, which may crash or hang."""
+    from heavylift.numerics.outcome import InputError
+
+    told, tells = os.pipe()
+    child = os.fork()
+    if child == 0:
+        how = ("ok", "")
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(60)
+        try:
+            read()
+        except InputError as error:
+            how = _told(error)
+        except BaseException:  # noqa: BLE001  what is looked for
+            how = "failures", traceback.format_exc()
+        finally:
+            os.write(tells, "\n".join(how)[:60000].encode("utf-8", "replace"))
+            os._exit(0)
+    os.close(tells)
+    with os.fdopen(told, "rb") as stream:
+        words = stream.read().decode("utf-8", "replace")
+    status = os.waitpid(child, 0)[1]
+    if os.WIFSIGNALED(status):
+        return "failures", f"ended by {signal.Signals(os.WTERMSIG(status)).name}"
+    how, _, rest = words.partition("\n")
+    return how, rest
+
+
 def run(count: int, seed: int) -> dict[str, int]:
-    """`count` mutants to the loader, a twentieth of them simulated, and as many hostile files.
+    """`count` mutants to the loader, a twentieth of them simulated, and a tenth as many hostile files.
 
     Returns
     -------
@@ -307,6 +468,7 @@ def run(count: int, seed: int) -> dict[str, int]:
     parts = {
         "loader": run_loader(count, seed),
         "simulation": run_simulations(max(count // 20, 1), seed),
+        "hostile file": run_hostile(max(count // 10, 1), seed),
     }
     found: dict[str, int] = {}
     for part, counts in parts.items():

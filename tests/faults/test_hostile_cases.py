@@ -107,3 +107,16 @@ def test_a_file_of_a_case_that_is_none(heavylift, small_case, edit, name):
     assert result.code == Outcome.BAD_INPUT
     (line,) = result.error.splitlines()
     assert "bodies.beam.geometry.file" in line
+
+
+def test_a_box_that_is_flat_against_its_length(heavylift, small_case, edit):
+    """Planes nearer than a thousand-millionth of the body are one: nothing is left between them."""
+    edit(
+        small_case,
+        ('["200 mm", "20 mm", "10 mm"] }', '["200 km", "20 nm", "10 nm"] }'),
+        ("divisions = { x = [8], y = [1], z = [1] }", ""),
+    )
+    result = heavylift("mesh", small_case)
+    assert result.code == Outcome.BAD_INPUT
+    (line,) = result.error.splitlines()
+    assert "bodies.beam.geometry.add: along y all boxes are thinner" in line

@@ -238,6 +238,7 @@ def test_factor_on_masses_of_case_control(tmp_path, line):
         ("GRID,8,2,0.,1.,1.\n", r"line 14: GRID: node 8 is defined twice"),
         ("GRID,8,0,0.,1.,1.\nGRID,8,,0.,1.,1.,5\n", r"line 15: GRID: node 8 is defined twice"),
         ("MAT1,7,7.+4,,0.3,7.85-9\n", r"line 14: MAT1: material 7 is defined twice"),
+        ("PSOLID,3,7\nPSOLID,3,8\n", r"line 15: PSOLID: property 3 is defined twice, of material 7 and 8"),
         ("BEGIN SUPER=2\n", r"line 14: BEGIN SUPER=2: a superelement"),
         ("BEGIN BULK SUPER = 2\n", r"line 14: BEGIN BULK SUPER = 2: a superelement"),
         ("PARAM,WTMASS,2.\nPARAM,WTMASS,3.\n", r"line 15: PARAM: WTMASS is 2 and 3"),
