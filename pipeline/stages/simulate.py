@@ -177,7 +177,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         raise
     if outcome is Outcome.COMPLETED:
         outcome, message = simulation.verdict
-    about["warning"] = simulation.warning if outcome is not Outcome.ENERGY_NOT_KEPT else ""
+    about["warning"] = simulation.warning
     steps = steps_taken(simulation)
     drift = simulation.energy_drift if simulation.step_index else math.nan
     details: dict[str, Any] = {

@@ -69,7 +69,9 @@ class StepCounts(Arrays):
             Bodies.
         """
         changes = max(1, int(self.tally[1]))
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # runs that diverge have other watches
+        with np.errstate(
+            divide="ignore", invalid="ignore", over="ignore"
+        ):  # runs that diverge have other watches
             mean = self.sums[LEVEL] / changes
             spread = np.maximum(0.0, self.sums[SQUARES] / changes - mean**2)
             moving = np.bincount(owner, self.inertia * spread, count)
