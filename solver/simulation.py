@@ -195,7 +195,10 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._watch = RunWatch(self.channels, self._size(), self._weight(scene), energy_remedy(self._layout))
+        remedy = energy_remedy(self._layout)
+        self._watch = RunWatch(
+            self.channels, self._size(), self._weight(scene), remedy, touches=scene.touches
+        )
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()

@@ -11,6 +11,8 @@ import numpy as np
 
 from heavylift.pipeline.results.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
 from heavylift.pipeline.results.storage import replacing
+from heavylift.solver.integrate.run_watch import RunWatch
+from heavylift.solver.scene.channels import Channel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -216,16 +218,13 @@ def energy_plot(
 
     Notes
     -----
-    The drift is relative to the largest kinetic plus elastic energy, as in `checks.quantities.energy_drift`; to the
-    largest energy of a run without these.
+    The drift is relative to the energy turned over, as in `heavylift.solver.integrate.run_watch`.
     """
     parts = {name: values for name, values in energies.items() if name != "balance" and np.any(values)}
     words = {name: _plain(name.replace("_", " ")) for name in parts}
-    moving = np.asarray(sum(parts[name] for name in ("kinetic", "elastic") if name in parts))
-    reference = float(np.abs(moving).max(initial=0.0))
-    reference = (
-        reference or max((float(np.abs(values).max()) for values in parts.values()), default=0.0) or 1.0
-    )
+    watch = RunWatch([Channel(f"energy.{name}", "J", ("",), i, "") for i, name in enumerate(energies)])
+    watch.add(np.column_stack(list(energies.values())))
+    reference = watch.scale or 1.0
     for name, constant in constant_parts(parts).items():
         unit = scaled_unit("J", [np.array([constant])])
         size = f"{abs(constant) / unit.divisor:.5g} {_unit(unit.text)}"
@@ -258,9 +257,8 @@ def energy_plot(
         t, y = envelope(times, (balance - balance[0]) / reference)
         error = scaled_unit("", [y])
         panels[1].plot(t / time_unit.divisor, y / error.divisor, color=_COLOURS[4], lw=1.0)
-        relative = "kinetic + elastic" if np.any(moving) else "largest energy"
         unit_words = _unit(error.text.strip() or "–")
-        panels[1].set_ylabel(f"drift of balance /\n{relative} [{unit_words}]", color=_INK)
+        panels[1].set_ylabel(f"drift of balance /\nenergy turned over [{unit_words}]", color=_INK)
     for axes in panels:
         _tidy(axes)
         axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)

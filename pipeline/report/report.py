@@ -90,7 +90,8 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         if renderer is not None:
             renderer.close()
     checks, open_checks = _checks(case, out)
-    warnings = [Text(text, warning=True) for text in (problem, remedy) if text]
+    told = str(results.metadata.get("warning", "")) if results is not None else ""
+    warnings = [Text(text, warning=True) for text in (problem, f"{told}." if told else "", remedy) if text]
     outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
     verdict = _stopped(outcome, message, checks) or _verdict(
         case, checks, open_checks, simulated=results is not None

@@ -193,7 +193,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
             outcome, message = advancer.run(stop, progress)
         if outcome is Outcome.COMPLETED:
             outcome, message = simulation.verdict
-        about["warning"] = simulation.warning if outcome is not Outcome.ENERGY_NOT_KEPT else ""
+        about["warning"] = simulation.warning
         finished = outcome is not Outcome.INTERRUPTED
         if finished:
             _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)

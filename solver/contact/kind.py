@@ -23,7 +23,7 @@ from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
 from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
-from heavylift.solver.extremes import Extremes
+from heavylift.solver.extremes import Extremes, Store
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows.structure import RowArrays
 
@@ -242,6 +242,8 @@ class ContactState(Record):
         Of contours: whether the gap at the end of the last step was searched for; else it is larger than what is told.
     forces, gaps
         Extremes of the normal force and of the gap.
+    store
+        Of a compliant contact on a contour: its energy from step to step.
     """
 
     u: float
@@ -300,6 +302,7 @@ class ContactState(Record):
     located: bool
     forces: Extremes
     gaps: Extremes
+    store: Store
 
 
 class ContourPose(RelativePose):

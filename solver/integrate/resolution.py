@@ -12,7 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.solver.contact.layout import LINEAR
+
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from heavylift.solver.layout import Layout
@@ -118,26 +122,49 @@ def _count(steps: float) -> str:
     return f"{steps:.2g}" if steps < 100.0 else f"{steps:.0f}"
 
 
-def _sudden(
-    layout: Layout, owner: NDArray[np.int64], energy: NDArray[np.float64], floor: float
-) -> list[tuple[str, float]]:
-    """Ropes, springs and stops that take up a motion within a step or two: name and steps in a period, worst first."""
+def _stores(layout: Layout) -> Iterator[tuple[str, Any, float, NDArray[np.int64]]]:
+    """What stores energy from step to step: name, store, own period [s] and first velocities of what it holds."""
     counts, periods = _counts(layout), _law_periods(layout)
-    found: dict[str, float] = {}
     for kind in layout.joints:
         if "state" not in kind._fields or "store" not in (kind.state.dtype.names or ()):
             continue
         system = next(system for system in layout.systems if "monitor" in system._fields)
         for entry, state in zip(kind.table, kind.state, strict=True):
-            block, store = int(entry["block"]), state["store"]
-            steps = periods.get(block, math.inf) / counts.step
-            if steps >= ENOUGH or store["change"] <= 2.0 * math.pi / ENOUGH * store["largest"]:
-                continue
+            block = int(entry["block"])
             sides = int(entry["attachments"]) if "attachments" in kind.table.dtype.names else 2
             dofs = system.attachments["dof"][2 * block : 2 * block + sides]
-            held = [energy[owner[dof]] for dof in dofs if dof >= 0 and counts.inertia[dof] > 0.0]
-            if held and store["largest"] > max(floor, SUDDEN_SHARE * min(held)):
-                found[layout.block_names[block]] = steps
+            yield layout.block_names[block], state["store"], periods.get(block, math.inf), dofs
+    for contacts in (system for system in layout.systems if "contours" in system._fields):
+        for c in range(int(contacts.counts.of_contours)):
+            store, values = contacts.state[c]["store"], contacts.values[c]
+            if not store["change"] > 0.0:
+                continue
+            name = layout.block_names[int(contacts.counts.first_block) + c]
+            # of a half sine; forces that do not grow with the depth alone have periods by how hard they are hit
+            period = 2.0 * math.pi * float(store["largest"] / store["change"]) * counts.step
+            dofs = contacts.attachments["dof"][2 * c : 2 * c + 2]
+            masses = [counts.inertia[dof] for dof in dofs if dof >= 0 and counts.inertia[dof] > 0.0]
+            if contacts.table[c]["force_law"] == LINEAR and masses:
+                period = 2.0 * math.pi / math.sqrt(values["stiffness"] * sum(1.0 / mass for mass in masses))
+            yield name, store, period, dofs
+
+
+def _sudden(
+    layout: Layout, owner: NDArray[np.int64], energy: NDArray[np.float64], floor: float
+) -> list[tuple[str, float]]:
+    """Ropes, springs, stops, contacts that take up a motion within a few steps: name and steps in a period, by these.
+
+    Of an oscillation with N steps in a period the stored energy changes by 2 pi/N of its largest value in a step.
+    """
+    counts = _counts(layout)
+    found: dict[str, float] = {}
+    for name, store, period, dofs in _stores(layout):
+        steps = period / counts.step
+        if steps >= ENOUGH or store["change"] <= 2.0 * math.pi / ENOUGH * store["largest"]:
+            continue
+        held = [energy[owner[dof]] for dof in dofs if dof >= 0 and counts.inertia[dof] > 0.0]
+        if held and store["largest"] > max(floor, SUDDEN_SHARE * min(held)):
+            found[name] = min(steps, found.get(name, math.inf))
     return sorted(found.items(), key=lambda item: item[1])
 
 

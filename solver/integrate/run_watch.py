@@ -33,9 +33,9 @@ LARGEST_SHARE = 1e-6
 SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
 """Least scale of the energy [J], and relative to the largest potential energy."""
 
-GAPS = 2e-8
-"""Least scale of the energy relative to weights times sizes of all bodies: gaps are found to 1e-10 of the size, so what
-is at rest may rise or sink by that in the first step."""
+FREE, TOUCHING = 2e-8, 5e-6
+"""Least scale of the energy relative to weights times sizes of all bodies, without and with contacts: what stands on
+others is at rest to some 1e-8 of its size, since gaps are found to 1e-10 and balances of force are not exact."""
 
 
 def _of_all(name: str) -> bool:
@@ -57,6 +57,8 @@ class RunWatch:
         Length of the largest body [m].
     weight
         Of all bodies, each times its size [J].
+    touches
+        Whether bodies touch.
     remedy
         What may help beside a smaller step or tolerance, as words that go on a sentence.
 
@@ -72,7 +74,13 @@ class RunWatch:
     """
 
     def __init__(
-        self, channels: Sequence[Channel], size: float = 0.0, weight: float = 0.0, remedy: str = ""
+        self,
+        channels: Sequence[Channel],
+        size: float = 0.0,
+        weight: float = 0.0,
+        remedy: str = "",
+        *,
+        touches: bool = False,
     ) -> None:
         self._column = {channel.name: channel.column for channel in channels}
         self._sums = [c.column + i for c in channels for i in range(len(c.components)) if _of_all(c.name)]
@@ -81,7 +89,7 @@ class RunWatch:
         self.gain = self.loss = self.scale = self.opening = 0.0
         self.finite = True
         self._remedy = remedy
-        self.floor = SMALLEST_ENERGY + GAPS * weight
+        self.floor = SMALLEST_ENERGY + (TOUCHING if touches else FREE) * weight
         self._allowed = max(LARGEST_OPENING, LARGEST_SHARE * size)
 
     @property
@@ -106,8 +114,8 @@ class RunWatch:
         """Look at more records, shape (rows, columns)."""
 
         def energy(name: str) -> NDArray[np.float64]:
-            values: NDArray[np.float64] = records[:, self._column[f"energy.{name}"]]
-            return values
+            column = self._column.get(f"energy.{name}")  # results may have been recorded in part
+            return np.zeros(len(records)) if column is None else records[:, column]
 
         if not len(records):
             return
@@ -142,11 +150,11 @@ class RunWatch:
         """Whether a run that came to its end is to be believed, and why not."""
         if not self.finite:
             return Outcome.NOT_FINITE, (
-                "energies or momenta of some records are not finite: try a smaller step, or loads and initial values of"
-                " a sensible size"
+                f"{Outcome.NOT_FINITE.text} in energies or momenta of records; try a smaller step, or loads and initial"
+                " values of a sensible size"
             )
         if self.drift > LARGEST_DRIFT:
-            return Outcome.ENERGY_NOT_KEPT, self.warning
+            return Outcome.ENERGY_NOT_KEPT, f"{Outcome.ENERGY_NOT_KEPT.text}: {self.warning}"
         return Outcome.COMPLETED, ""
 
     @property

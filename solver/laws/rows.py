@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.records import Record
 from heavylift.solver.interface import Workspace
 from heavylift.solver.rows.structure import (
     REGULARISATION,
@@ -24,11 +23,9 @@ from heavylift.solver.rows.structure import (
 
 __all__ = [
     "FREE_SOFTNESS",
-    "Store",
     "check_drift",
     "fit_law",
     "law_impulse",
-    "note_stored",
     "put_law",
     "put_residual",
     "put_stick",
@@ -74,34 +71,6 @@ def put_residual(system: RowArrays, block: int, value: float) -> None:
 def law_impulse(system: RowArrays, block: int) -> float:
     """Impulse of the first row of a block in the stage."""
     return system.rows[block].impulse[0]
-
-
-class Store(Record):
-    """Energy [J] that a law stores, from step to step: whether steps resolve how it takes up a motion.
-
-    Attributes
-    ----------
-    begun
-        Whether a step has been made.
-    energy
-        At the end of the last step.
-    largest, change
-        Largest of all, and largest change within a step.
-    """
-
-    begun: bool
-    energy: float
-    largest: float
-    change: float
-
-
-@kernel(inline=True, internal=True)
-def note_stored(store: Store, energy: float) -> None:
-    """Take the energy at the end of a step."""
-    if store.begun:
-        store.change = max(store.change, abs(energy - store.energy))
-    store.begun, store.energy = True, energy
-    store.largest = max(store.largest, energy)
 
 
 @kernel(inline=True, internal=True)

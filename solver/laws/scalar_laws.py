@@ -17,7 +17,16 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import (
+    Agreement,
+    Extremes,
+    Store,
+    compare_force,
+    largest_of,
+    note_stored,
+    note_value,
+    smallest_of,
+)
 from heavylift.solver.forces.spring import SpringEntry, compare_load, end_rate, spring_load, stored_energy
 from heavylift.solver.interface import (
     Workspace,
@@ -39,11 +48,9 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, pull
 from heavylift.solver.laws.rows import (
     RETURN,
-    Store,
     check_drift,
     fit_law,
     law_impulse,
-    note_stored,
     put_law,
     put_residual,
     put_stick,

@@ -32,7 +32,16 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity
 from heavylift.numerics.records import Record, Records, records
-from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import (
+    Agreement,
+    Extremes,
+    Store,
+    compare_force,
+    largest_of,
+    note_stored,
+    note_value,
+    smallest_of,
+)
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -49,10 +58,8 @@ from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
 from heavylift.solver.laws.rows import (
     RETURN,
-    Store,
     check_drift,
     fit_law,
-    note_stored,
     put_law,
     put_residual,
     row_rate,

@@ -27,7 +27,7 @@ from heavylift.solver.kinds import implement
 
 __all__ = ["StepCounts", "pack_step_counts"]
 
-DENSE, STRIDE = 512, 16
+DENSE, STRIDE = 512, 64
 """Steps that are all looked at, and of how many a pair is after that."""
 
 BEFORE, LEVEL, SQUARES, CHANGES, SUMS = range(5)
