@@ -8,7 +8,7 @@ tables as forces.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -72,6 +72,7 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
     parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
+    parts = getattr(owner, "segment_count", parts)
     segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
     return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
 
@@ -154,6 +155,10 @@ def pack_laws(
         made.forces.append(driving)
         made.joints.append(driving)
     _pack_scalar_laws(packing, cornered)
+    shared = [rope for rope in scene.ropes if rope.WORD == "equalized"]
+    if shared:
+        _pack_shared(packing, shared, integrator)
+        scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
     if scene.ropes:
         from heavylift.solver.laws.rope_packing import pack_ropes
 
@@ -174,6 +179,26 @@ def pack_laws(
         else:
             made.fitted = True
     return made
+
+
+def _pack_shared(packing: _Packing, members: Sequence[Any], integrator: str) -> None:
+    """Lines of equalizers without masses of pulleys."""
+    if integrator == "accurate":
+        raise InputError(
+            "'accurate' with lines of one force, whose rows change at stops",
+            source=members[0].name,
+            key="type",
+            expected="integrator 'dele2', or an equalizer with pulleys",
+        )
+    from heavylift.solver.laws.equalized_packing import pack_equalized
+
+    made = packing.made
+    columns = [packing.columns[rope.name] for rope in members]
+    book, bodies = packing.book, packing.scene.bodies
+    made.joints.append(
+        pack_equalized(members, columns, book, packing.attachment, packing.scales, bodies, packing.add)
+    )
+    made.fitted = True
 
 
 def _table(force: Spring | JointSpring) -> NDArray[np.float64]:
