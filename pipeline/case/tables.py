@@ -314,6 +314,11 @@ class SceneTables(Section):
         Table("Equalizers", "equalizer", records=(), move=_move_hook),
     ] = ()
     """Block loaders: lines with one force in all of them."""
+    spreaders: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="spreaders")], ...],
+        Table("Spreaders", "spreader", records=(), move=_move_hook),
+    ] = ()
+    """Spreader beams on two slings."""
     forces: Annotated[
         tuple[Annotated[Any, Chosen(FORCES)], ...],
         Table(

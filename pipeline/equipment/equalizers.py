@@ -147,7 +147,7 @@ class Equalizer:
 
     name: str
     model: Literal["pulleys", "massless"] = "pulleys"
-    """``pulleys``: bodies on guides with stops; ``massless``: one row for all lines, no masses of pulleys, and stops that
+    """``pulleys``: bodies on guides with stops; ``massless``: one row for all lines, no mass of pulleys, and stops that
     do not yield."""
     hook: EqualizerHook
     """What it hangs on, by a hinge with a vertical axis."""

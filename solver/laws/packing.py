@@ -67,12 +67,14 @@ def law_owners(scene: Scene) -> list[Any]:
 
 def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
     """Append the channels of one of them; returns the next free column."""
+    if hasattr(owner, "segment_count"):
+        lines = tuple(str(i + 1) for i in range(owner.segment_count))
+        return add_channels(owner.name, owner.CHANNELS, channels, column, {"segment_tension": lines})
     if isinstance(owner, (JointSpring, JointMotor)):
         turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
     parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
-    parts = getattr(owner, "segment_count", parts)
     segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
     return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
 
@@ -134,6 +136,10 @@ def pack_laws(
     """
     packing = _Packing(scene, columns, book, attachment, scales, first_block)
     made = packing.made
+    shared = [rope for rope in scene.ropes if rope.WORD == "equalized"]
+    if shared:
+        _pack_shared(packing, shared, integrator)
+        scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
     springs: list[tuple[Spring | JointSpring, NDArray[np.float64], bool]] = []
     cornered: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
     for force in scene.forces:
@@ -155,10 +161,6 @@ def pack_laws(
         made.forces.append(driving)
         made.joints.append(driving)
     _pack_scalar_laws(packing, cornered)
-    shared = [rope for rope in scene.ropes if rope.WORD == "equalized"]
-    if shared:
-        _pack_shared(packing, shared, integrator)
-        scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
     if scene.ropes:
         from heavylift.solver.laws.rope_packing import pack_ropes
 
