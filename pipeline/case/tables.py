@@ -397,6 +397,11 @@ class SceneTables(Section):
         Table("Relative motions", "relative motion", move=_move_sides),
     ] = ()
     """Motions of points of bodies in the axes of other bodies."""
+    leads: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="leads")], ...],
+        Table("Leads", "lead", move=_move_sides),
+    ] = ()
+    """Angles of ropes against where they should point."""
 
 
 TABLES: Mapping[str, Table] = {
