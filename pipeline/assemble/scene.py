@@ -98,6 +98,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
     forces += assemble_list(case, "forces", sides)
     forces += assemble_list(case, "relative_motions", sides)
+    forces += assemble_list(case, "leads", sides)
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
@@ -212,6 +213,7 @@ def points_on(
     force: Any
     both = [(f"forces.{i}", force) for i, force in enumerate(case.forces)]
     both += [(f"relative_motions.{i}", motion) for i, motion in enumerate(case.relative_motions)]
+    both += [(f"leads.{i}", lead) for i, lead in enumerate(case.leads)]
     for place, force in both:
         if hasattr(force, "point"):
             found.append((f"{place}.point", force.body, force.point))

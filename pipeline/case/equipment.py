@@ -147,7 +147,7 @@ _ONE = {
     "bodies": "body",
     "joints": "joint",
     "ropes": "rope",
-    "relative_motions": "relative motion",
+    "leads": "lead",
     "falls": "falls",
     "surfaces": "surface",
 }
@@ -233,7 +233,17 @@ class _Places:
 
 
 _WATCHING = frozenset(
-    {"gravity", "sensors", "relative_motions", "surfaces", "report", "check", "reference", "simulate"}
+    {
+        "gravity",
+        "sensors",
+        "relative_motions",
+        "leads",
+        "surfaces",
+        "report",
+        "check",
+        "reference",
+        "simulate",
+    }
 )
 """Tables of what holds nothing."""
 

@@ -314,6 +314,11 @@ class SceneTables(Section):
         Table("Equalizers", "equalizer", records=(), move=_move_hook),
     ] = ()
     """Block loaders: lines with one force in all of them."""
+    spreaders: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="spreaders")], ...],
+        Table("Spreaders", "spreader", records=(), move=_move_hook),
+    ] = ()
+    """Spreader beams on two slings."""
     forces: Annotated[
         tuple[Annotated[Any, Chosen(FORCES)], ...],
         Table(
@@ -392,6 +397,11 @@ class SceneTables(Section):
         Table("Relative motions", "relative motion", move=_move_sides),
     ] = ()
     """Motions of points of bodies in the axes of other bodies."""
+    leads: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="leads")], ...],
+        Table("Leads", "lead", move=_move_sides),
+    ] = ()
+    """Angles of ropes against where they should point."""
 
 
 TABLES: Mapping[str, Table] = {

@@ -1,4 +1,4 @@
-"""Equalizers (block loaders): n lines with the same force, by moving pulleys on one rope.
+"""Equalizers (block loaders): n lines with the same force, by moving pulleys on one rope or without their masses.
 
 "Integrated simulation ... (2018)", sections 2.4.7 and 2.7.3 (2). A beam hangs on a hook by a hinge, its axis vertical.
 n moving pulleys with a line each slide on guides below it, n - 1 fixed sheaves between them, both ends of the rope on
@@ -7,7 +7,8 @@ pulley below the fixed sheaves and the tension T of the rope::
 
     sum 2 z_i + (2 n - 1) pi r = L,        F_i cos a_i = 2 T - m (g + z_i''),        needed travel  z_i - mean(z)
 
-A pulley at a stop is an anchor: its line takes what balance gives.
+A pulley at a stop is an anchor: its line takes what balance gives. As ``massless`` all lines are one rope whose path
+jumps from lug to lug, see `heavylift.solver.laws.equalized`.
 
 Equal forces have their resultant in the centroid of the lugs: a load on one equalizer hangs on that point, and turns
 over if its centre of mass lies above it.
@@ -17,7 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,6 +146,9 @@ class Equalizer:
     """None of its own: its ropes, pulleys and guides have theirs."""
 
     name: str
+    model: Literal["pulleys", "massless"] = "pulleys"
+    """``pulleys``: bodies on guides with stops; ``massless``: one row for all lines, no mass of pulleys, and stops that
+    do not yield."""
     hook: EqualizerHook
     """What it hangs on, by a hinge with a vertical axis."""
     along: Annotated[tuple[float, float, float], Quantity("number")] = (1.0, 0.0, 0.0)
@@ -158,8 +162,8 @@ class Equalizer:
     sheaves."""
     beam: EqualizerBeam
     """The beam, with its fixed sheaves."""
-    pulley: EqualizerPulley
-    """Moving pulleys."""
+    pulley: EqualizerPulley | None = None
+    """Moving pulleys; none if ``massless``."""
     travel: EqualizerTravel
     """How far they move."""
     rope: EqualizerRope
@@ -175,7 +179,17 @@ class Equalizer:
 
     @staticmethod
     def check(said: Any) -> None:
-        """Pulleys stay below the fixed sheaves; extension pulleys are there."""
+        """A model has what it needs; pulleys stay below the fixed sheaves; extension pulleys are there."""
+        if (said.pulley is None) == (said.model == "pulleys"):
+            raise InputError(
+                "'pulley' is missing" if said.pulley is None else "a pulley with model 'massless'",
+                key="pulley",
+                expected="'pulley' with model 'pulleys', and none with 'massless'",
+            )
+        extended = any(line.other_point is not None for line in said.lines)
+        for key, given in (("friction", said.friction > 0.0), ("extension", extended)):
+            if given and said.model == "massless":
+                raise InputError(f"{key!r} with model 'massless'", key=key, expected="model 'pulleys'")
         if said.travel.up >= said.part_length:
             raise InputError(
                 f"{said.travel.up:.6g} m upwards, and part_length = {said.part_length:.6g} m: pulleys would "
@@ -196,7 +210,7 @@ class Equalizer:
 
     @staticmethod
     def build(said: Any, places: Places, made: Made) -> None:
-        """Write the parts: beam, hinge, pulleys, guides and ropes."""
+        """Write the parts: beam, hinge, and pulleys, guides and ropes, or one rope of all lines."""
         layout = _Layout.of(said, places)
         name, r, centre = said.name, said.sheave_radius, np.array([0.0, 0.0, -said.sheave_depth])
         length = 4.0 * r * len(said.lines)
@@ -212,7 +226,8 @@ class Equalizer:
         )
         hinge = {"name": f"{name}_hinge", "type": "hinge", "between": [said.hook.body, f"{name}_beam"]}
         made.add("joints", hinge | {"at": listed(layout.hinge), "axis": [0.0, 0.0, 1.0]}, "hook")
-        _add_pulleys(said, layout, places, made)
+        write = _add_pulleys if said.model == "pulleys" else _add_massless
+        write(said, layout, places, made)
 
 
 @dataclass(frozen=True, eq=False)
@@ -418,10 +433,16 @@ def _add_pulleys(said: Any, layout: _Layout, places: Places, made: Made) -> None
         "name": f"{name}_rope",
         "axial_stiffness": said.rope.axial_stiffness,
         "damping": said.rope.damping,
-        "length": 2.0 * count * said.part_length + (2 * count - 1) * math.pi * r,
+        "length": _rope_length(said),
         "path": path,
     }
     made.add("ropes", rope, "rope")
+
+
+def _rope_length(said: Any) -> float:
+    """Unstretched length of the rope over all pulleys [m]."""
+    count = len(said.lines)
+    return float(2.0 * count * said.part_length + (2 * count - 1) * math.pi * said.sheave_radius)
 
 
 def _add_line(said: Any, i: int, layout: _Layout, places: Places, made: Made) -> None:
@@ -444,3 +465,25 @@ def _add_line(said: Any, i: int, layout: _Layout, places: Places, made: Made) ->
     start = {"body": f"{name}_pulley_{i + 1}", "point": [0.0, 0.0, 0.0]}
     entry = {"name": f"{name}_line_{i + 1}", **of_rope, "length": float(layout.lengths[i])}
     made.add("ropes", entry | {"path": [start, end]}, f"lines.{i}")
+
+
+def _add_massless(said: Any, layout: _Layout, _places: Places, made: Made) -> None:
+    """One rope whose path jumps from lug to lug."""
+    path: list[dict[str, Any]] = []
+    for x, line in zip(layout.offsets, said.lines, strict=True):
+        path.append({"body": f"{said.name}_beam", "point": [float(x), 0.0, -said.sheave_depth]})
+        path.append({"body": line.body, "point": list(line.point)})
+    rope = {
+        "name": f"{said.name}_rope",
+        "type": "equalized",
+        "path": path,
+        "lengths": listed(layout.lengths),
+        "depth": said.part_length,
+        "up": said.travel.up,
+        "down": said.travel.down,
+        "axial_stiffness": said.rope.axial_stiffness,
+        "rope_length": _rope_length(said),
+        "line_stiffness": said.line.axial_stiffness,
+        "damping": said.line.damping,
+    }
+    made.add("ropes", rope, "lines")

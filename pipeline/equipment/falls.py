@@ -162,8 +162,13 @@ class Falls:
         if said.moves:
             rope["winch"] = speeds_of(said.moves, float(said.parts))
         made.add("ropes", rope, "rope")
-        seen = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}
-        made.add("relative_motions", seen | {"points": [list(said.crown.point), [0.0, 0.0, 0.0]]}, "crown")
+        middle = places.local(said.crown.body, crown)
+        lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}
+        lead |= {
+            key: listed(places.local(said.crown.body, crown + way) - middle)
+            for key, way in (("axis", DOWN), ("normal", across))
+        }
+        made.add("leads", lead | {"points": [list(said.crown.point), [0.0, 0.0, 0.0]]}, "crown")
 
 
 def _drum(

@@ -136,7 +136,11 @@ class Others:
         self._has_water = water and scene.sea is not None
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
         self._surfaces = dict(surfaces or {})
-        self._ropes = [[(self._place(p.body, p.point), p) for p in rope.path] for rope in scene.ropes]
+        self._ropes = [
+            [(self._place(p.body, p.point), p) for p in leg]
+            for rope in scene.ropes
+            for leg in getattr(rope, "legs", [rope.path])
+        ]
         self._springs, self._pulls = (
             [
                 (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))

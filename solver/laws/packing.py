@@ -8,7 +8,7 @@ tables as forces.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -68,6 +68,9 @@ def law_owners(scene: Scene) -> list[Any]:
 
 def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
     """Append the channels of one of them; returns the next free column."""
+    if hasattr(owner, "segment_count"):
+        lines = tuple(str(i + 1) for i in range(owner.segment_count))
+        return add_channels(owner.name, owner.CHANNELS, channels, column, {"segment_tension": lines})
     if isinstance(owner, (JointSpring, JointMotor)):
         turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
@@ -134,6 +137,10 @@ def pack_laws(
     """
     packing = _Packing(scene, columns, book, attachment, scales, first_block)
     made = packing.made
+    shared = [rope for rope in scene.ropes if rope.WORD == "equalized"]
+    if shared:
+        _pack_shared(packing, shared, integrator)
+        scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
     springs: list[tuple[Spring | JointSpring, NDArray[np.float64], bool]] = []
     cornered: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
     for force in scene.forces:
@@ -175,6 +182,26 @@ def pack_laws(
         else:
             made.fitted = True
     return made
+
+
+def _pack_shared(packing: _Packing, members: Sequence[Any], integrator: str) -> None:
+    """Lines of equalizers without masses of pulleys."""
+    if integrator == "accurate":
+        raise InputError(
+            "'accurate' with lines of one force, whose rows change at stops",
+            source=members[0].name,
+            key="type",
+            expected="integrator 'dele2', or an equalizer with pulleys",
+        )
+    from heavylift.solver.laws.equalized_packing import pack_equalized
+
+    made = packing.made
+    columns = [packing.columns[rope.name] for rope in members]
+    book, bodies = packing.book, packing.scene.bodies
+    made.joints.append(
+        pack_equalized(members, columns, book, packing.attachment, packing.scales, bodies, packing.add)
+    )
+    made.fitted = True
 
 
 def _table(force: Spring | JointSpring) -> NDArray[np.float64]:
