@@ -334,8 +334,8 @@ class CraneCriterion(_Loaded):
     reach: ReachSection | None = None
     """Points between which the radius is, horizontally; needed for off-lead and side-lead."""
     hook: PlaceSection | None = None
-    """Lower end of the falls, for off-lead and side-lead: angles of the line from the tip, in and across the plane of the
-    boom, in the axes of the body of the centre."""
+    """Lower end of the falls, for off-lead and side-lead: angles of the line from the tip, in and across the plane of
+    the boom, in the axes of the body of the centre."""
     off_lead: Angle | None = None
     """Largest angle of the falls in the plane of the boom; 3 deg if absent."""
     side_lead: Angle | None = None

@@ -45,7 +45,15 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.criteria import Criterion, PlaceSection, Rating
     from heavylift.pipeline.results.histories import Results
 
-__all__ = ["CriterionResult", "Factor", "crane_points", "evaluate_criteria", "worst_results"]
+__all__ = [
+    "PHASE",
+    "CranePoints",
+    "CriterionResult",
+    "Factor",
+    "crane_points",
+    "evaluate_criteria",
+    "phase_words",
+]
 
 PHASE = "scenario.phase"
 """Channel with the number of the phase of an operation, if the run has one."""
@@ -248,6 +256,12 @@ class _Run:
         """Value of a channel when the criterion says that it is at rest."""
         when = self.criterion.static_at
         if isinstance(when, float):
+            if when > self.results.time[-1] + _TOUCH * when:
+                raise InputError(
+                    f"criterion {self.criterion.name!r}: the records end at {self.results.time[-1]:.9g} s",
+                    source=self.case.file,
+                    expected=f"a run beyond 'static_at', {when:.9g} s",
+                )
             whole = self.quantities.history(f"{name}.end")
             return float(np.interp(when, self.results.time, whole))
         values = self.history(name)
@@ -315,7 +329,8 @@ class _Run:
         if time is None or PHASE not in self.results:
             return ""
         record = min(int(np.searchsorted(self.results.time, time - _TOUCH)), len(self.results.time) - 1)
-        return f"{self.results[PHASE].reshape(len(self.results.time), -1)[record, 0]:g}"
+        number = self.results[PHASE].reshape(len(self.results.time), -1)[record, 0]
+        return phase_words(self.case, float(number))
 
     def clauses(self, *found: Clause) -> tuple[Clause, ...]:
         """The source that the criterion gives, or those of its kind."""
@@ -372,6 +387,19 @@ class _Run:
             note=note,
             history=(moments, used) if len(moments) > 1 and np.isfinite(used).any() else None,
         )
+
+
+def phase_words(case: Case, number: float) -> str:
+    """Name of the phase of an operation with a number from 1, as the case file says it; else its number."""
+    scenario = case.document.get("scenario")
+    phases = scenario.get("phases") if isinstance(scenario, dict) else None
+    if isinstance(phases, list) and phases:
+        if number > len(phases):
+            return "the end, after all phases"
+        entry = phases[int(number) - 1]
+        if number >= 1 and isinstance(entry, dict) and isinstance(entry.get("name"), str):
+            return str(entry["name"])
+    return f"phase {number:g}"
 
 
 class _Forces(NamedTuple):
@@ -579,12 +607,23 @@ def _lug(run: _Run, c: LugCriterion) -> list[CriterionResult]:
     return rows
 
 
-class _CranePoints(NamedTuple):
-    """Radius, load and capacity of a crane over time: what its curve is drawn with."""
+class CranePoints(NamedTuple):
+    """What the curve of a crane is drawn with.
 
+    Attributes
+    ----------
+    times
+        [s], shape (nt,).
+    radius, load
+        [m], [N], shape (nt,).
+    capacities
+        At the radii of the curve [N].
+    """
+
+    times: NDArray[np.float64]
     radius: NDArray[np.float64]
     load: NDArray[np.float64]
-    forces: _Forces
+    capacities: tuple[float, ...]
 
 
 def _radius(run: _Run, c: CraneCriterion) -> NDArray[np.float64]:
@@ -883,14 +922,13 @@ def evaluate_criterion(case: Case, quantities: Quantities, criterion: Criterion)
     return _EVALUATED[type(criterion)](_Run(case, quantities, criterion), criterion)
 
 
-def worst_results(results: Sequence[CriterionResult]) -> list[CriterionResult]:
-    """Failed criteria first, then by utilisation; those without one last."""
-    return sorted(results, key=lambda one: (one.passed, -(one.utilisation or 0.0)))
-
-
-def crane_points(case: Case, quantities: Quantities, criterion: CraneCriterion) -> _CranePoints:
-    """Radius [m] and load [N] of a crane at all records, shape (nt,) each."""
+def crane_points(case: Case, quantities: Quantities, criterion: CraneCriterion) -> CranePoints:
+    """Radius and load of a crane at all records, and its curve in newtons."""
     run = _Run(case, quantities, criterion)
-    forces = _crane_load(run, criterion)
-    (load,) = forces.values.values()
-    return _CranePoints(_radius(run, criterion), np.broadcast_to(load, run.times.shape), forces)
+    (load,) = _crane_load(run, criterion).values.values()
+    return CranePoints(
+        run.times,
+        _radius(run, criterion),
+        np.broadcast_to(load, run.times.shape),
+        tuple(run.newtons(one) for one in criterion.curve.capacity),
+    )

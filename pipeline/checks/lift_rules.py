@@ -66,7 +66,7 @@ class Clause(NamedTuple):
     @property
     def text(self) -> str:
         """Source, marked unless a copy of the document or the case file says it."""
-        if self.status == "case file":
+        if self.status in {"case file", self.source}:
             return self.source
         words = {"seen": "public copy", "memory": "NOT CONFIRMED: from memory", "assumption": "assumption"}
         return f"{self.source} [{words.get(self.status, f'NOT CONFIRMED: {self.status}')}]"
