@@ -303,10 +303,10 @@ class _Run:
         given = np.array(point, dtype=np.float64)
         if body == GROUND:
             return np.tile(given, (len(self.times), 1))
-        sensor = sensor_at(self.case, body, point)
-        if sensor is not None:
-            return np.asarray(self.results[f"{sensor}.position"][self.inside])
         section: Any = self.case.bodies[body]
+        if section.type != "rigid":
+            sensor = sensor_at(self.case, body, point)
+            return np.asarray(self.results[f"{sensor}.position"][self.inside])
         if section.frame.origin == "centre_of_mass":
             given = given - np.array(section.centre_of_mass)
         position = self.results[f"{body}.position"][self.inside]
@@ -677,8 +677,9 @@ def _crane(run: _Run, c: CraneCriterion) -> list[CriterionResult]:
     rows[0] = replace(
         rows[0],
         history=(run.times, used) if within.any() and len(used) > 1 else None,
-        **({"time": None, "phase": ""} if not len(forces.times) and c.radius is not None else {}),
     )
+    if not len(forces.times) and c.radius is not None:  # at rest, at one radius: at no time
+        rows[0] = replace(rows[0], time=None, phase="", history=None)
     if c.radius is None:
         beyond = radius.max() - high >= low - radius.min()
         worst = "<=" if beyond else ">="
@@ -858,15 +859,11 @@ def _limit(run: _Run, c: LimitCriterion) -> list[CriterionResult]:
             # the largest value of all must exceed a limit, not every value
             extreme = values.argmax() if statistic == "max" else values.argmin()
             values, times = values[[extreme]], np.empty(0)
-        series.append(_Series(where or c.quantity, values, limit))
+        series.append(_Series(where, values, limit))
     seen = (
         run.seen([text.removesuffix(f".{statistic}") for _, text in members], statistic) if len(times) else ""
     )
-    return [
-        run.result(
-            "value of the quantity", quantity.kind.unit, series, (clause,), side=side, seen=seen, times=times
-        )
-    ]
+    return [run.result(c.quantity, quantity.kind.unit, series, (clause,), side=side, seen=seen, times=times)]
 
 
 _EVALUATED: dict[type, Callable[[_Run, Any], list[CriterionResult]]] = {

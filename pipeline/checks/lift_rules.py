@@ -154,5 +154,7 @@ def capacity_at(
     radii: Sequence[float], capacities: Sequence[float], radius: ArrayLike
 ) -> NDArray[np.float64]:
     """Capacity of a crane at some radii, linear between those of its curve; not a number outside."""
-    found: NDArray[np.float64] = np.interp(radius, radii, capacities, left=np.nan, right=np.nan)
+    found: NDArray[np.float64] = np.interp(
+        np.asarray(radius, dtype=np.float64), radii, capacities, left=np.nan, right=np.nan
+    )
     return found

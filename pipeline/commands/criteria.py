@@ -59,7 +59,7 @@ def judge_case(
     case = load_changed_case(path, overrides)
     if not case.criteria:
         raise InputError("no criteria", source=case.file, expected="[[criteria]] with name and type")
-    stages = ("mesh", "modes", "simulate")
+    stages: tuple[str, ...] = ("mesh", "modes", "simulate")
     if case.simulate is None:
         stages = needed_stages([text for one in case.criteria if (text := getattr(one, "quantity", ""))])
     report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
@@ -82,7 +82,7 @@ def criteria_document(judged: JudgedCase) -> dict[str, Any]:
 
 def criteria_table(judged: JudgedCase) -> list[str]:
     """Lines of a table for a person: two a result, and one of its sources and factors."""
-    from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words
+    from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words, used_words
 
     outcome = "a criterion failed" if judged.outcome is Outcome.CHECK_FAILED else judged.outcome.text
     lines = [f"{judged.case}: {outcome}"]
@@ -91,7 +91,7 @@ def criteria_table(judged: JudgedCase) -> list[str]:
     width = max((len(result.name) for result in judged.results), default=0)
     for result in judged.results:
         value, limit, margin = criterion_cells(result)
-        used = "-" if result.utilisation is None else f"{100.0 * result.utilisation:.1f} %"
+        used = used_words(result) or "-"
         lines.append(
             f"  {result.name:{width}}  {value:>12} {limit:>14}  used {used:>8}  margin {margin:>11}  "
             f"{result_words(result)}"

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.report.document import Album
@@ -32,6 +34,8 @@ __all__ = [
     "criteria_section",
     "criterion_cells",
     "governing_words",
+    "result_words",
+    "used_words",
     "write_criteria",
 ]
 
@@ -106,6 +110,12 @@ def criterion_cells(result: CriterionResult) -> tuple[str, str, str]:
     return value, f"{ {'<=': '≤', '>=': '≥', '>': '>'}[result.side] } {limit}", margin
 
 
+def used_words(result: CriterionResult) -> str:
+    """Utilisation in percent; empty where there is none."""
+    used = result.utilisation
+    return "" if used is None else "> 999 %" if used > 9.99 else f"{100.0 * used:.1f} %"
+
+
 def governing_words(result: CriterionResult) -> str:
     """Where, when and in which phase it governs."""
     time = "" if result.time is None else f"at {result.time:.6g} s"
@@ -132,7 +142,7 @@ def criteria_section(
     rows = []
     for result in found:
         value, limit, margin = criterion_cells(result)
-        used = "–" if result.utilisation is None else f"{100.0 * result.utilisation:.1f} %"
+        used = used_words(result) or "–"
         governs = "; ".join(filter(None, (governing_words(result), result.note))) or "–"
         factors = "; ".join(factor.text for factor in result.factors)
         source = "; ".join(filter(None, (result.source, f"of {result.seen}" if result.seen else "")))
@@ -177,7 +187,7 @@ def _charts(
         if isinstance(criterion, CraneCriterion) and loads:
             items.append(_crane_figure(case, quantities, criterion, loads[0], album))
     bands = phase_bands(case, results)
-    histories = {}
+    histories: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
     for result in sorted(found, key=lambda one: -(one.utilisation or 0.0)):
         if result.history is not None and len(histories) < _CURVES:
             histories[f"{result.name}: {result.what}"] = result.history
@@ -189,9 +199,8 @@ def _charts(
         left = sum(one.history is not None for one in found) - len(histories)
         caption += f" {left} that use less are left out." if left else ""
         items.append(Figure(album.add("criteria", content), caption))
-    groups = dict.fromkeys(
-        criterion.ropes for criterion in case.criteria if len(getattr(criterion, "ropes", ())) > 1
-    )
+    given: list[tuple[str, ...]] = [getattr(criterion, "ropes", ()) for criterion in case.criteria]
+    groups = dict.fromkeys(ropes for ropes in given if len(ropes) > 1)
     for number, ropes in enumerate(groups):
         names = {rope: f"{rope}.tension" for rope in ropes if f"{rope}.tension" in results}
         if len(results.time) > 1 and len(names) > 1:
@@ -219,5 +228,5 @@ def _crane_figure(
         title=f"Crane curve, {criterion.name}",
         governing=governing,
     )
-    used = "" if result.utilisation is None else f"; at most {100.0 * result.utilisation:.1f} % is used"
+    used = f"; at most {words} is used" if (words := used_words(result)) else ""
     return Figure(album.add(f"crane_{criterion.name}", content), f"Load over the curve of the crane{used}.")

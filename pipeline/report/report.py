@@ -217,7 +217,9 @@ def _verdict(
     used = max((check for check in checks if check.utilisation is not None), key=_used, default=None)
     most = f"; at most {100.0 * _used(used):.3g} % of a limit is used, {_with_place(used)}" if used else ""
     parts = [_all_of(criteria, "criterion", "criteria")] if criteria else []
-    worst = max(judged, key=lambda one: one.utilisation or 0.0, default=None)
+    # a factor is near its limit in every lift: one that hardly moves uses 1 of 1.1
+    used_up = [one for one in judged if one.type != "dynamic_factor"]
+    worst = max(used_up, key=lambda one: one.utilisation or 0.0, default=None)
     if worst is not None and worst.utilisation is not None:
         parts[0] += f", of which {worst.name} uses most, {100.0 * worst.utilisation:.3g} %"
     parts += [_all_of(count, "check", "checks") + most] if count else []
