@@ -141,8 +141,8 @@ class _Moment:
 class _OneChannel:
     """Annotation of a channel, or of a combination, that is one number of a kind: ``"sum(fall_*.tension)"``."""
 
-    def __init__(self, kind: str) -> None:
-        self.kind = kind
+    def __init__(self, kind: str, *, group: bool = False) -> None:
+        self.kind, self.group = kind, group
 
     def check(self, name: str, info: ValidationInfo) -> str:
         """The name, if it is recorded, has one component and the wanted unit."""
@@ -164,6 +164,9 @@ class _OneChannel:
                 f"{name!r} names {quantity.owner!r}, which does not exist",
                 f"one of: {', '.join(names.names)}",
             )
+        if quantity.members and not self.group:
+            count = len(quantity.members)
+            reject(f"{name!r} is of {count} things", f"one number, e.g. 'sum({name})'")
         components = None if quantity.component else single_components(quantity.item, names)
         if not quantity.members and components is not None and len(components) > 1:
             reject(f"{name!r} has {len(components)} components", f"one of them: {', '.join(components)}")
@@ -478,7 +481,7 @@ class ClearanceCriterion(_Criterion):
     """Smallest distance: a gap of surfaces, a relative motion, a difference of heights."""
 
     type: Literal["clearance"]
-    distance: Annotated[str, _OneChannel("length")]
+    distance: Annotated[str, _OneChannel("length", group=True)]
     """Channel, or pattern of channels: ``"landing.gap"``, ``"swing.distance"``, ``"hook.position.z"``."""
     place: Literal["to_boom", "under_load", "near_final_place", "on_barge", "sideways"] | None = None
     """What the distance is, by which the limit is chosen: 3, 3, 1.5, 5 and 3 m."""

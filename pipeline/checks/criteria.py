@@ -58,6 +58,7 @@ __all__ = [
 PHASE = "scenario.phase"
 """Channel with the number of the phase of an operation, if the run has one."""
 _IN_RUN, _GIVEN, _ON_LIMIT = "in the run", "on the value", "on the limit"
+_OF_THE_CASE = Clause("limit of the case file", "case file")
 _TOUCH = 1e-9  # of a time: a record at the end of a span belongs to it
 
 
@@ -337,6 +338,10 @@ class _Run:
         given = self.criterion.source
         return (Clause(given, "case file"),) if given else found
 
+    def default(self, key: str, found: Clause) -> Clause:
+        """The clause that the default value of a key comes from; the case file where that gives another one."""
+        return _OF_THE_CASE if key in self.criterion.model_fields_set else found
+
     def result(
         self,
         what: str,
@@ -454,8 +459,13 @@ def _sling(run: _Run, c: SlingCriterion) -> list[CriterionResult]:
     )
     forces = _forces(run, _tensions(c.ropes))
     breaking = run.newtons(c.breaking_load)
-    names = ["sling utilisation", "sling safety factor", "partial factors", "load factor gamma_f"]
-    names += ["bending of a rope"] if bending > c.termination_factor else []
+    names = ["sling utilisation", "sling safety factor"]
+    if not {"consequence_factor", "wear_factor", "material_factor"} <= c.model_fields_set:
+        names.append("partial factors")
+    if "load_factor" not in c.model_fields_set:
+        names.append("load factor gamma_f")
+    if bending > c.termination_factor:
+        names.append("bending of a rope")
     return [
         run.result(
             "force over breaking load / gamma_sf",
@@ -553,7 +563,7 @@ def _sling_angle(run: _Run, c: SlingAngleCriterion) -> list[CriterionResult]:
             rise = np.abs(d @ run.up)
             angles.append(np.arctan2(rise, np.linalg.norm(d - np.outer(d @ run.up, run.up), axis=1)))
         found[rope] = np.min(angles, axis=0)
-    clauses = (Clause("30 deg, warning below 45 deg", "assumption"),)
+    clauses = (run.default("minimum", Clause("30 deg, warning below 45 deg", "assumption")),)
     result = _angles(run, "smallest angle to the horizontal", found, c.minimum, ">=", clauses)
     if result.passed and result.value < c.warning:
         words = f"below {math.degrees(c.warning):.4g} deg"
@@ -571,7 +581,7 @@ def _lug(run: _Run, c: LugCriterion) -> list[CriterionResult]:
         sine = np.sum(d * normals, axis=1) / np.linalg.norm(d, axis=1)
         sines[rope] = np.clip(np.abs(sine), 0.0, 1.0)
     angles = {rope: np.arcsin(sine) for rope, sine in sines.items()}
-    clause = rules.clause("out-of-plane angle at padeyes")
+    clause = run.default("maximum_angle", rules.clause("out-of-plane angle at padeyes"))
     rows = [_angles(run, "angle to the plane of the eye", angles, c.maximum_angle, "<=", (clause,))]
     forces = _forces(run, _tensions(c.ropes))
     point = rules.clause("lift point load")
@@ -580,7 +590,7 @@ def _lug(run: _Run, c: LugCriterion) -> list[CriterionResult]:
         (
             c.out_of_plane,
             "force across the plane of the eye",
-            (point, rules.clause("lateral load at lift points")),
+            (point, run.default("lateral_share", rules.clause("lateral load at lift points"))),
             lambda s: np.maximum(s, c.lateral_share),
             (Factor("least lateral share", c.lateral_share, _GIVEN),),
         ),
@@ -720,7 +730,7 @@ def _leads(run: _Run, c: CraneCriterion) -> list[CriterionResult]:
         ("side-lead, angle of the falls across the plane of the boom", np.cross(up, out), c.side_lead),
     ):
         angle = np.abs(np.arctan2(np.sum(fall * axis, axis=1), down))
-        clause = Clause("limit of the case file", "case file")
+        clause = _OF_THE_CASE
         if given is None:
             clause = rules.clause("off-lead and side-lead of cranes at rest")
         series = [_Series("", angle, rules.LEAD if given is None else given)]
@@ -739,7 +749,7 @@ def _dynamic_factor(run: _Run, c: DynamicsCriterion) -> list[CriterionResult]:
             expected="'static_at' when it carries, or 'static_load'",
         )
     factors: tuple[Factor, ...] = (Factor("DAF", None, _IN_RUN),)
-    clause = Clause("limit of the case file", "case file")
+    clause = _OF_THE_CASE
     limit = c.maximum
     if limit is None:
         if run.g == 0.0:
@@ -770,7 +780,7 @@ def _dynamic_factor(run: _Run, c: DynamicsCriterion) -> list[CriterionResult]:
 
 
 def _clearance(run: _Run, c: ClearanceCriterion) -> list[CriterionResult]:
-    limit, clause = c.minimum, Clause("limit of the case file", "case file")
+    limit, clause = c.minimum, _OF_THE_CASE
     if limit is None:
         assert c.place is not None
         limit, name = rules.CLEARANCES[c.place]
@@ -797,7 +807,7 @@ def _tilt(run: _Run, c: TiltCriterion) -> list[CriterionResult]:
     axis = np.array(c.axis, dtype=np.float64)
     axes = np.asarray(run.rotations(c.body).apply(axis / np.linalg.norm(axis)))
     angle = np.arctan2(np.linalg.norm(np.cross(axes, run.up), axis=1), axes @ run.up)
-    clause = Clause("limit of the case file", "case file")
+    clause = _OF_THE_CASE
     return [
         run.result(
             "angle to the vertical", "rad", [_Series(c.body, angle, c.maximum)], (clause,), seen=run.records
@@ -812,7 +822,7 @@ def _slack(run: _Run, c: SlackCriterion) -> list[CriterionResult]:
         "smallest tension",
         "N",
         [_Series(rope, values, c.minimum) for rope, values in tensions.items()],
-        (Clause("no slack", "assumption"),),
+        (run.default("minimum", Clause("no slack", "assumption")),),
         side=">",
         seen=seen,
     )
@@ -832,7 +842,7 @@ def _slack(run: _Run, c: SlackCriterion) -> list[CriterionResult]:
                     expected="'static_at' when it carries",
                 )
             series.append(_Series(rope, 1.0 - values / static, c.dynamic_share))
-        clause = rules.clause("slack slings")
+        clause = run.default("dynamic_share", rules.clause("slack slings"))
         what = "part of the tension at rest that dynamics take away"
         rows.append(run.result(what, "1", series, (clause,), seen=seen))
     return rows
@@ -845,7 +855,7 @@ def _limit(run: _Run, c: LimitCriterion) -> list[CriterionResult]:
     members = quantity.members or (("", c.quantity),)
     family = run.case.quantity(members[0][1]).family
     statistic = c.quantity.rpartition(".")[2] if family in {"channel", "stress"} else ""
-    clause = Clause("limit of the case file", "case file")
+    clause = _OF_THE_CASE
     series, times = [], np.empty(0)
     for where, text in members:
         name = text.removesuffix(f".{statistic}")

@@ -377,6 +377,10 @@ def test_forces_on_lugs_in_their_plane_and_across(judged):
     assert (across.value, across.passed) == (pytest.approx(2e4 / 7.0), False)
     assert (straight.value, straight.passed) == (pytest.approx(0.0, abs=1e-9), True)
     assert least.value == pytest.approx(300.0)  # 3 % at least
+    assert (angle.clauses[0].status, straight.clauses[0].status) == (
+        "seen in a training question",
+        "case file",
+    )
 
 
 def test_lugs_turn_with_their_body(judged):
@@ -529,6 +533,10 @@ def test_the_phase_in_which_it_governs(judged, folder):
         (
             CRANE | {"radius": "30 m", "curve": Raw("{ radius = [20, 40], capacity = [3, 2, 1] }")},
             "curve.capacity: 2 radii and 3 capacities",
+        ),
+        (
+            CRANE | {"radius": "30 m", "load": "sling_*.tension"},
+            "load: 'sling_*.tension' is of 3 things; expected one number, e.g. 'sum(sling_*.tension)'",
         ),
         (
             SLING | {"ropes": ["slang_*"]},
