@@ -38,6 +38,7 @@ from heavylift.pipeline.case.fields import (
     Section,
     SideName,
     quantity_schema,
+    refuse_unknown,
     reject,
 )
 from heavylift.pipeline.case.quantity_names import (
@@ -68,6 +69,7 @@ __all__ = [
     "TiltCriterion",
     "check_criterion",
     "lug_end",
+    "parts_to",
     "sensor_at",
 ]
 
@@ -339,6 +341,9 @@ class CraneCriterion(_Loaded):
     hook: PlaceSection | None = None
     """Lower end of the falls, for off-lead and side-lead: angles of the line from the tip, in and across the plane of
     the boom, in the axes of the body of the centre."""
+    fall: str | None = None
+    """Rope whose straight parts to the body of the hook are the falls, in place of the line from the tip: it leaves a
+    sheave beside its centre, and that is no lead."""
     off_lead: Angle | None = None
     """Largest angle of the falls in the plane of the boom; 3 deg if absent."""
     side_lead: Angle | None = None
@@ -360,7 +365,7 @@ class CraneCriterion(_Loaded):
             )
         if self.hook is not None and self.reach is None:
             reject("'hook' without 'reach'", "'reach', which says where the falls begin", key="hook")
-        for key in ("off_lead", "side_lead"):
+        for key in ("off_lead", "side_lead", "fall"):
             if getattr(self, key) is not None and self.hook is None:
                 reject(f"{key!r} without 'hook'", "'reach' and 'hook', between which the falls are", key=key)
         return self
@@ -626,6 +631,15 @@ def check_criterion(case: Any, index: int) -> None:
                 _check_place(case, place.body, place.point, f"{key}.{name}")
             if reach is not None:
                 _check_axes(case, reach.centre.body, f"{key}.reach.centre.body")
+            if criterion.fall is not None and criterion.hook is not None:
+                refuse_unknown("rope", criterion.fall, [one.name for one in case.ropes], key=f"{key}.fall")
+                _check_path(case, criterion.fall, f"{key}.fall")
+                if not parts_to(case, criterion.fall, criterion.hook.body):
+                    reject(
+                        f"no part of {criterion.fall!r} leads to {criterion.hook.body!r}",
+                        "a rope between the crane and the body of the hook",
+                        key=f"{key}.fall",
+                    )
         case SlingAngleCriterion() | LugCriterion():
             for number, name in enumerate(criterion.ropes):
                 _check_path(case, name, f"{key}.ropes.{number}")
@@ -646,6 +660,13 @@ def lug_end(case: Any, rope: str, body: str) -> int | None:
     """Index of the end of a rope that is on a body; None if neither is."""
     path = next(one.path for one in case.ropes if one.name == rope)
     return next((end for end in (len(path) - 1, 0) if path[end].body == body), None)
+
+
+def parts_to(case: Any, rope: str, body: str) -> list[tuple[int, int]]:
+    """Straight parts of a rope that lead to a body from another one: their numbers, and 1 or -1 of those from it."""
+    path = next(one.path for one in case.ropes if one.name == rope)
+    ends = [(path[k].body == body, path[k + 1].body == body) for k in range(len(path) - 1)]
+    return [(k, 1 if last else -1) for k, (first, last) in enumerate(ends) if first != last]
 
 
 def _ratings(criterion: Any) -> list[tuple[str, Rating]]:

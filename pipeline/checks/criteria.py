@@ -27,6 +27,7 @@ from heavylift.pipeline.case.criteria import (
     SlingCriterion,
     TiltCriterion,
     lug_end,
+    parts_to,
     sensor_at,
 )
 from heavylift.pipeline.case.fields import GROUND
@@ -708,7 +709,12 @@ def _leads(run: _Run, c: CraneCriterion) -> list[CriterionResult]:
     """Angles of the falls in the plane of the boom and across it, in the axes of the crane."""
     assert c.reach is not None
     assert c.hook is not None
-    fall = _between(run, c.reach.tip, c.hook)
+    if c.fall is None:
+        fall = _between(run, c.reach.tip, c.hook)
+    else:
+        begins, ends = run.parts(c.fall)
+        lines = [sign * (ends[k] - begins[k]) for k, sign in parts_to(run.case, c.fall, c.hook.body)]
+        fall = np.mean([line / np.linalg.norm(line, axis=1, keepdims=True) for line in lines], axis=0)
     out = _between(run, c.reach.centre, c.reach.tip)
     body = c.reach.centre.body
     up = np.tile(run.up, (len(run.times), 1))

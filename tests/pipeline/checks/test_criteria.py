@@ -308,6 +308,31 @@ def test_a_crane_that_heels_leans_against_its_falls(judged):
     assert side.value == pytest.approx(math.radians(2.0))
 
 
+def test_a_fall_that_leaves_its_sheave_vertically_has_no_lead(judged):
+    """A sheave of 0.5 m at the tip, 10 m above the hook, which hangs below its rim: the line from its centre leans."""
+    rope = """
+[[ropes]]
+name = "fall"
+axial_stiffness = "1 GN"
+path = [
+    { body = "ground", point = [-5, 0, 9] },
+    { body = "ground", point = [0, 0, 10], radius = 0.5, axis = [0, 1, 0] },
+    { body = "load", point = [0.5, 0, 0] },
+]
+"""
+    given = CRANE | {
+        "reach": Raw(
+            '{ centre = { body = "ground", point = [-30, 0, 0] }, tip = { body = "ground", point = [0, 0, 10] } }'
+        ),
+        "hook": Raw('{ body = "load", point = [0.5, 0, 0] }'),
+    }
+    text = criterion(**given) + criterion(**(given | {"name": "by_rope", "fall": "fall"}))
+    _, _, centre, _, _, _, rim, side = judged(rope + text)
+    assert centre.value == pytest.approx(math.atan2(0.5, 10.0))
+    assert rim.value == pytest.approx(0.0, abs=1e-9)
+    assert side.value == pytest.approx(0.0, abs=1e-9)
+
+
 def test_amplification_stands_beside_the_table(judged):
     """30 kN at rest and 10 % more: 3 t has no value in the table, 300 t of the same has 1.25 offshore."""
     loads = {f"sling_{i}__tension": 1e6 * (1.0 + 0.1 * np.sin(TIMES)) for i in (1, 2, 3)}
@@ -507,6 +532,7 @@ def test_the_phase_in_which_it_governs(judged, folder):
             "both 'radius' and 'radius_channel'",
         ),
         (CRANE | {"radius": "30 kg"}, "radius: '30 kg'"),
+        (CRANE | {"radius": "30 m", "fall": "sling_1"}, "'fall' without 'hook'"),
         (CRANE | {"radius": "30 m", "off_lead": "2 deg"}, "'off_lead' without 'hook'"),
         (CRANE | {"radius": "30 m", "load": "load.position.z"}, "load: 'load.position.z' is in m, no force"),
         (
