@@ -23,7 +23,15 @@ from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.checks.quantities import evaluate_checks
 
 DOCS = ROOT / "docs"
-GUIDES = ("getting-started.md", "rigging.md", "criteria.md", "editor.md", "benchmarks.md", "inside.md", "python.md")
+GUIDES = (
+    "getting-started.md",
+    "rigging.md",
+    "criteria.md",
+    "editor.md",
+    "benchmarks.md",
+    "inside.md",
+    "python.md",
+)
 
 
 class Block(NamedTuple):
