@@ -70,6 +70,7 @@ __all__ = [
     "check_criterion",
     "lug_end",
     "parts_to",
+    "phase_names",
     "sensor_at",
 ]
 
@@ -227,6 +228,8 @@ class _Criterion(Section):
     """Only from this time of the run on [s]; from its start if absent."""
     until: Time | None = None
     """Only up to this time [s]; to the end if absent."""
+    phases: tuple[str, ...] = ()
+    """Only in these phases of the operation, by name; in all if absent."""
     source: Annotated[str, Field(pattern=r"\S")] | None = None
     """Where the limit comes from; if absent the clause that the kind of criterion has, with its status."""
 
@@ -552,8 +555,9 @@ class LimitCriterion(_Criterion):
             other = "and" if self.maximum is not None else "nor"
             reject(f"{which} 'maximum' {other} 'minimum'", "one of them: a criterion each")
         over_time = self.quantity.partition(".")[0] in {"channel", "stress"}
-        key = "after" if self.after is not None else "until"
-        if getattr(self, key) is not None and not over_time:
+        given = [key for key in ("after", "until", "phases") if getattr(self, key) not in {None, ()}]
+        if given and not over_time:
+            key = given[0]
             reject(
                 f"{key!r} with {self.quantity!r}, which is not over time", "a channel or a stress", key=key
             )
@@ -619,6 +623,8 @@ def check_criterion(case: Any, index: int) -> None:
     if criterion.type != "limit" and case.simulate is None:
         reject("needs a [simulate] section", "a case that is simulated", key=key)
     _check_times(case, criterion, key)
+    for number, phase in enumerate(criterion.phases):
+        refuse_unknown("phase", phase, phase_names(case), key=f"{key}.phases.{number}")
     for name, rating in _ratings(criterion):
         if rating.is_mass and (case.gravity is None or not any(case.gravity.acceleration)):
             reject("a mass without gravity", "a force, or [gravity]", key=f"{key}.{name}")
@@ -660,6 +666,14 @@ def lug_end(case: Any, rope: str, body: str) -> int | None:
     """Index of the end of a rope that is on a body; None if neither is."""
     path = next(one.path for one in case.ropes if one.name == rope)
     return next((end for end in (len(path) - 1, 0) if path[end].body == body), None)
+
+
+def phase_names(case: Any) -> list[str]:
+    """Names of the phases of the operation in their order, as the case file says them; empty if it has none."""
+    scenario = case.document.get("scenario")
+    phases = scenario.get("phases") if isinstance(scenario, dict) else None
+    entries = phases if isinstance(phases, list) else []
+    return [str(one.get("name", number)) for number, one in enumerate(entries, 1) if isinstance(one, dict)]
 
 
 def parts_to(case: Any, rope: str, body: str) -> list[tuple[int, int]]:

@@ -28,6 +28,7 @@ from heavylift.pipeline.case.criteria import (
     TiltCriterion,
     lug_end,
     parts_to,
+    phase_names,
     sensor_at,
 )
 from heavylift.pipeline.case.fields import GROUND
@@ -226,22 +227,47 @@ class _Run:
         slack = _TOUCH * max(1.0, float(np.abs(time).max(initial=0.0)))
         first = -math.inf if criterion.after is None else criterion.after - slack
         last = math.inf if criterion.until is None else criterion.until + slack
-        self.inside = (time >= first) & (time <= last)
+        self.inside = (time >= first) & (time <= last) & self._in_phases(criterion.phases)
         if not self.inside.any():
             raise InputError(
                 f"criterion {criterion.name!r}: there is no record within its time",
                 source=case.file,
-                expected="'after' and 'until' within the records",
+                expected="'after', 'until' and 'phases' within the records",
             )
         self.times: NDArray[np.float64] = time[self.inside]
+        before = np.concatenate([[True], self.inside[:-1]])
+        # records whose neighbour before does not belong to the criterion
+        self.entered: NDArray[np.bool_] = ~before[self.inside]
+        # and those whose whole interval is before its time; one in which a phase begins counts for that phase
+        self.begins = np.isclose(self.times, criterion.after or -math.inf, rtol=0.0, atol=slack)
+
+    def _in_phases(self, wanted: Sequence[str]) -> NDArray[np.bool_]:
+        """Records in some phases of the operation; all if none is named."""
+        if not wanted:
+            return np.ones(len(self.results.time), dtype=np.bool_)
+        if PHASE not in self.results:
+            raise InputError(
+                f"criterion {self.criterion.name!r}: the run has no {PHASE!r}",
+                source=self.case.file,
+                expected="a run with phases, or no 'phases'",
+            )
+        names = phase_names(self.case)
+        numbers = [number for number, name in enumerate(names, 1) if name in wanted]
+        phases = self.results[PHASE].reshape(len(self.results.time), -1)[:, 0]
+        return np.isin(phases, numbers)
 
     def history(self, name: str, side: str = "end") -> NDArray[np.float64]:
         """Records of a channel or stress, ``"channel.fall.tension"``, or their extremes since the record before."""
         values = self.quantities.history(f"{name}.{side}")
         found: NDArray[np.float64] = values[self.inside].copy()
-        if side in {"max", "min"} and not self.inside[0]:  # what was before the time does not count
-            found[0] = self.quantities.history(f"{name}.end")[self.inside][0]
+        if side in {"max", "min"} and self.begins.any():
+            found[self.begins] = self.quantities.history(f"{name}.end")[self.inside][self.begins]
         return found
+
+    @property
+    def steps(self) -> NDArray[np.float64]:
+        """Time from each record to the next one, where both belong to the criterion [s], shape (nt - 1,)."""
+        return np.where(self.entered[1:], 0.0, np.diff(self.times))
 
     def seen(self, names: Sequence[str], side: str) -> str:
         """Of how many steps or records extremes are; records if they differ."""
@@ -267,8 +293,9 @@ class _Run:
             whole = self.quantities.history(f"{name}.end")
             return float(np.interp(when, self.results.time, whole))
         values = self.history(name)
-        if when == "mean" and len(values) > 1:
-            return float(np.trapezoid(values, self.times) / (self.times[-1] - self.times[0]))
+        steps = self.steps
+        if when == "mean" and steps.any():
+            return float(np.sum(0.5 * (values[1:] + values[:-1]) * steps) / np.sum(steps))
         return float(values[-1] if when == "end" else values[0])
 
     @cached_property
@@ -391,21 +418,22 @@ class _Run:
             phase=self.phase(time),
             seen=seen,
             note=note,
-            history=(moments, used) if len(moments) > 1 and np.isfinite(used).any() else None,
+            history=self.over_time(used) if len(moments) > 1 and np.isfinite(used).any() else None,
         )
+
+    def over_time(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times of all records [s], and values within the time of the criterion, elsewhere no numbers."""
+        found = np.full(len(self.results.time), np.nan)
+        found[self.inside] = values
+        return self.results.time, found
 
 
 def phase_words(case: Case, number: float) -> str:
     """Name of the phase of an operation with a number from 1, as the case file says it; else its number."""
-    scenario = case.document.get("scenario")
-    phases = scenario.get("phases") if isinstance(scenario, dict) else None
-    if isinstance(phases, list) and phases:
-        if number > len(phases):
-            return "the end, after all phases"
-        entry = phases[int(number) - 1]
-        if number >= 1 and isinstance(entry, dict) and isinstance(entry.get("name"), str):
-            return str(entry["name"])
-    return f"phase {number:g}"
+    names = phase_names(case)
+    if names and number > len(names):
+        return "the end, after all phases"
+    return names[int(number) - 1] if names and number >= 1.0 else f"phase {number:g}"
 
 
 class _Forces(NamedTuple):
@@ -687,7 +715,7 @@ def _crane(run: _Run, c: CraneCriterion) -> list[CriterionResult]:
     used = np.where(within, load / limits, np.nan)
     rows[0] = replace(
         rows[0],
-        history=(run.times, used) if within.any() and len(used) > 1 else None,
+        history=run.over_time(used) if within.any() and len(used) > 1 else None,
     )
     if not len(forces.times) and c.radius is not None:  # at rest, at one radius: at no time
         rows[0] = replace(rows[0], time=None, phase="", history=None)
@@ -834,7 +862,7 @@ def _slack(run: _Run, c: SlackCriterion) -> list[CriterionResult]:
     )
     if not result.passed and len(run.times) > 1:
         slack = tensions[result.where] <= c.minimum
-        duration = float(np.sum(np.diff(run.times)[slack[1:]]))
+        duration = float(np.sum(run.steps[slack[1:]]))
         result = replace(result, note=f"for {duration:.4g} s by records")
     rows = [result]
     if c.static_at is not None:

@@ -34,6 +34,7 @@ __all__ = [
     "criteria_section",
     "criterion_cells",
     "governing_words",
+    "phase_bands",
     "result_words",
     "used_words",
     "write_criteria",

@@ -24,7 +24,12 @@ from heavylift.pipeline.checks.lift_rules import (
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.report.criteria import criteria_results, criteria_section, write_criteria
+from heavylift.pipeline.report.criteria import (
+    criteria_results,
+    criteria_section,
+    phase_bands,
+    write_criteria,
+)
 from heavylift.pipeline.report.document import Album
 from heavylift.pipeline.report.report import _verdict
 from heavylift.pipeline.results.histories import ChannelInfo, Results
@@ -172,7 +177,7 @@ def test_the_worst_sling_governs_by_its_largest_force(judged):
     ]
     assert "0027/ND 7.4 [NOT CONFIRMED: from memory]" in row.source
     assert row.history is not None
-    assert row.history[1].max() == pytest.approx(row.utilisation)
+    assert np.nanmax(row.history[1]) == pytest.approx(row.utilisation)
 
 
 def test_extremes_of_all_steps_count_and_those_before_the_time_do_not(judged):
@@ -519,9 +524,58 @@ def test_the_phase_in_which_it_governs(judged, folder):
     assert row.phase == "hoisting"
 
 
+def test_a_criterion_of_some_phases(judged, folder):
+    """Phases 1, 2, 1 from 3 and 6 s on: in the first, 4 s of 8 kN and 2.9 of 10 kN, and no peak of the second."""
+    phase = np.where((TIMES > 2.95) & (TIMES < 5.95), 2.0, 1.0)
+    tension = np.where(TIMES > 5.95, 8e3, 1e4) + np.where(np.isclose(TIMES, 4.0), 5e3, 0.0)
+    # in the interval in which the first begins again
+    extremes = tension + np.where(np.isclose(TIMES, 6.0), 3e3, 0.0)
+    metadata = {"sees_every_step": True, "steps": 5000}
+    given = SLING | {"phases": ["tensioning"], "ropes": ["sling_1"]}
+    with (folder / "case.toml").open("a") as file:
+        file.write(criterion(**(given | {"phases": []})))
+    case = load_case(folder)
+    found = results(metadata, sling_1__tension=tension, sling_1__tension_max=extremes, scenario__phase=phase)
+    case._document["scenario"] = {"phases": [{"name": "tensioning"}, {"name": "hoisting"}]}
+
+    def value(**keys):
+        (one,) = case.criteria
+        return evaluate_criteria(
+            case.model_copy(update={"criteria": (one.model_copy(update=keys),)}), folder, found
+        )[0]
+
+    assert value().value == pytest.approx(15e3)
+    row = value(phases=("tensioning",))
+    assert (row.value, row.time, row.phase) == (pytest.approx(11e3), pytest.approx(6.0), "tensioning")
+    assert value(phases=("tensioning",), after=6.0).value == pytest.approx(8e3)
+    row = value(phases=("hoisting",))
+    assert (row.value, row.time, row.phase) == (pytest.approx(15e3), pytest.approx(4.0), "hoisting")
+    # 29 intervals at 10 kN up to 2.9 s, 40 at 8 kN from 6 s on
+    mean = value(phases=("tensioning",), dynamic_factor=1.0, static_at="mean")
+    assert mean.value == pytest.approx((2.9 * 1e4 + 4.0 * 8e3) / 6.9)
+    bands = phase_bands(case, found)
+    assert [(band.begin, band.end, band.name) for band in bands] == [
+        (0.0, pytest.approx(3.0), "tensioning"),
+        (pytest.approx(3.0), pytest.approx(6.0), "hoisting"),
+        (pytest.approx(6.0), pytest.approx(10.0), "tensioning"),
+    ]
+    with pytest.raises(InputError, match=r"criterion 'slings': the run has no 'scenario.phase'"):
+        evaluate_criteria(
+            case.model_copy(
+                update={"criteria": (case.criteria[0].model_copy(update={"phases": ("hoisting",)}),)}
+            ),
+            folder,
+            results(sling_1__tension=tension),
+        )
+
+
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
+        (
+            SLING | {"phases": ["hoisting"]},
+            "phases.0: phase 'hoisting' does not exist; expected one of: none",
+        ),
         (
             CRANE | {"radius": "41 m"},
             "radius: 41 m is outside the crane curve; expected a radius from 20 m to 40 m",
