@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
+from heavylift.pipeline.case.criteria import Criteria, LimitCriterion, check_criterion
 from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
@@ -69,6 +70,8 @@ class Case(SceneTables, _CaseHeading):
     """Convergence study."""
     check: tuple[CheckSection, ...] = ()
     """Reference values."""
+    criteria: Criteria = ()
+    """Criteria that the operation is judged by: cranes, slings, clearances."""
 
     _file: Path = PrivateAttr(default=Path(CASE_FILE))
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
@@ -81,6 +84,7 @@ class Case(SceneTables, _CaseHeading):
         """Tables that are right by themselves and do not fit together: everything that is wrong with them."""
         parts: list[Callable[[], None]] = [
             *(partial(self._check_can_be_computed, *entry) for entry in enumerate(self.check)),
+            *(partial(self._criterion_can_be_computed, *entry) for entry in enumerate(self.criteria)),
             self._fits_the_sea,
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
@@ -100,6 +104,16 @@ class Case(SceneTables, _CaseHeading):
         texts = {f"check.{index}.quantity": check.quantity}
         if isinstance(check.reference, QuantityReference):
             texts[f"check.{index}.reference.quantity"] = check.reference.quantity
+        self._can_be_computed(texts)
+
+    def _criterion_can_be_computed(self, index: int, criterion: Any) -> None:
+        """What a criterion looks at must exist."""
+        check_criterion(self, index)
+        if isinstance(criterion, LimitCriterion):
+            self._can_be_computed({f"criteria.{index}.quantity": criterion.quantity})
+
+    def _can_be_computed(self, texts: Mapping[str, str]) -> None:
+        """Refuse quantities, by the keys that name them, that the case cannot have."""
         for key, text in texts.items():
             quantity = self.quantity(text)
             for member in dict(quantity.members).values() or (text,):

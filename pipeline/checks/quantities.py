@@ -194,6 +194,28 @@ class Quantities:
         index = history.argmax() if name.statistic == "max" else history.argmin()
         return float(self.results.time[index]) if history.ndim == 1 else None
 
+    def history(self, text: str) -> NDArray[np.float64]:
+        """What the statistic of a channel or of a stress is taken of, one number a record: shape (nt,)."""
+        name = self._case.quantity(text)
+        history = {"channel": self._history, "stress": self._stress_history}[name.family](name)
+        if history.ndim > 1:
+            components = self.results.components(name.item)
+            raise self._missing(name, f"one component: {', '.join(components[:_SHOWN])}")
+        return history
+
+    @staticmethod
+    def statistic(word: str, history: NDArray[np.float64], times: NDArray[np.float64]) -> Any:
+        """Statistic of a history, shape (nt, ...), at times [s]; shape (...)."""
+        reductions = {
+            "end": lambda a: a[-1],
+            "min": lambda a: a.min(axis=0),
+            "max": lambda a: a.max(axis=0),
+            "mean": lambda a: a.mean(axis=0),
+            "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
+            "rate": lambda a: (a[-1] - a[0]) / (times[-1] - times[0]),
+        }
+        return reductions[word](history)
+
     def number(self, text: str) -> float:
         """Value of a quantity that is one number."""
         value = self.evaluate(text)
@@ -307,15 +329,7 @@ class Quantities:
         return self._solids[body]
 
     def _statistic(self, name: QuantityName, history: NDArray[np.float64]) -> NDArray[np.float64]:
-        reductions = {
-            "end": lambda a: a[-1],
-            "min": lambda a: a.min(axis=0),
-            "max": lambda a: a.max(axis=0),
-            "mean": lambda a: a.mean(axis=0),
-            "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
-            "rate": lambda a: (a[-1] - a[0]) / (self.results.time[-1] - self.results.time[0]),
-        }
-        return np.asarray(reductions[name.statistic](history))
+        return np.asarray(self.statistic(name.statistic, history, self.results.time))
 
     def _history(self, name: QuantityName) -> NDArray[np.float64]:
         """Records of a channel, shape (nt,), or (nt, components) if none of several is named."""

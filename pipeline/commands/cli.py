@@ -185,6 +185,34 @@ def verify(
 
 
 @app.command
+def criteria(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Run a case and judge it by its [[criteria]]: what is used of each limit, when, where, by which clause.
+
+    Exit code: 0 if every criterion passed, 1 if some failed, 2 for bad input, above 2 if the run stopped.
+    """
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
+
+        judged = judge_case(case, out=out, overrides=set_, force=force, log=log)
+        if json:
+            print_json(criteria_document(judged))
+        else:
+            print_lines(criteria_table(judged))
+        return int(judged.outcome)
+
+    return guarded(command, quiet=quiet, json=json)
+
+
+@app.command
 def converge(
     case: CaseArgument,
     *,

@@ -19,6 +19,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_case, run_case
 from heavylift.pipeline.assemble.early_checks import scene_errors
 from heavylift.pipeline.case.schema import case_schema
+from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.checks.quantities import evaluate_checks
 
 DOCS = ROOT / "docs"
@@ -26,6 +27,7 @@ GUIDES = (
     "getting-started.md",
     "rigging.md",
     "equipment.md",
+    "criteria.md",
     "editor.md",
     "benchmarks.md",
     "inside.md",
@@ -181,6 +183,9 @@ def test_the_case_of_rigging_runs_and_passes(tmp_path):
     assert [check.id for check in checks if not check.passed] == []
     assert len(checks) == 8
     assert next(check.where for check in checks if check.id == "slings") == "sling_left_1 at 10.3 s"
+    judged = evaluate_criteria(case, case.output_folder)
+    assert [one.name for one in judged if not one.passed] == []
+    assert len({one.name for one in judged}) == 10
 
 
 def test_the_case_of_equipment_runs_and_passes(tmp_path):
