@@ -31,7 +31,7 @@ from heavylift.solver.joints.registry import largest_opening
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
-from heavylift.solver.scene.connections import GROUND, Joint, Limits
+from heavylift.solver.scene.connections import GROUND, Joint, Limits, rubbing_places
 
 if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
@@ -76,8 +76,14 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
     parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
-    segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
-    return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
+    rubbing = tuple(str(place) for place in rubbing_places(owner))
+    chosen = {
+        "segment_tension": tuple(str(i + 1) for i in range(parts)),
+        "sheave_speed": rubbing,
+        "sheave_state": rubbing,
+    }
+    kinds = [kind for kind in owner.CHANNELS if kind.columns(chosen)]
+    return add_channels(owner.name, kinds, channels, column, chosen)
 
 
 @dataclass
@@ -162,12 +168,12 @@ def pack_laws(
         made.forces.append(driving)
         made.joints.append(driving)
     _pack_scalar_laws(packing, cornered)
-    if scene.ropes:
+    for ropes in _rope_groups(scene):
         from heavylift.solver.laws.rope_packing import pack_ropes
 
-        ropes, blocks = pack_ropes(
-            scene.ropes,
-            [columns[rope.name] for rope in scene.ropes],
+        kind, blocks = pack_ropes(
+            ropes,
+            [columns[rope.name] for rope in ropes],
             first_block + packing.block_count,
             book,
             attachment,
@@ -175,10 +181,11 @@ def pack_laws(
             scene.bodies,
             as_forces=integrator == "accurate",
         )
-        made.joints.append(ropes)
+        made.joints.append(kind)
         made.blocks += blocks
+        packing.block_count += sum(block.block_count for block in blocks)
         if integrator == "accurate":
-            made.forces.append(ropes)
+            made.forces.append(kind)
         else:
             made.fitted = True
     return made
@@ -202,6 +209,14 @@ def _pack_shared(packing: _Packing, members: Sequence[Any], integrator: str) -> 
         pack_equalized(members, columns, book, packing.attachment, packing.scales, bodies, packing.add)
     )
     made.fitted = True
+
+
+def _rope_groups(scene: Scene) -> list[list[Any]]:
+    """Ropes with one tension, and those with sheaves that rub: a kind each, if there are any."""
+    groups: tuple[list[Any], list[Any]] = [], []
+    for rope in scene.ropes:
+        groups[bool(rubbing_places(rope))].append(rope)
+    return [group for group in groups if group]
 
 
 def _table(force: Spring | JointSpring) -> NDArray[np.float64]:

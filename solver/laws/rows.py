@@ -23,6 +23,7 @@ from heavylift.solver.rows.structure import (
 
 __all__ = [
     "FREE_SOFTNESS",
+    "ROWS_A_BLOCK",
     "check_drift",
     "fit_law",
     "law_impulse",
@@ -34,6 +35,9 @@ __all__ = [
 
 FREE_SOFTNESS = 1e20
 """Softness relative to the characteristic inverse mass of a row whose force is given."""
+
+ROWS_A_BLOCK = 8
+"""Rows of one rope in a block of the system, as many as the largest has; more of them go on in the next one."""
 
 RETURN = 0.001
 """Part of the drift of a carried elongation that goes back each step, where that takes energy and gives none.

@@ -94,15 +94,29 @@ def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, st
     if not system.laws:
         solve_rows(system, work.velocity)
         return
+    softness = _softness(system)
     for _ in range(LAW_ITERATIONS):
         solve_rows(system, work.velocity)
         work.control.changed = 0
         relinearise(joints, time, step, work, system)
         if work.control.changed == 0:
             return
-        assemble(system)
-        factor_rows(system)
+        before, softness = softness, _softness(system)
+        if softness != before:  # else only forces that are given have changed
+            assemble(system)
+            factor_rows(system)
     work.status.outcome = NOT_CONVERGED
+
+
+@kernel(internal=True)
+def _softness(system: RowSystem) -> float:
+    """A sum that tells whether a softness has changed: a factor that is not the last one costs a round, no more."""
+    total = 0.0
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        for r in range(len(system.shape[1])):
+            total = 1.7 * total + row.softness[r]
+    return total
 
 
 @implement(solve_again, RowSystem)
