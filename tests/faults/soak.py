@@ -1,9 +1,9 @@
 """Faults by the hundred, by hand: `python tests/faults/soak.py PART --count 200 --seed 1`.
 
-A part is a module `soak_PART.py` beside this file. The first line of its docstring says what it does to whom; its function
-`run(count, seed)` does that `count` times, the same for the same `seed`, and returns counts by their names: how often what
-happened. What may never happen is counted as `"failures"`, and then the exit code is 1; a part prints a line for each of
-them, with what repeats it. Small counts of the parts are slow tests.
+A part is a module `soak_PART.py` beside this file. The first line of its docstring says what it does to whom; its
+function `run(count, seed)` does that `count` times, the same for the same `seed`, and returns counts by their names:
+how often what happened. What may never happen is counted as `"failures"`, and then the exit code is 1; a part prints a
+line for each of them, with what repeats it. Small counts of the parts are slow tests.
 """
 
 from __future__ import annotations
