@@ -258,8 +258,8 @@ def _overshoots(scene: Scene) -> list[str]:
     drives = [(f"the drive of {joint.name!r}", getattr(joint, "drive", None)) for joint in scene.joints]
     for body in scene.bodies:
         if isinstance(body.motion, Driven):
-            words = (f"the drive {key} of {body.name!r}" for key in ("x", "y", "z", "angle"))
-            drives += zip(words, body.motion.profiles, strict=True)
+            names = (f"the drive {key} of {body.name!r}" for key in ("x", "y", "z", "angle"))
+            drives += zip(names, body.motion.profiles, strict=True)
     sentences = []
     for words, profile in drives:
         if profile is None:

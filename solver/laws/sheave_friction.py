@@ -60,6 +60,7 @@ from heavylift.solver.laws.wire_rope import (
     set_rope_targets,
     stiffness_of,
     update_ropes,
+    watch_stretch,
     winch_state,
 )
 from heavylift.solver.rows.structure import REGULARISATION, RowArrays
@@ -565,6 +566,7 @@ def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) 
         rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         rope.tension = end_tension(kind, i, rope.hauling, rate)
         note_value(rope.extremes, work.control.interval, _end_tensions(kind, i, rope.tension))
+        watch_stretch(kind, i, work)
 
 
 @implement(record_joints, SheavedRopes)
@@ -590,6 +592,7 @@ def record_sheaved_ropes(
             row[column + 6 + part] = tension
         e = max(0.0, rope.stretched - rope.rest)
         work.sums.elastic += 0.5 * stiffness_of(kind, i, 1.0 / rope.rest) * e * e
+        work.sums.drift = max(work.sums.drift, abs(rope.drift))
         row[column] = largest
         row[column + 1] = length
         row[column + 2] = rope.rest

@@ -96,6 +96,7 @@ __all__ = [
     "start_length",
     "stiffness_of",
     "update_ropes",
+    "watch_stretch",
     "winch_state",
 ]
 
@@ -611,6 +612,15 @@ def add_ropes(kind: Ropes, time: float, work: Workspace) -> None:
             work.sums.drive_work += 0.5 * kind.table[i].axial_stiffness * (e / rest) ** 2 * hauling
 
 
+@kernel(internal=True)
+def watch_stretch(kind: Ropes, i: int, work: Workspace) -> None:
+    """What a rope stores at the end of the step; whether its path has left the stretch that it carries."""
+    state = kind.state[i]
+    e = max(0.0, state.stretched - state.rest)
+    note_stored(state.store, 0.5 * stiffness_of(kind, i, 1.0 / state.rest) * e * e)
+    check_drift(kind.table[i].block, state.drift, kind.table[i].largest_drift, work)
+
+
 @implement(watch_joints, Ropes)
 @kernel(internal=True)
 def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
@@ -622,9 +632,7 @@ def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
         rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         state.tension = end_tension(kind, i, state.hauling, rate)
         note_value(state.extremes, work.control.interval, state.tension)
-        e = max(0.0, state.stretched - state.rest)
-        note_stored(state.store, 0.5 * stiffness_of(kind, i, 1.0 / state.rest) * e * e)
-        check_drift(kind.table[i].block, state.drift, kind.table[i].largest_drift, work)
+        watch_stretch(kind, i, work)
 
 
 @kernel(internal=True)

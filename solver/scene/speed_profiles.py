@@ -94,9 +94,10 @@ def speed_pieces(
             way += s * (speed + s * (start / 2.0 + s * rate / 6.0))
             speed += s * (start + s * rate / 2.0)
     if acceleration is not None:  # rounding of the phases leaves nothing of the speeds that were said
-        for i in np.flatnonzero((pieces[1:, 3] == 0.0) & (pieces[1:, 4] == 0.0)) + 1:
-            k = int(np.searchsorted(t, pieces[i, 0], side="right")) - 1
-            pieces[i, 2] = v[max(k, 0)]
+        for piece in pieces[1:]:
+            if piece[3] == piece[4] == 0.0:
+                k = int(np.searchsorted(t, piece[0], side="right")) - 1
+                piece[2] = v[max(k, 0)]
     i = max(int(np.searchsorted(pieces[:, 0], 0.0, side="right")) - 1, 0)
     s = -pieces[i, 0]
     at_zero = pieces[i, 1] + s * (pieces[i, 2] + s * (pieces[i, 3] / 2.0 + s * pieces[i, 4] / 6.0))
