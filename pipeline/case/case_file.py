@@ -399,14 +399,14 @@ def load_case(
     return case
 
 
-def _in_block(key: str) -> bool:
-    """Whether a key is that of the parameters, or of a block itself."""
-    return key.partition(".")[0] in {"parameters", "repeat"}
-
-
 def _in_builder(key: str) -> bool:
     """Whether a key is that of the table of a builder of equipment."""
     return key.partition(".")[0] in BUILDERS
+
+
+def _in_block(key: str) -> bool:
+    """Whether a key is that of the parameters, or of a block itself."""
+    return key.partition(".")[0] in {"parameters", "repeat"}
 
 
 LARGEST_FILE = 64 * 2**20

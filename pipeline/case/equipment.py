@@ -8,6 +8,7 @@ on. Errors in what was written are told at the key of the builder.
 from __future__ import annotations
 
 import contextlib
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -108,8 +109,7 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
             key = f"{table}.{index}"
             try:
                 said = section_of(described).model_validate(row)
-                made = Made()
-                described.build(said, _Places(found.document), made)
+                made = _build(described, said, _Places(found.document))
             except (ValidationError, _Unknown):
                 continue
             except InputError as error:
@@ -120,6 +120,29 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
             for part in made.parts:
                 _put(found, part, f"{key}.{part.key}".removesuffix("."), file)
     return found
+
+
+def _build(described: Any, said: Any, places: _Places) -> Made:
+    """What a builder writes, all of it in finite numbers."""
+    made = Made()
+    huge = InputError("some of its parts would be at no finite place", expected="lengths of a sensible size")
+    try:
+        with np.errstate(all="ignore"):
+            described.build(said, places, made)
+    except (OverflowError, ZeroDivisionError):
+        raise huge from None
+    if not all(_is_finite(part.entry) for part in made.parts):
+        raise huge
+    return made
+
+
+def _is_finite(node: Any) -> bool:
+    """Whether all numbers in an entry are finite."""
+    if isinstance(node, dict):
+        return all(map(_is_finite, node.values()))
+    if isinstance(node, (list, tuple)):
+        return all(map(_is_finite, node))
+    return not isinstance(node, float) or math.isfinite(node)
 
 
 def _put(found: Equipped, part: Part, key: str, file: Path) -> None:

@@ -115,6 +115,7 @@ def heading(direction: ArrayLike, key: str) -> tuple[NDArray[np.float64], float]
         If it is not horizontal.
     """
     along: NDArray[np.float64] = np.asarray(direction, dtype=np.float64)
+    along = along / np.abs(along).max()  # whose square may be no number
     along = along / np.linalg.norm(along)
     if abs(along[2]) > LEVEL:
         raise InputError(

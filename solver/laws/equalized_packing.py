@@ -37,14 +37,23 @@ def pack_equalized(
     scales: Callable[[str], tuple[float, float]],
     bodies: Sequence[AnyBody],
     add: Callable[[LawBlock], int],
+    *,
+    integrator: str,
 ) -> EqualizedLines:
     """Make the kind; `add` takes a row and gives its number.
 
     Raises
     ------
     InputError
-        If a line does not reach its lug.
+        If a line does not reach its lug, or the integrator takes no rows that change at stops.
     """
+    if integrator == "accurate":
+        raise InputError(
+            "'accurate' with lines of one force, whose rows change at stops",
+            source=members[0].name,
+            key="type",
+            expected="integrator 'dele2', or an equalizer with pulleys",
+        )
     table: list[tuple[Any, ...]] = []
     lines: list[tuple[Any, ...]] = []
     for rope, column in zip(members, columns, strict=True):

@@ -145,7 +145,13 @@ def pack_laws(
     made = packing.made
     shared = [rope for rope in scene.ropes if rope.WORD == "equalized"]
     if shared:
-        _pack_shared(packing, shared, integrator)
+        from heavylift.solver.laws.equalized_packing import pack_equalized
+
+        places = [columns[rope.name] for rope in shared]
+        bodies, add = scene.bodies, packing.add
+        lines = pack_equalized(shared, places, book, attachment, scales, bodies, add, integrator=integrator)
+        made.joints.append(lines)
+        made.fitted = True
         scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
     springs: list[tuple[Spring | JointSpring, NDArray[np.float64], bool]] = []
     cornered: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
@@ -189,26 +195,6 @@ def pack_laws(
         else:
             made.fitted = True
     return made
-
-
-def _pack_shared(packing: _Packing, members: Sequence[Any], integrator: str) -> None:
-    """Lines of equalizers without masses of pulleys."""
-    if integrator == "accurate":
-        raise InputError(
-            "'accurate' with lines of one force, whose rows change at stops",
-            source=members[0].name,
-            key="type",
-            expected="integrator 'dele2', or an equalizer with pulleys",
-        )
-    from heavylift.solver.laws.equalized_packing import pack_equalized
-
-    made = packing.made
-    columns = [packing.columns[rope.name] for rope in members]
-    book, bodies = packing.book, packing.scene.bodies
-    made.joints.append(
-        pack_equalized(members, columns, book, packing.attachment, packing.scales, bodies, packing.add)
-    )
-    made.fitted = True
 
 
 def _rope_groups(scene: Scene) -> list[list[Any]]:

@@ -183,6 +183,7 @@ def test_lines_without_length_are_as_drawn(tmp_path):
             "equalizers.0.beam",
             "body 'loader_beam', inertia",
         ),
+        (("length = 23.0", "length = 1e308"), "equalizers.0", "no finite place"),
         (('pulley = { mass = "1 t" }', ""), "equalizers.0.pulley", "is missing"),
     ],
 )
