@@ -29,6 +29,9 @@ class Outcome(IntEnum):
     TOO_MANY_CONTACTS = 12
     LINE_OVERSTRETCHED = 13
     OUTSIDE_DATABASE = 14
+    LIMIT_REACHED = 15
+    TIMED_OUT = 16
+    UNFINISHED = 17
 
     @property
     def text(self) -> str:
@@ -51,6 +54,9 @@ _TEXTS = {
     Outcome.TOO_MANY_CONTACTS: "stopped: more contacts at once than there is room for",
     Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit, or has no equilibrium",
     Outcome.OUTSIDE_DATABASE: "stopped: a hull has left what its hydrodynamic database covers",
+    Outcome.LIMIT_REACHED: "stopped: a limit of the scenario is reached",
+    Outcome.TIMED_OUT: "stopped: a phase of the scenario takes too long",
+    Outcome.UNFINISHED: "the scenario has not come to its end",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 

@@ -20,11 +20,13 @@ if TYPE_CHECKING:
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.stages import Work
+    from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.simulation import Simulation
 
 __all__ = [
     "diagnosis",
     "diagnosis_lines",
+    "operation_log",
     "simulate_stage",
     "steps_taken",
 ]
@@ -79,6 +81,14 @@ def diagnosis_lines(found: Mapping[str, Any]) -> list[str]:
 def _listed(sentences: Sequence[str]) -> str:
     more = f" and {len(sentences) - _SHOWN} more" if len(sentences) > _SHOWN else ""
     return ", ".join(text.rstrip(".") for text in sentences[:_SHOWN]) + more
+
+
+def operation_log(operation: Operation) -> dict[str, Any]:
+    """Names of the phases, and what happened, as plain values."""
+    return {
+        "phases": [phase.name for phase in operation.scenario.phases],
+        "log": [[line.time, line.phase, line.event, line.what, line.value] for line in operation.log],
+    }
 
 
 def steps_taken(simulation: Any) -> int:
@@ -171,6 +181,14 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
+    operation = simulation.operation
+    if operation is not None:
+        if outcome is Outcome.COMPLETED and operation.unfinished:
+            outcome = Outcome.UNFINISHED
+            message = f"{outcome.text} at t = {simulation.time:.9g} s: {operation.unfinished}"
+        about |= {"scenario": operation_log(operation)}
+        for line in operation.log:
+            log.say(f"simulate: {line.text}")
     steps = steps_taken(simulation)
     details: dict[str, Any] = {
         "outcome": outcome.name.lower(),

@@ -153,6 +153,9 @@ REPORTED = {
     Outcome.STEP_TOO_SMALL,
     Outcome.STRAINS_LOST,
     Outcome.TOO_MANY_CONTACTS,
+    Outcome.LIMIT_REACHED,
+    Outcome.TIMED_OUT,
+    Outcome.UNFINISHED,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 
