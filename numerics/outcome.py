@@ -31,7 +31,7 @@ class Outcome(IntEnum):
     OUTSIDE_DATABASE = 14
     LIMIT_REACHED = 15
     TIMED_OUT = 16
-    UNFINISHED = 17
+    PHASES_LEFT = 17
 
     @property
     def text(self) -> str:
@@ -56,7 +56,7 @@ _TEXTS = {
     Outcome.OUTSIDE_DATABASE: "stopped: a hull has left what its hydrodynamic database covers",
     Outcome.LIMIT_REACHED: "stopped: a limit of the scenario is reached",
     Outcome.TIMED_OUT: "stopped: a phase of the scenario takes too long",
-    Outcome.UNFINISHED: "the scenario has not come to its end",
+    Outcome.PHASES_LEFT: "phases of the scenario are left",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 

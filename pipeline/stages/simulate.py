@@ -184,7 +184,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     operation = simulation.operation
     if operation is not None:
         if outcome is Outcome.COMPLETED and operation.unfinished:
-            outcome = Outcome.UNFINISHED
+            outcome = Outcome.PHASES_LEFT
             message = f"{outcome.text} at t = {simulation.time:.9g} s: {operation.unfinished}"
         about |= {"scenario": operation_log(operation)}
         for line in operation.log:

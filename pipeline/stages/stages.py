@@ -155,7 +155,7 @@ REPORTED = {
     Outcome.TOO_MANY_CONTACTS,
     Outcome.LIMIT_REACHED,
     Outcome.TIMED_OUT,
-    Outcome.UNFINISHED,
+    Outcome.PHASES_LEFT,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 

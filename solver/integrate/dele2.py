@@ -200,7 +200,8 @@ def run(
             finish(bodies, h, work)
             if work.status.outcome != 0:
                 return index
-            direct(forces, forces, bodies, joints, systems, work, time, h, h == interval)
+            recorded = h == interval and (index + 1) % every == 0
+            direct(forces, forces, bodies, joints, systems, work, time, h, recorded)
             if control.split > 0.0:  # something begins within the step
                 go_back(systems)
                 after_step(systems, bodies, work, h, False)

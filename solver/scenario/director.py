@@ -418,30 +418,37 @@ def plan_length(hauled: float, speed: float, target: float, most: float, ramp: f
 
 
 @kernel(internal=True)
-def _command(kind: Director, action: ActionEntry, time: float) -> None:
-    """Rewrite the rows of a winch from now on."""
-    i = action.rope
-    entry = kind.rope_table[i]
-    hauled, speed = winch_state(kind.ropes, i, time)
-    rows = kind.winches
-    first = entry.winch
-    row = rows[first]
-    if action.action == WINCH_SPEED:
-        row.time, row.speed, row.hauled = time, speed, hauled
-        row = rows[first + 1]
-        row.time, row.speed = time + action.ramp, action.value
-        row.hauled = hauled + 0.5 * (speed + action.value) * action.ramp
-        count = 2
-    else:
-        plan = kind.row  # its record has been looked at
-        count = plan_length(hauled, speed, entry.start_length - action.value, action.speed, action.ramp, plan)
-        for k in range(count):
-            row = rows[first + k]
-            row.time, row.speed, row.hauled = time + plan[k], plan[4 + k], plan[8 + k]
-    last = rows[first + count - 1]
+def _hold_last(kind: Director, i: int, count: int) -> None:
+    """Rows of a winch behind those that say something are as the last of these."""
+    entry, rows = kind.rope_table[i], kind.winches
+    last = rows[entry.winch + count - 1]
     for k in range(count, entry.winch_rows):
-        row = rows[first + k]
+        row = rows[entry.winch + k]
         row.time, row.speed, row.hauled = last.time, last.speed, last.hauled
+
+
+@kernel(internal=True)
+def _set_speed(kind: Director, i: int, time: float, target: float, ramp: float) -> None:
+    """A winch comes to a speed within a ramp."""
+    hauled, speed = winch_state(kind.ropes, i, time)
+    row = kind.winches[kind.rope_table[i].winch]
+    row.time, row.speed, row.hauled = time, speed, hauled
+    row = kind.winches[kind.rope_table[i].winch + 1]
+    row.time, row.speed = time + ramp, target
+    row.hauled = hauled + 0.5 * (speed + target) * ramp
+    _hold_last(kind, i, 2)
+
+
+@kernel(internal=True)
+def _set_length(kind: Director, i: int, time: float, length: float, most: float, ramp: float) -> None:
+    """A winch goes to a length."""
+    hauled, speed = winch_state(kind.ropes, i, time)
+    entry, plan = kind.rope_table[i], kind.row  # the record in it has been looked at
+    count = plan_length(hauled, speed, entry.start_length - length, most, ramp, plan)
+    for k in range(count):
+        row = kind.winches[entry.winch + k]
+        row.time, row.speed, row.hauled = time + plan[k], plan[4 + k], plan[8 + k]
+    _hold_last(kind, i, count)
 
 
 @kernel(internal=True)
@@ -504,8 +511,10 @@ def _begin_phase(
                 _note(kind, time, NOT_CONNECTED, action.rope, -value)
                 state.outcome = LIMIT
                 return
-        elif action.action != NOTE:
-            _command(kind, action, time)
+        elif action.action == WINCH_SPEED:
+            _set_speed(kind, action.rope, time, value, action.ramp)
+        elif action.action == WINCH_LENGTH:
+            _set_length(kind, action.rope, time, value, action.speed, action.ramp)
         _note(kind, time, ACTION, a, value)
     _measure(kind, forces, bodies, joints, systems, work, time)
     for s in range(kind.values.shape[0]):
@@ -522,6 +531,7 @@ def _watch_ropes(kind: Director, time: float, step: float) -> None:
         rest = kind.ropes.state[i].rest
         if rest <= 2.0 * step * speed:
             _note(kind, time, ROPE_USED_UP, i, rest)
+            _set_speed(kind, i, time, 0.0, 0.0)
             kind.state.outcome = LIMIT
 
 
@@ -551,7 +561,7 @@ def direct_phases(
     work: Workspace,
     time: float,
     step: float,
-    whole: bool,
+    recorded: bool,
 ) -> None:
     """Where the operation stands at the end of a step."""
     state = kind.state
@@ -586,7 +596,7 @@ def direct_phases(
         elif state.outcome == 0 and end - state.begun >= phase.timeout * (1.0 - 1e-12):
             _note(kind, end, TIMED_OUT, -1, end - state.begun)
             state.outcome = TIMEOUT
-    if whole and state.outcome != 0:
+    if recorded and state.outcome != 0:
         work.status.outcome = state.outcome
 
 

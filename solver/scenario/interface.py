@@ -26,12 +26,12 @@ def direct(
     work: Workspace,
     time: float,
     step: float,
-    whole: bool,
+    recorded: bool,
 ) -> None:
     """Scenarios: look at a step from `time` on that stands, and act at its end.
 
     `work.control.split` is set where something has to be done within the step: then all of it is taken back and
-    repeated up to there. At the end of a whole step `work.status.outcome` may end the run.
+    repeated up to there. Where a record is written next, `work.status.outcome` may end the run.
     """
 
 
