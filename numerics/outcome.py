@@ -31,6 +31,9 @@ class Outcome(IntEnum):
     LINE_OVERSTRETCHED = 13
     OUTSIDE_DATABASE = 14
     ENERGY_NOT_KEPT = 15
+    LIMIT_REACHED = 16
+    TIMED_OUT = 17
+    PHASES_LEFT = 18
     FAULT = 70
     OUT_OF_MEMORY = 71
 
@@ -56,6 +59,9 @@ _TEXTS = {
     Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit, or has no equilibrium",
     Outcome.OUTSIDE_DATABASE: "stopped: a hull has left what its hydrodynamic database covers",
     Outcome.ENERGY_NOT_KEPT: "not to be believed: steps made or lost as much energy as there is",
+    Outcome.LIMIT_REACHED: "stopped: a limit of the scenario is reached",
+    Outcome.TIMED_OUT: "stopped: a phase of the scenario takes too long",
+    Outcome.PHASES_LEFT: "phases of the scenario are left",
     Outcome.FAULT: "stopped by a fault of the program",
     Outcome.OUT_OF_MEMORY: "stopped: there is not enough memory",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",

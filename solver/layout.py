@@ -21,7 +21,13 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import STEP
 from heavylift.solver.layout_rows import pack_connections, point_forces
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, Channel, add_channels
+from heavylift.solver.scene.channels import (
+    ENERGY_CHANNELS,
+    MOMENTUM_CHANNELS,
+    SCENARIO_CHANNELS,
+    Channel,
+    add_channels,
+)
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 from heavylift.solver.scene.scene import (
     AnyBody,
@@ -57,6 +63,8 @@ class Layout:
         Names by number of the body, of the block of rows and of the mooring line, for messages.
     notes
         What the user should know of the scene.
+    director
+        The scenario, if there is one; it is among the forces.
     """
 
     bodies: Bodies
@@ -70,6 +78,7 @@ class Layout:
     block_names: tuple[str, ...]
     line_names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    director: Any = None
 
 
 def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> Layout:
@@ -113,6 +122,9 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     book, column = made.book, made.column
     channels += made.channels
     dofs = first_dofs(ordered, made.bases)
+    phase_column = column
+    if scene.scenario is not None:
+        column = add_channels("scenario", SCENARIO_CHANNELS, channels, column)
     column = add_channels("energy", ENERGY_CHANNELS, channels, column)
     column = add_channels("momentum", MOMENTUM_CHANNELS, channels, column)
 
@@ -168,13 +180,32 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     for marker, vector in book.fixed:
         work.markers[marker].point[:] = vector
     kinds: tuple[Any, ...] = (tuple(bodies), tuple(made.joints), tuple(made.systems))
-    if scene.touches:  # steps are taken back where something hits
+    if scene.scenario is not None:
+        from heavylift.solver.scenario.packing import reserve_winches
+
+        ropes = [rope.name for rope in scene.ropes]
+        kinds = (kinds[0], reserve_winches(kinds[1], scene.scenario, ropes), kinds[2])
+    if (
+        scene.touches or scene.scenario is not None
+    ):  # steps are taken back where something hits, or is to be done
         from heavylift.solver.carried import share_state
 
         kinds, carried = share_state(kinds)
+    if scene.touches:
         contacts = kinds[2][-1]._replace(carried=carried, saved=carried.copy())
         kinds = (kinds[0], kinds[1], (*kinds[2][:-1], contacts))
     groups = {STEP, "record", integrator} | ({"contact"} if scene.touches else set())
+    director = None
+    if scene.scenario is not None:
+        from heavylift.solver.scenario.interface import SCENARIO
+        from heavylift.solver.scenario.packing import pack_scenario
+
+        copied = np.zeros(0) if scene.touches else carried
+        director = pack_scenario(
+            scene.scenario, scene.ropes, kinds[1], channels, phase_column, column, copied
+        )
+        forces.append(director)
+        groups |= {SCENARIO}
     return Layout(
         bodies=Bodies(kinds[0], groups),
         forces=Forces(forces, groups),
@@ -187,6 +218,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         block_names=made.block_names,
         notes=tuple(notes),
         line_names=() if made.sea is None else made.sea.line_names,
+        director=director,
     )
 
 

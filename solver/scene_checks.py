@@ -21,7 +21,7 @@ from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, RigidBo
 
 __all__ = ["check_scene"]
 
-RESERVED = ("energy", "momentum", "monitor", "time", GROUND)
+RESERVED = ("energy", "momentum", "monitor", "scenario", "time", GROUND)
 """First parts of channel names that nothing in a scene may take."""
 
 

@@ -38,6 +38,7 @@ from heavylift.solver.stop_message import (
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
+    from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.start.diagnosis import Diagnosis
 
 __all__ = ["INTEGRATORS", "Simulation"]
@@ -100,6 +101,10 @@ class Simulation:
     outcome, message
         How it stands; the message says when and which part if it stopped by itself. The state is then
         that of the last good step.
+    operation
+        Its scenario on its way, with its log; None without one.
+    ended
+        Whether its scenario has ended it, with all phases done: time goes no further.
     cpu_seconds, start_seconds, compile_seconds
         CPU time of all `advance` calls, of bringing the bodies to the start, and of compiling or loading the kernels
         and looking at the scene.
@@ -192,6 +197,13 @@ class Simulation:
         self.step_index = 0
         self.outcome = Outcome.COMPLETED
         self.message = ""
+        self.ended = False
+        self.operation: Operation | None = None
+        if scene.scenario is not None:
+            from heavylift.solver.scenario.operation import Operation
+
+            names = [rope.name for rope in scene.ropes]
+            self.operation = Operation(self._layout.director, scene.scenario, names)
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
@@ -216,7 +228,12 @@ class Simulation:
             for table in (layout.bodies, layout.forces, layout.joints, layout.systems)
             for unit in table.units()
         }
-        units |= {entry.unit.name: entry.unit for entry in (self._run, start_scene, write_record)}
+        entries = [self._run, start_scene, write_record]
+        if self.operation is not None:
+            from heavylift.solver.scenario.director import begin_scenario
+
+            entries.append(begin_scenario)
+        units |= {entry.unit.name: entry.unit for entry in entries}
         return missing_units(list(units.values()))
 
     def warm_up(self) -> None:
@@ -255,6 +272,18 @@ class Simulation:
         if layout.block_names and self.integrator == "dele2":
             self._probe()
         prepare_counts(layout)
+        if self.operation is not None:
+            self._begin_scenario(self.operation)
+
+    def _begin_scenario(self, operation: Operation) -> None:
+        """Do what the first phase begins with; a phase that is over before it begins is a mistake."""
+        from heavylift.solver.scenario.director import begin_scenario
+
+        layout = self._layout
+        begin_scenario(
+            operation.director, layout.forces, layout.bodies, layout.joints, layout.systems, layout.work
+        )
+        operation.check_begun()
 
     def _fit_joints(self) -> None:
         """Bring the joints to a start that fits, and find out what they leave free."""
@@ -399,7 +428,7 @@ class Simulation:
         first, last = self.step_index, self.step_index + steps
         every = self.record_every
         records = np.empty((last // every - first // every, self.column_count))
-        if self.outcome is not Outcome.COMPLETED or steps <= 0:
+        if self.outcome is not Outcome.COMPLETED or self.ended or steps <= 0:
             return np.empty(0), records[:0]
         if not self._watch.begun:
             self._watch.add(self.record()[np.newaxis])
@@ -408,7 +437,11 @@ class Simulation:
         done = self._call(first, last, every, records)
         self.cpu_seconds += clock.thread_time() - begin
         self.step_index = int(done)
-        if done < last:
+        if self.operation is not None and self.operation.director.state.outcome != 0:
+            self.outcome, self.message = self.operation.end  # behind a step that is good
+            self.ended = self.outcome is Outcome.COMPLETED
+            self._layout.work.status.words[:] = 0.0
+        elif done < last:
             self._stop()
             self._back_to(before, done, records)
         count = int(done) // every - first // every
@@ -463,7 +496,11 @@ class Simulation:
     @property
     def verdict(self) -> tuple[Outcome, str]:
         """Whether a run that has come to its end is to be believed, and a message why not."""
-        return self._watch.verdict
+        outcome, message = self._watch.verdict
+        if outcome is Outcome.COMPLETED and self.operation is not None and self.operation.unfinished:
+            outcome = Outcome.PHASES_LEFT
+            message = f"{outcome.text} at t = {self.time:.9g} s: {self.operation.unfinished}"
+        return outcome, message
 
     @property
     def warning(self) -> str:
@@ -525,6 +562,7 @@ class Simulation:
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
         self.outcome, self.message = Outcome.COMPLETED, ""
+        self.ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
         self._layout.work.status.words[:] = 0.0
         self._started = True
         if self._touches:

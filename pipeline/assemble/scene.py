@@ -128,6 +128,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         surfaces=_surfaces(case, sides, folder),
         collisions=_collisions(case),
         sea=_sea(case, sides, folder),
+        scenario=case.operation,
     )
 
 

@@ -30,10 +30,12 @@ from heavylift.pipeline.case.quantity_names import (
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case.report import ReportSection
+from heavylift.pipeline.case.scenario import scenario_of
 from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
+from heavylift.solver.scene.scenario import Scenario, check_scenario
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -88,6 +90,7 @@ class Case(SceneTables, _CaseHeading):
             self._fits_the_sea,
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
+            self._has_an_operation,
             *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
         for part in parts:
@@ -224,6 +227,28 @@ class Case(SceneTables, _CaseHeading):
                     "'step' in [simulate], or law 'linear'",
                     key=f"collisions.{index}.law",
                 )
+
+    def _has_an_operation(self) -> None:
+        """Phases end, and act on ropes that are there; only the default integrator meets their events."""
+        if self.scenario is None:
+            return
+        if self.simulate is None:
+            reject("needs a [simulate] section", "a simulation that it can run", key="scenario")
+        if self.simulate.integrator not in {"dele2", "auto"}:
+            reject(
+                f"{self.simulate.integrator!r} with a scenario",
+                "'dele2' or 'auto'",
+                key="simulate.integrator",
+            )
+        try:
+            check_scenario(scenario_of(self.scenario, self._names), self.ropes)
+        except InputError as error:
+            reject(error.problem, error.expected, key=f"scenario.{error.key}")
+
+    @property
+    def operation(self) -> Scenario | None:
+        """The scenario for the solver."""
+        return None if self.scenario is None else scenario_of(self.scenario, self._names)
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

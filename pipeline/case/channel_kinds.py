@@ -6,7 +6,12 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from heavylift.solver.scene.channels import ENERGY_CHANNELS, MOMENTUM_CHANNELS, MONITOR_CHANNELS
+from heavylift.solver.scene.channels import (
+    ENERGY_CHANNELS,
+    MOMENTUM_CHANNELS,
+    MONITOR_CHANNELS,
+    SCENARIO_CHANNELS,
+)
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import JOINTS, Place
 from heavylift.solver.scene.descriptions import known_channels
@@ -29,7 +34,12 @@ __all__ = [
     "lies_along_edge",
 ]
 
-OF_THE_SCENE = {"energy": ENERGY_CHANNELS, "momentum": MOMENTUM_CHANNELS, "monitor": MONITOR_CHANNELS}
+OF_THE_SCENE = {
+    "energy": ENERGY_CHANNELS,
+    "momentum": MOMENTUM_CHANNELS,
+    "monitor": MONITOR_CHANNELS,
+    "scenario": SCENARIO_CHANNELS,
+}
 """Channels of the whole scene by the first part of their names."""
 SCENE_CHANNELS = {
     f"{owner}.{channel.name}": channel.quantity
@@ -37,7 +47,7 @@ SCENE_CHANNELS = {
     for channel in channels
 }
 """The same, name to kind."""
-RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "ground"})
+RESERVED_NAMES = frozenset({"energy", "momentum", "time", "monitor", "scenario", "ground"})
 """Names that nothing in a case may take: first parts of channels of the scene, and the world."""
 
 COLLISION_CONTACT = {channel.name: channel.quantity for channel in Collision.CONTACT_CHANNELS}

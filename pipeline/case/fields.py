@@ -336,7 +336,7 @@ class NoDefault:
     """Annotation of a value that must be given where it counts; what stands for it elsewhere is shown nowhere."""
 
 
-SCENE_OWNERS = ("energy", "momentum", "monitor")
+SCENE_OWNERS = ("energy", "momentum", "monitor", "scenario")
 """First parts of the channels of the whole scene."""
 RecordedChannel = Annotated[str, AfterValidator(_recorded_channel)]
 """Name of a recorded channel, ``OWNER.CHANNEL``, or a combination of channels."""

@@ -27,6 +27,7 @@ from heavylift.pipeline.case.fields import GROUND, AccelerationVector, Section, 
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, hull_section
 from heavylift.pipeline.case.joints import Joint
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
+from heavylift.pipeline.case.scenario import ScenarioSection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.equipment.builders import EQUIPMENT
@@ -402,6 +403,8 @@ class SceneTables(Section):
         Table("Leads", "lead", move=_move_sides),
     ] = ()
     """Angles of ropes against where they should point."""
+    scenario: ScenarioSection | None = None
+    """Phases of an operation."""
 
 
 TABLES: Mapping[str, Table] = {

@@ -237,6 +237,25 @@ def converge(
     return guarded(command, quiet=quiet, json=json)
 
 
+@app.command
+def scenario(
+    case: CaseArgument, *, out: Out = None, set_: Set = (), quiet: Quiet = False, json: Json = False
+) -> int:
+    """Phases of an operation, and how long its ropes will be, without dynamics."""
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.scenario import scenario_command
+
+        document, words = scenario_command(case, out=out, overrides=set_, log=log)
+        if json:
+            print_json(document)
+        elif not quiet:
+            print_lines(words)
+        return 0
+
+    return guarded(command, quiet=quiet, json=json)
+
+
 for _command in SEA_COMMANDS:
     app.command(_command)
 

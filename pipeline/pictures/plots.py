@@ -69,6 +69,7 @@ INK = "#1d2733"
 GREY = "#66707c"
 _FAR = 2.0  # an energy is shifted that never comes nearer to zero than this many times the largest change of any,
 _STEADY = 1.0e-9  # unless nothing changes, but for rounding
+_NAMED = 0.012  # part of the whole time that is wide enough for a name
 COLOURS = ("#1f5fa8", "#d1661a", "#2e8b57", "#8e3b9c", "#b8322a", "#4d6470", "#a98600", "#1a9aa8")
 
 
@@ -85,7 +86,13 @@ class Series(NamedTuple):
 
 
 def history_plot(
-    times: NDArray[np.float64], series: Sequence[Series], *, title: str, unit: str, stacked: bool = False
+    times: NDArray[np.float64],
+    series: Sequence[Series],
+    *,
+    title: str,
+    unit: str,
+    stacked: bool = False,
+    bands: Sequence[tuple[str, float, float]] = (),
 ) -> bytes:
     """Curves over time.
 
@@ -101,6 +108,8 @@ def history_plot(
         SI unit of the values; written with a prefix that suits them.
     stacked
         One axis system a curve, each with its own scale; otherwise all in one.
+    bands
+        Names of parts of the time, and where they begin and end [s]; every other one is shaded.
     """
     groups = [[curve] for curve in series] if stacked else [list(series)]
     rows = len(groups)
@@ -120,6 +129,7 @@ def history_plot(
             number += 1
         tidy_axes(axes)
         axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)
+        _shade(axes, bands, time_unit.divisor, named=axes is panels[-1])
         if stacked and rows > 1:
             axes.set_ylabel(f"{plain_text(group[0].label)}\n[{_unit(own.text)}]", color=INK, fontsize=9)
             axes.yaxis.set_major_locator(_few_ticks())
@@ -361,6 +371,26 @@ def tidy_axes(axes: Any) -> None:
     for side, spine in axes.spines.items():
         spine.set_visible(side in {"left", "bottom"})
         spine.set_color("#9aa4ae")
+
+
+def _shade(axes: Any, bands: Sequence[tuple[str, float, float]], divisor: float, *, named: bool) -> None:
+    """Shade every other part of the time; names stand upright in those that are wide enough."""
+    low, high = axes.get_xlim()
+    for number, (name, begin, end) in enumerate(bands):
+        if number % 2 == 0:
+            axes.axvspan(begin / divisor, end / divisor, color="#eef2f6", lw=0.0, zorder=0)
+        if named and (end - begin) / divisor > _NAMED * (high - low):
+            axes.text(
+                0.5 * (begin + end) / divisor,
+                0.02,
+                plain_text(name.replace("_", " ")),
+                transform=axes.get_xaxis_transform(),
+                rotation=90,
+                ha="center",
+                va="bottom",
+                fontsize=8,
+                color=GREY,
+            )
 
 
 def _few_ticks() -> Any:

@@ -25,6 +25,7 @@ from heavylift.pipeline.report.document import (
 )
 from heavylift.pipeline.report.inputs import input_section, rigid_sections
 from heavylift.pipeline.report.meshes import edge_sections, mesh_sections
+from heavylift.pipeline.report.operation import operation_section
 from heavylift.pipeline.report.run import (
     history_section,
     load_finite_results,
@@ -111,6 +112,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             *stills,
             input_section(case),
             *run_section(case, stages, results),
+            *operation_section(results),
             *surface_sections(case, stages),
             *sea_sections(case, stages, results),
             *sections,

@@ -14,6 +14,7 @@ from heavylift.pipeline.checks.quantities import energy_drift
 from heavylift.pipeline.pictures.plots import Series, constant_parts, energy_plot, history_plot, spectrum_plot
 from heavylift.pipeline.report.document import Facts, Figure, Section, Table, Text
 from heavylift.pipeline.report.inputs import integration_words
+from heavylift.pipeline.report.operation import phase_bands
 from heavylift.pipeline.results.histories import Results, load_results
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.pipeline.results.storage import read_json
@@ -311,7 +312,8 @@ def _history_figure(results: Results, name: str, album: Album) -> Figure:
     together = np.ptp(np.concatenate([curve.values for curve in curves]))
     # curves that differ much in size or in level hide each other's detail in one system of axes
     stacked = len(curves) > 1 and ("modal_" in name or max(ranges) < 0.2 * together)
-    content = history_plot(results.time, curves, title=_words(name), unit=unit, stacked=stacked)
+    bands = phase_bands(results)
+    content = history_plot(results.time, curves, title=_words(name), unit=unit, stacked=stacked, bands=bands)
     return Figure(album.add(f"history_{name}", content), f"{_words(name)} over time.")
 
 

@@ -551,7 +551,7 @@ def _read_merged(file: Path) -> Results:
     return Results(file, time, channels, _Hdf5Columns(file), metadata, file)
 
 
-_JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides", "sea"}
+_JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides", "scenario", "sea"}
 
 
 def _plain(value: Any) -> Any:

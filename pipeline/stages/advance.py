@@ -53,6 +53,7 @@ class SimulationLike(Protocol):
     step_index: int
     outcome: Outcome
     message: str
+    ended: bool
     cpu_seconds: float
 
     @property
@@ -182,7 +183,10 @@ class Advancer:
         piece, growth = (1, FIRST_PIECE) if self.adaptive else (FIRST_PIECE, 4)
         flushed, wait = time.monotonic(), min(FIRST_SEGMENT_SECONDS, SEGMENT_SECONDS)
         while (
-            simulation.step_index < self.step_count and simulation.outcome is Outcome.COMPLETED and not stop
+            simulation.step_index < self.step_count
+            and simulation.outcome is Outcome.COMPLETED
+            and not simulation.ended
+            and not stop
         ):
             begin = time.monotonic()
             self._keep(*simulation.advance(min(piece, self.step_count - simulation.step_index)))
@@ -197,7 +201,7 @@ class Advancer:
         self._write()
         if simulation.outcome is not Outcome.COMPLETED:
             return simulation.outcome, simulation.message
-        if simulation.step_index < self.step_count:
+        if simulation.step_index < self.step_count and not simulation.ended:
             reached = simulation.step_index * simulation.step
             return (
                 Outcome.INTERRUPTED,

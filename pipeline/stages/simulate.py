@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import SegmentMark
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.stages import Work
+    from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.simulation import Simulation
 
 __all__ = [
     "diagnosis",
     "diagnosis_lines",
+    "operation_log",
     "simulate_stage",
     "steps_taken",
 ]
@@ -84,6 +86,14 @@ def diagnosis_lines(found: Mapping[str, Any]) -> list[str]:
 def _listed(sentences: Sequence[str]) -> str:
     more = f" and {len(sentences) - _SHOWN} more" if len(sentences) > _SHOWN else ""
     return ", ".join(text.rstrip(".") for text in sentences[:_SHOWN]) + more
+
+
+def operation_log(operation: Operation) -> dict[str, Any]:
+    """Names of the phases, and what happened, as plain values."""
+    return {
+        "phases": [phase.name for phase in operation.scenario.phases],
+        "log": [[line.time, line.phase, line.event, line.what, line.value] for line in operation.log],
+    }
 
 
 def steps_taken(simulation: Any) -> int:
@@ -194,6 +204,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         if outcome is Outcome.COMPLETED:
             outcome, message = simulation.verdict
         about["warning"] = simulation.warning
+        if simulation.operation is not None:
+            about |= {"scenario": operation_log(simulation.operation)}
         finished = outcome is not Outcome.INTERRUPTED
         if finished:
             _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
@@ -201,6 +213,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
+    for event in simulation.operation.log if simulation.operation is not None else ():
+        log.say(f"simulate: {event.text}")
     steps = steps_taken(simulation)
     drift = simulation.energy_drift if simulation.step_index else math.nan
     details: dict[str, Any] = {

@@ -197,7 +197,12 @@ REPORTED = {
     Outcome.STEP_TOO_SMALL,
     Outcome.STRAINS_LOST,
     Outcome.TOO_MANY_CONTACTS,
+    Outcome.LINE_OVERSTRETCHED,
+    Outcome.OUTSIDE_DATABASE,
     Outcome.ENERGY_NOT_KEPT,
+    Outcome.LIMIT_REACHED,
+    Outcome.TIMED_OUT,
+    Outcome.PHASES_LEFT,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 

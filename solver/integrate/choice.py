@@ -38,7 +38,13 @@ def choose_integrator(scene: Scene, interval: float) -> tuple[str, str]:
     interval
         Time between outputs [s]: what takes many steps an output is stiff.
     """
-    reason = _not_smooth(scene) or _rope(scene) or stiff_part(scene, interval) or stiff_mesh(scene, interval)
+    reason = (
+        _phases(scene)
+        or _not_smooth(scene)
+        or _rope(scene)
+        or stiff_part(scene, interval)
+        or stiff_mesh(scene, interval)
+    )
     if reason:
         return "dele2", f"dele2, because {reason}"
     return "accurate", "accurate, because everything in the scene is smooth and nothing is stiff"
@@ -54,9 +60,9 @@ def check_integrator(scene: Scene, name: str) -> None:
     """
     reason = ""
     if name == "accurate":
-        reason = _not_smooth(scene)
+        reason = _phases(scene) or _not_smooth(scene)
     elif name == "thesis":
-        reason = _rope(scene) or _law(scene) or _floating(scene)
+        reason = _phases(scene) or _rope(scene) or _law(scene) or _floating(scene)
         driven = [joint.name for joint in scene.joints if getattr(joint, "drive", None) is not None]
         if not reason and driven:
             reason = f"joint {driven[0]!r} is driven"
@@ -70,6 +76,11 @@ def check_integrator(scene: Scene, name: str) -> None:
             key="integrator",
             expected="'dele2' for such a scene",
         )
+
+
+def _phases(scene: Scene) -> str:
+    """That there is a scenario, as words; empty if there is none. Its events are met by steps that are taken back."""
+    return "" if scene.scenario is None else "it has a scenario"
 
 
 def _rope(scene: Scene) -> str:

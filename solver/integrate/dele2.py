@@ -5,7 +5,8 @@ midpoint of the step: everything stiff enters one symmetric solve, momenta are c
 derivative of anything is needed. What a body does in each call is in its own files, what joints add in
 `row_stage`.
 
-Contacts may find an impact within the step: then it is taken back and repeated up to that time.
+Contacts may find an impact within the step, and a scenario something to do: then it is taken back and repeated up to
+that time.
 
 With a tolerance the step follows the distance of the midpoint velocity from its extrapolation, which
 costs no solve: the local error of a second-order step is proportional to it.
@@ -43,6 +44,7 @@ from heavylift.solver.interface import (
     watch_motions,
 )
 from heavylift.solver.rows.stage import end_step
+from heavylift.solver.scenario.interface import direct, keep_state, take_back
 
 __all__ = ["run"]
 
@@ -188,6 +190,7 @@ def run(
             if work.status.outcome != 0:
                 return index
             before_advance(systems, bodies, work, h)
+            keep_state(forces)
             advance(bodies, time, h, work)
             end_step(systems, bodies, joints, work, time, h)
             if control.split > 0.0 and work.status.outcome == 0:
@@ -198,6 +201,14 @@ def run(
             finish(bodies, h, work)
             if work.status.outcome != 0:
                 return index
+            recorded = h == interval and (index + 1) % every == 0
+            direct(forces, forces, bodies, joints, systems, work, time, h, recorded)
+            if control.split > 0.0:  # something begins within the step
+                go_back(systems)
+                after_step(systems, bodies, work, h, False)
+                take_back(forces)
+                split, control.split = control.split, 0.0
+                continue
             if tolerance == 0.0 and split == 0.0:
                 control.next_step = min(2.0 * h, step)
             natural = tolerance > 0.0 and split == 0.0
@@ -210,4 +221,6 @@ def run(
         if (index + 1) % every == 0:
             write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1
+        if work.status.outcome != 0:  # an operation ends, and all that has been done is good
+            return index + 1
     return last

@@ -11,6 +11,7 @@ __all__ = [
     "ENERGY_CHANNELS",
     "MOMENTUM_CHANNELS",
     "MONITOR_CHANNELS",
+    "SCENARIO_CHANNELS",
     "Channel",
     "add_channels",
     "channel_width",
@@ -51,6 +52,14 @@ MONITOR_CHANNELS = (
     ),
 )
 """Of the rows of joints."""
+SCENARIO_CHANNELS = (
+    ChannelKind(
+        "phase",
+        "number",
+        "number of the phase of the scenario, from 1; one more than there are once all are done",
+    ),
+)
+"""Of the scenario."""
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     )
     from heavylift.solver.scene.contacts import Contact, Contour
     from heavylift.solver.scene.meshes import MeshBody
+    from heavylift.solver.scene.scenario import Scenario
     from heavylift.solver.scene.sea import Sea
 
 __all__ = [
@@ -99,6 +100,7 @@ class Scene:
     surfaces: tuple[CollisionSurface, ...] = ()
     collisions: tuple[Collision, ...] = ()
     sea: Sea | None = None
+    scenario: Scenario | None = None
 
     @property
     def touches(self) -> bool:

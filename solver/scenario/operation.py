@@ -1,0 +1,165 @@
+"""What a scenario did, in words: its log, what it still waits for, why it ended the run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.scenario.director import (
+    ACTION,
+    BEGUN,
+    DONE,
+    LIMIT_STOP,
+    LIMIT_WARNING,
+    NOT_CONNECTED,
+    ROPE_USED_UP,
+    TIMED_OUT,
+    Director,
+)
+from heavylift.solver.scene.scenario import Phase, Scenario
+
+__all__ = ["LogLine", "Operation"]
+
+EVENTS = {
+    BEGUN: "begins",
+    ACTION: "action",
+    DONE: "done",
+    LIMIT_WARNING: "limit passed",
+    LIMIT_STOP: "limit passed, stop",
+    TIMED_OUT: "timed out, stop",
+    ROPE_USED_UP: "rope hauled in, stop",
+    NOT_CONNECTED: "rope too short, stop",
+}
+"""Words of the events of the log."""
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """Something that happened.
+
+    Attributes
+    ----------
+    time
+        [s].
+    phase, event, what
+        Name of the phase, what sort of thing, and words for it.
+    value
+        Of the signal of a limit; of an action what it was told: speed [m/s], length [m], energy that a rope lost [J],
+        its unstretched length [m]; of a phase that is done how long it took [s].
+    """
+
+    time: float
+    phase: str
+    event: str
+    what: str
+    value: float
+
+    @property
+    def text(self) -> str:
+        """All of it in a line."""
+        what = f": {self.what}" if self.what else ""
+        value = f" ({self.value:.6g})" if self.event not in {EVENTS[BEGUN], EVENTS[ACTION]} else ""
+        return f"t = {self.time:.6g} s, {self.phase}: {self.event}{what}{value}"
+
+
+class Operation:
+    """A scenario on its way.
+
+    Parameters
+    ----------
+    director
+        The kind.
+    scenario
+        From which it was made.
+    ropes
+        Names of the ropes of the scene.
+    """
+
+    def __init__(self, director: Director, scenario: Scenario, ropes: Sequence[str]) -> None:
+        self.director, self.scenario = director, scenario
+        self._ropes = tuple(ropes)
+
+    @property
+    def log(self) -> list[LogLine]:
+        """What happened so far."""
+        phases = self.scenario.phases
+        actions = [action.text for phase in phases for action in phase.actions]
+        limits = [limit.text for phase in phases for limit in phase.limits]
+        winches = [f"winch of {name!r}" for name in self._ropes]
+        connections = [f"connection of {name!r}" for name in self._ropes]
+        words = {
+            ACTION: actions,
+            LIMIT_WARNING: limits,
+            LIMIT_STOP: limits,
+            ROPE_USED_UP: winches,
+            NOT_CONNECTED: connections,
+        }
+        found = []
+        for line in self.director.log[: int(self.director.state.logged)]:
+            event, phase = int(line.event), phases[int(line.phase)]
+            what = words[event][int(line.item)] if event in words else ""
+            if event == DONE:
+                what = _waits_for(phase)
+            found.append(LogLine(float(line.time), phase.name, EVENTS[event], what, float(line.value)))
+        return found
+
+    @property
+    def unfinished(self) -> str:
+        """What it still waits for, as words; empty if the last phase is done, or waits for nothing."""
+        phases, number = self.scenario.phases, int(self.director.state.phase)
+        if number > len(phases) or (number == len(phases) and not phases[-1].until):
+            return ""
+        phase = phases[number - 1]
+        waits = _waits_for(phase) or "its timeout"
+        return f"phase {phase.name!r}, number {number} of {len(phases)}, still waits for {waits}"
+
+    @property
+    def end(self) -> tuple[Outcome, str]:
+        """Outcome with which it ended the run, and a message; completed if that was as planned, or it did not."""
+        why = int(self.director.state.outcome)
+        if why <= 0:
+            return Outcome.COMPLETED, ""
+        outcome, last = Outcome(why), self.log[-1]
+        what = f": {last.what} is {last.value:.6g}" if last.what else f" after {last.value:.6g} s"
+        return outcome, f"{outcome.text} at t = {last.time:.9g} s, phase {last.phase!r}{what}"
+
+    def check_begun(self) -> None:
+        """Refuse a first phase that is over before time starts, or that stops there.
+
+        Raises
+        ------
+        InputError
+            Names the phase and what is true already.
+        """
+        if int(self.director.state.outcome):
+            last = self.log[-1]
+            raise InputError(
+                f"{last.what}: its path is longer than {last.value:.6g} m by more than 2 %",
+                source="scenario",
+                key="phases.0.actions",
+                expected="more slack",
+            )
+        phase = self.scenario.phases[0]
+        met = [self._is_met(i) for i in range(len(phase.until))]
+        if phase.until and (any(met) if phase.ends_with == "any" else all(met)):
+            raise InputError(
+                f"phase {phase.name!r} is over before it begins: {phase.until[met.index(True)].text} at the start",
+                source="scenario",
+                key="phases.0.until",
+                expected="a condition that is not true at the start",
+            )
+
+    def _is_met(self, number: int) -> bool:
+        """Whether a condition is true as things are, and need not be so for a time."""
+        condition = self.director.conditions[number]
+        if int(condition.signal) < 0 or float(condition.hold) > 0.0:
+            return False
+        x = float(self.director.values[int(condition.signal)])
+        return bool(x <= condition.value if condition.below else x >= condition.value)
+
+
+def _waits_for(phase: Phase) -> str:
+    """Conditions of a phase, as words."""
+    joined = " or " if phase.ends_with == "any" else " and "
+    return joined.join(one.text for one in phase.until)
