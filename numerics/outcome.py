@@ -29,6 +29,7 @@ class Outcome(IntEnum):
     TOO_MANY_CONTACTS = 12
     LINE_OVERSTRETCHED = 13
     OUTSIDE_DATABASE = 14
+    OFF_ROAD = 15
 
     @property
     def text(self) -> str:
@@ -51,6 +52,7 @@ _TEXTS = {
     Outcome.TOO_MANY_CONTACTS: "stopped: more contacts at once than there is room for",
     Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit, or has no equilibrium",
     Outcome.OUTSIDE_DATABASE: "stopped: a hull has left what its hydrodynamic database covers",
+    Outcome.OFF_ROAD: "stopped: a wheel has left the road",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 

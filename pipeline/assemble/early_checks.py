@@ -35,7 +35,17 @@ if TYPE_CHECKING:
 
 __all__ = ["scene_errors"]
 
-DESCRIBED = ("forces", "sensors", "relative_motions", "ropes", "tanks", "fluid_loads", "fenders")
+DESCRIBED = (
+    "forces",
+    "sensors",
+    "relative_motions",
+    "ropes",
+    "tanks",
+    "fluid_loads",
+    "fenders",
+    "decks",
+    "transporters",
+)
 """Lists of tables that `heavylift.pipeline.assemble.described.assemble` takes as they are."""
 
 NEAR, EDGE = 0.02, 4.0
@@ -277,6 +287,8 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
         force for force in known("forces", made["forces"]) if getattr(force, "joint", None) in {None, *along}
     ]
     forces += known("relative_motions", made["relative_motions"])
+    decks, transporters = known("decks", made["decks"]), known("transporters", made["transporters"])
+    road_known = len(decks) == len(case.decks)
     from heavylift.solver.layout import pack_scene
 
     with scene.part("case"), in_case(case):
@@ -287,6 +299,8 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
                 tuple(known("sensors", made["sensors"])),
                 joints=tuple(held),
                 ropes=tuple(known("ropes", made["ropes"])),
+                decks=tuple(decks),
+                transporters=tuple(transporters) if road_known else (),
             ),
             "dele2",
             0.0,

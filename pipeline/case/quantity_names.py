@@ -23,6 +23,8 @@
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
+``growth.OWNER.KIND[.COMPONENT]``              rate a of the growth ``exp(a t)`` of a channel, fitted to the last
+                                               half of the records, e.g. ``growth.trailer.pitch``
 ``deviation.NAME``                             largest distance of a channel from the reference history
                                                NAME, divided by its scale if it has one;
                                                ``deviation.NAME.rms``: root mean square over its times
@@ -140,8 +142,8 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``deviation``,
-    ``lines``, ``hydrostatics`` or ``errors``."""
+    """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``growth``,
+    ``deviation``, ``lines``, ``hydrostatics`` or ``errors``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene, combinations and groups."""
     item: str
@@ -189,8 +191,8 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             return _group(text, members, names)
     if parts[0] == "channel":
         return _channel(text, parts, names)
-    if parts[0] == "frequency":
-        return _frequency(text, parts, names)
+    if parts[0] in {"frequency", "growth"}:
+        return _fitted(text, parts, names)
     if parts[0] == "stress":
         return _stress(text, parts, names)
     if parts[0] == "deviation":
@@ -209,6 +211,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             "channel",
             "stress",
             "frequency",
+            "growth",
             "deviation",
             "lines",
             "hydrostatics",
@@ -228,7 +231,7 @@ def _members(text: str, parts: list[str], names: Declared) -> tuple[tuple[str, s
         "lines": sorted(names.lines),
         "hydrostatics": sorted(names.hulls),
     }
-    owners |= dict.fromkeys(("frequency", "stress"), owners["channel"])
+    owners |= dict.fromkeys(("frequency", "growth", "stress"), owners["channel"])
     owners |= dict.fromkeys(("mesh", "modes", "static", "ringdown"), flexible)
     if family not in owners or not rest:
         return ()
@@ -358,16 +361,17 @@ def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityNam
     return QuantityName(text, "channel", owner, name, component, parts[-1], kind)
 
 
-def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+def _fitted(text: str, parts: list[str], names: Declared | None) -> QuantityName:
     if len(parts) < (2 if "(" in text else 3) or "" in parts:
         raise InputError(
             f"quantity {text!r} is unknown",
-            expected="frequency.OWNER.KIND or frequency.OWNER.KIND.COMPONENT",
+            expected=f"{parts[0]}.OWNER.KIND or {parts[0]}.OWNER.KIND.COMPONENT",
         )
     owner, name, component = _channel_parts(parts[1:])
     channel_kind(name, text, names)
     _check_component(name, component, text, names)
-    return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
+    kind = KINDS["frequency" if parts[0] == "frequency" else "rate"]
+    return QuantityName(text, parts[0], owner, name, component, "", kind)
 
 
 def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName:

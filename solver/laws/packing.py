@@ -61,8 +61,12 @@ class PackedLaws:
 
 
 def law_owners(scene: Scene) -> list[Any]:
-    """Ropes, springs and motors: what has channels of its own, in their order."""
-    return [*scene.ropes, *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor)))]
+    """Ropes, transporters, springs and motors: what has channels of its own, in their order."""
+    return [
+        *scene.ropes,
+        *scene.transporters,
+        *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor))),
+    ]
 
 
 def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
@@ -72,8 +76,9 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
     parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
-    segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
-    return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
+    chosen = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
+    chosen = getattr(owner, "components", chosen)
+    return add_channels(owner.name, owner.CHANNELS, channels, column, chosen)
 
 
 @dataclass
@@ -169,10 +174,25 @@ def pack_laws(
         )
         made.joints.append(ropes)
         made.blocks += blocks
+        packing.block_count += sum(block.block_count for block in blocks)
         if integrator == "accurate":
             made.forces.append(ropes)
         else:
             made.fitted = True
+    if scene.transporters:
+        from heavylift.solver.transport.packing import pack_transporters
+
+        vehicles, blocks = pack_transporters(
+            scene,
+            [columns[vehicle.name] for vehicle in scene.transporters],
+            first_block + packing.block_count,
+            book,
+            attachment,
+            scales,
+        )
+        made.joints.append(vehicles)
+        made.blocks += blocks
+        made.fitted = True
     return made
 
 
