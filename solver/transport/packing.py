@@ -116,6 +116,7 @@ def pack_transporters(
                 transporter.wheel_radius,
                 transporter.tyre_stiffness,
                 transporter.line_damping,
+                transporter.tyre_damping,
                 *transporter.stops,
                 weight,
                 transporter.travel_speed is not None,

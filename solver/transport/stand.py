@@ -86,9 +86,12 @@ def even_loads(stand: Stand) -> NDArray[np.float64]:
     change = np.linalg.lstsq(balance / root, missing, rcond=1e-9)[0] / root
     left = missing - balance @ change
     if np.abs(left[1:]).max() > 1e-6 * stand.weight * (1.0 + np.abs(stand.places).max()):
+        flat = stand.places[:, :2]
+        along = np.linalg.svd(flat - flat.mean(axis=0))[2][0] if len(flat) > 1 else np.zeros(2)
+        beside = float(np.linalg.norm(flat[0] - along * (along @ flat[0])))
         raise InputError(
-            f"its weight of {stand.weight:.6g} N is {abs(left[2]) / stand.weight:.3g} m before or behind, "
-            f"{abs(left[1]) / stand.weight:.3g} m beside the line that {len(stand.counts)} groups can carry",
+            f"its centre of mass is {beside:.3g} m beside the {'line' if len(flat) > 1 else 'middle'} of its "
+            f"{len(flat)} group{'s' * (len(flat) > 1)}, whose forces cannot balance the weight",
             source=stand.name,
             key="groups",
             expected="groups about the centre of mass, or the 'load' of each",

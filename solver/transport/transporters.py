@@ -6,7 +6,7 @@ lifts its wheel over its place under the body, from the start on, with the tyre 
     f_i = k (r_i - s_i) >= 0 ,     s_low <= s_i <= s_high ,     p = F(sum s_i + l) >= 0
 
 with the common force p of the cylinders and the oil l that is pumped in. A cylinder between its stops carries
-``f_i = p + c s_i'``, c of its pipe. For given p every stroke follows, falling with p, and so does p itself: one
+``f_i = p + c s_i'``, c of its pipe; a tyre may have a damper too. For given p every stroke follows, falling with p, and so does p itself: one
 monotone equation with one unknown a group, ``F(sum s_i(p) + l) = p``, which a Newton iteration within brackets solves.
 In a step in which r grows evenly and p is its mean, a damped stroke is an exponential of the relaxation time ``c/k``;
 its mean and its end are exact, so pipes are stable at any step. Without pipes the strokes follow at once.
@@ -130,6 +130,8 @@ class Transporter:
     """[m]; 0 of a point that follows the road."""
     tyre_stiffness: Annotated[float, Positive("stiffness")]
     """Of all tyres of a bogie [N/m]."""
+    tyre_damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """Of all tyres of a bogie [N s/m]."""
     line_damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Force of a cylinder by the rate of its own stroke, of its pipe [N s/m]."""
     stroke_limits: Annotated[NDArray[np.float64] | None, Quantity("length"), Shape((2,))] = None
@@ -209,8 +211,8 @@ class VehicleData(Record):
         First record column.
     x, y, z
         Markers of the axes of its body along, to the left, and upwards.
-    radius, tyre, pipe, low, high
-        Of its wheels, tyres, pipes and stops.
+    radius, tyre, pipe, rubber, low, high
+        Of its wheels, tyres, pipes, dampers of tyres, and stops.
     weight
         Of a bogie [N].
     driven, speed
@@ -230,6 +232,7 @@ class VehicleData(Record):
     radius: float
     tyre: float
     pipe: float
+    rubber: float
     low: float
     high: float
     weight: float
@@ -456,8 +459,8 @@ def _bogie(
     load_r, stroke_r
         By a rate x that lifts r by ``h x / 2`` in the middle, over that lift.
     """
-    k, c = vehicle.tyre, vehicle.pipe
-    if c == 0.0 or h == 0.0:
+    k, pipe, c = vehicle.tyre, vehicle.pipe, vehicle.rubber
+    if pipe + c == 0.0 or h == 0.0:
         s = r - p / k
         if s > vehicle.high:
             return k * (r - vehicle.high), vehicle.high, vehicle.high, 0.0, 0.0, k, 0.0
@@ -465,27 +468,27 @@ def _bogie(
             load = k * (r - vehicle.low)
             return max(load, 0.0), vehicle.low, vehicle.low, 0.0, 0.0, (k if load > 0.0 else 0.0), 0.0
         return p, s, s, 1.0, -1.0 / k, 0.0, 1.0
-    delay = c / k
-    left = math.exp(-h / delay)
-    mean_left = -math.expm1(-h / delay) * delay / h
+    delay, lag = (pipe + c) / k, pipe / k
+    gone, mean_left = -math.expm1(-h / delay), -math.expm1(-h / delay) * delay / h
     aim = r - p / k
-    gone = stroke - aim + 0.5 * h * growth + delay * growth
-    s = aim - delay * growth + gone * mean_left
-    end = aim + 0.5 * h * growth - delay * growth + gone * left
-    load = k * (r - s)
+    off = stroke - aim + (0.5 * h + lag) * growth
+    s = aim - lag * growth + off * mean_left
+    end = aim + (0.5 * h - lag) * growth + off * (1.0 - gone)
+    load = p + pipe * (end - stroke) / h
     if load < 0.0:  # above the road: the cylinder pushes the wheel down as fast as its pipe lets it
-        end = min(max(stroke - p * h / c, vehicle.low), vehicle.high)
+        end = min(max(stroke - p * h / pipe, vehicle.low), vehicle.high)
         s = 0.5 * (stroke + end)
         moves = vehicle.low < end < vehicle.high
-        return 0.0, s, end, 0.0, (-0.5 * h / c if moves else 0.0), 0.0, 0.0
-    if s > vehicle.high:
-        return k * (r - vehicle.high), vehicle.high, vehicle.high, 0.0, 0.0, k, 0.0
-    if s < vehicle.low:
-        load = k * (r - vehicle.low)
-        return max(load, 0.0), vehicle.low, vehicle.low, 0.0, 0.0, (k if load > 0.0 else 0.0), 0.0
+        return 0.0, s, end, 0.0, (-0.5 * h / pipe if moves else 0.0), 0.0, 0.0
+    if not vehicle.low <= s <= vehicle.high:
+        stop = vehicle.high if s > vehicle.high else vehicle.low
+        load = k * (r - stop) + c * growth
+        by_r = k + 2.0 * c / h
+        return max(load, 0.0), stop, stop, 0.0, 0.0, (by_r if load > 0.0 else 0.0), 0.0
     end = min(max(end, vehicle.low), vehicle.high)
-    follows = 1.0 - 2.0 * delay / h * (1.0 - mean_left)
-    return load, s, end, 1.0 - mean_left, -(1.0 - mean_left) / k, k * (1.0 - follows), follows
+    follows = 1.0 - 2.0 * lag / h * (1.0 - mean_left)
+    by_r = 2.0 * pipe / h * (1.0 - lag * gone / h)
+    return load, s, end, 1.0 - lag * gone / h, -(1.0 - mean_left) / k, by_r, follows
 
 
 @kernel(internal=True)
@@ -696,7 +699,7 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
         state.lift = total
     state.drift = total - state.lift
     state.oil = _oil_in(kind, g, time)
-    if vehicle.pipe == 0.0 or state.fresh:
+    if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
         _fit_group(kind, g, 0.0, 0.0)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
@@ -704,11 +707,17 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
         return
     total = 0.0
     for i in range(group.first, group.first + group.count):
+        total += kind.bogie_state[i].stroke
+    p = state.force = _oil_force(group, total + state.oil - state.strokes)[0]
+    for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
-        total += bogie.stroke
-        tyre = kind.bogies[i].start_force
-        bogie.load = max(vehicle.tyre * (bogie.middle - state.drift / group.count - bogie.stroke) + tyre, 0.0)
-    state.force = _oil_force(group, total + state.oil - state.strokes)[0]
+        pressed = bogie.middle - state.drift / group.count - bogie.stroke
+        elastic = vehicle.tyre * pressed + kind.bogies[i].start_force
+        if vehicle.low < bogie.stroke < vehicle.high:  # tyre and pipe give way together
+            damper = elastic + vehicle.rubber * bogie.growth - p
+            bogie.load = max(p + vehicle.pipe * damper / (vehicle.pipe + vehicle.rubber), 0.0)
+        else:
+            bogie.load = max(elastic + vehicle.rubber * bogie.growth, 0.0)
 
 
 # ---- rows ----
@@ -757,7 +766,7 @@ def set_transporter_targets(
         if not at_midpoint:
             _look_here(kind, g, time, work)
             continue
-        if state.fresh and kind.vehicles[group.vehicle].pipe > 0.0:
+        if state.fresh:
             _look_here(kind, g, time, work)
         _look_ahead(kind, g, time, step, work)
         state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
@@ -812,8 +821,11 @@ def update_transporters(
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
             state.road_work += bogie.mean * bogie.road
-            if vehicle.pipe > 0.0 and vehicle.low < bogie.end_stroke < vehicle.high:
-                state.loss += (bogie.mean - p) * (bogie.end_stroke - bogie.stroke)
+            moved = bogie.end_stroke - bogie.stroke
+            if vehicle.pipe + vehicle.rubber > 0.0 and bogie.mean > 0.0:
+                # mean force of the pipe by the stroke, and of the rubber by what the tyre gives way
+                grown = step * (bogie.growth + x) - moved
+                state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * grown * grown) / step
             bogie.stroke = bogie.end_stroke
         state.road_work += p * RETURN * state.drift
         state.pump_work += p * (state.next_oil - state.oil)
@@ -892,13 +904,21 @@ def record_transporters(
                 row[at] = bogie.load + vehicle.weight
                 row[at + vehicle.bogies] = bogie.height
                 row[at + 2 * vehicle.bogies] = bogie.stroke
-                work.sums.elastic += 0.5 * bogie.load * bogie.load / vehicle.tyre
+                work.sums.elastic += 0.5 * vehicle.tyre * _pressed(kind, g, i) ** 2
             total += load
             least = min(least, load)
             work.sums.elastic += _oil_energy(group, carried.force)
             work.sums.drive_work += carried.road_work + carried.pump_work
             work.sums.dissipated += carried.loss
         row[c + 3] = least / total if total > 0.0 else 0.0
+
+
+@kernel(internal=True)
+def _pressed(kind: Transporters, g: int, i: int) -> float:
+    """By how much the tyre of a bogie is pressed [m]; 0 above the road."""
+    bogie, tyre = kind.bogie_state[i], kind.vehicles[kind.groups[g].vehicle].tyre
+    lift = bogie.middle - kind.group_state[g].drift / kind.groups[g].count
+    return max(lift + kind.bogies[i].start_force / tyre - bogie.stroke, 0.0)
 
 
 @kernel(internal=True)
