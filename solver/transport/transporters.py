@@ -6,8 +6,9 @@ lifts its wheel over its place under the body, from the start on, with the tyre 
     f_i = k (r_i - s_i) >= 0 ,     s_low <= s_i <= s_high ,     p = F(sum s_i + l) >= 0
 
 with the common force p of the cylinders and the oil l that is pumped in. A cylinder between its stops carries
-``f_i = p + c s_i'``, c of its pipe; a tyre may have a damper too. For given p every stroke follows, falling with p, and so does p itself: one
-monotone equation with one unknown a group, ``F(sum s_i(p) + l) = p``, which a Newton iteration within brackets solves.
+``f_i = p + c s_i'``, c of its pipe; a tyre may have a damper too. For given p every stroke follows, falling with p, and
+so does p itself: one monotone equation with one unknown a group, ``F(sum s_i(p) + l) = p``, which a Newton iteration
+within brackets solves.
 In a step in which r grows evenly and p is its mean, a damped stroke is an exponential of the relaxation time ``c/k``;
 its mean and its end are exact, so pipes are stable at any step. Without pipes the strokes follow at once.
 
