@@ -228,7 +228,7 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     if isinstance(quantity, (WorldDirection, BodyDirection)):
         return Direction
     if isinstance(quantity, BodyPoint):
-        return LengthVector
+        return LengthVector if field.mark(Shape) is None else GenericAlias(tuple, (LengthVector, ...))
     if isinstance(quantity, NameOf):
         return _NAMES[quantity.what]
     square = field.mark(Square)

@@ -99,6 +99,8 @@ def _law(scene: Scene) -> str:
     if scene.touches:
         first: Any = (*scene.contacts, *scene.collisions)[0]
         return f"contact {first.name!r} opens and closes"
+    if scene.transporters:
+        return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
     for joint in scene.joints:
         if getattr(joint, "limits", None) is not None:
             return f"joint {joint.name!r} has stops"

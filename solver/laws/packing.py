@@ -62,8 +62,12 @@ class PackedLaws:
 
 
 def law_owners(scene: Scene) -> list[Any]:
-    """Ropes, springs and motors: what has channels of its own, in their order."""
-    return [*scene.ropes, *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor)))]
+    """Ropes, transporters, springs and motors: what has channels of its own, in their order."""
+    return [
+        *scene.ropes,
+        *scene.transporters,
+        *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor))),
+    ]
 
 
 def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
@@ -82,6 +86,7 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
         "sheave_speed": rubbing,
         "sheave_state": rubbing,
     }
+    chosen = getattr(owner, "components", chosen)
     kinds = [kind for kind in owner.CHANNELS if kind.columns(chosen)]
     return add_channels(owner.name, kinds, channels, column, chosen)
 
@@ -194,6 +199,20 @@ def pack_laws(
             made.forces.append(kind)
         else:
             made.fitted = True
+    if scene.transporters:
+        from heavylift.solver.transport.packing import pack_transporters
+
+        vehicles, blocks = pack_transporters(
+            scene,
+            [columns[vehicle.name] for vehicle in scene.transporters],
+            first_block + packing.block_count,
+            book,
+            attachment,
+            scales,
+        )
+        made.joints.append(vehicles)
+        made.blocks += blocks
+        made.fitted = True
     return made
 
 
