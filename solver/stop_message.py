@@ -73,6 +73,10 @@ def stop_message(layout: Layout, when: str) -> str:
         if contact >= 0:
             part = "contact"
             reason, remedy = _contact_remedy(layout, contact)
+    rope = _hauled_in(layout) if outcome in {Outcome.NOT_CLOSED, Outcome.NOT_FINITE} else ""
+    if rope:
+        reason = f": rope {rope!r} is hauled in whole by its winch"
+        remedy = "a winch that stops before, or a longer rope"
     names = {"body": layout.body_names, "line": layout.line_names}.get(part, layout.block_names)
     number = int(status.body if part in {"body", "line"} else status.block)
     element = f", element {-1 - int(status.block)}" if of_mesh else ""
@@ -107,6 +111,16 @@ def _where_off_road(layout: Layout) -> str:
             f": bogie {number - int(vehicle.first_bogie) + 1} {happened}, at station {state.station:.6g} m and offset "
             f"{state.offset:.6g} m of deck {int(state.deck) + 1}"
         )
+    return ""
+
+
+def _hauled_in(layout: Layout) -> str:
+    """Name of a rope of which nothing is left; empty if there is none."""
+    for kind in layout.joints:
+        if "winches" in kind._fields:
+            for entry, state in zip(kind.table, kind.state, strict=True):
+                if entry.block >= 0 and not state.fresh and not state.next_rest > 0.0:
+                    return layout.block_names[entry.block]
     return ""
 
 

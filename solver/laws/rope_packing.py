@@ -66,7 +66,7 @@ def pack_ropes(
     """
     table: list[tuple[float, ...]] = []
     places: list[tuple[int, int, int]] = []
-    winches: list[tuple[float, float, float]] = []
+    winches: list[tuple[float, ...]] = []
     paths: list[tuple[Any, ...]] = []
     blocks: list[LawBlock] = []
     state: list[tuple[float, ...]] = []
@@ -195,7 +195,7 @@ def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
     return path
 
 
-def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, float, float]]) -> float:
+def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, ...]]) -> float:
     """Length at the start [m]; that of a wire rope is checked."""
     drawn = start_length(path)
     tension, winch = getattr(rope, "tension", None), getattr(rope, "winch", None)
@@ -209,7 +209,7 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float
             )
         return drawn / (1.0 + tension / rope.axial_stiffness)
     if winch is not None and len(winch.lengths):
-        length = float(winch.lengths[0]) + rows[0][2]
+        length = float(winch.lengths[0]) + (rows[0][2] if winch.acceleration is None else 0.0)
     else:
         length = drawn if rope.length is None else float(rope.length)
     if hasattr(rope, "axial_stiffness") and drawn > length * (1.0 + LARGEST_STRAIN):
@@ -223,15 +223,17 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float
     return length
 
 
-def _winch_rows(rope: Any) -> list[tuple[float, float, float]]:
-    """Time, speed and length hauled in since t = 0."""
+def _winch_rows(rope: Any) -> list[tuple[float, ...]]:
+    """Time, speed, length hauled in since t = 0, and jerk."""
     winch = getattr(rope, "winch", None)
     if winch is None:
         return []
+    if winch.acceleration is not None:
+        return [(time, speed, way, jerk) for time, way, speed, _, jerk in winch.plan.tolist()]
     times, speeds = winch.profile
     hauled = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))])
     return [
-        (float(t), float(v), float(x))
+        (float(t), float(v), float(x), 0.0)
         for t, v, x in zip(times, speeds, hauled - _at_zero(times, speeds, hauled), strict=True)
     ]
 

@@ -266,11 +266,12 @@ class PlaceMarkers(Record):
 
 
 class WinchRow(Record):
-    """Time [s], speed [m/s] and length hauled in since t = 0 [m]."""
+    """Time [s], speed [m/s], length hauled in since t = 0 [m], and jerk up to the next row [m/s3]."""
 
     time: float
     speed: float
     hauled: float
+    jerk: float
 
 
 class RopeState(Record):
@@ -379,7 +380,7 @@ def start_length(path: Records[RopePlace]) -> float:
 
 @kernel(internal=True)
 def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
-    """Length hauled in since t = 0 [m] and speed [m/s]; exact for speeds that are linear in between."""
+    """Length hauled in since t = 0 [m] and speed [m/s]; exact for speeds that are linear or quadratic in between."""
     first, count = kind.table[i].winch, kind.table[i].winch_rows
     if count == 0:
         return 0.0, 0.0
@@ -396,6 +397,10 @@ def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
     a, b = kind.winches[low], kind.winches[high]
     t = time - a.time
     slope = (b.speed - a.speed) / (b.time - a.time)
+    if a.jerk != 0.0:
+        slope -= 0.5 * a.jerk * (b.time - a.time)
+        speed = a.speed + t * (slope + 0.5 * a.jerk * t)
+        return a.hauled + t * (a.speed + t * (0.5 * slope + a.jerk * t / 6.0)), speed
     return a.hauled + t * (a.speed + 0.5 * slope * t), a.speed + slope * t
 
 

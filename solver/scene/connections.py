@@ -33,6 +33,7 @@ from heavylift.solver.scene.descriptions import (
     interval_extremes,
     no_rows,
 )
+from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -436,6 +437,14 @@ class Winch:
     )
     """In place of `speeds`, unstretched lengths of the rope [m]: it begins and ends at rest, its speed has no jumps,
     and its length between two times is between those at them."""
+    speed: Annotated[float | None, Positive("velocity")] = None
+    """With `lengths` and `acceleration`: the lengths are targets, to which moves from rest to rest with at most this
+    speed begin at the times; the first is that at the start."""
+    acceleration: Annotated[float | None, Positive("acceleration")] = None
+    """Of all changes of the speed: `speeds` are then targets, to which a winch that stands at first begins to change at
+    the times."""
+    jerk: Annotated[float | None, Positive("jerk")] = None
+    """Of all changes of the acceleration, which jumps without."""
     end: Literal["first", "last"] = "first"
     """End of the path with the drum: where sheaves have an efficiency, the rope runs over them from or to there."""
 
@@ -447,6 +456,30 @@ class Winch:
             raise InputError(problem, expected="one of them")
         values_key = "speeds" if len(said.speeds) else "lengths"
         check_table("times", said.times, values_key, getattr(said, values_key))
+        if (said.speed is not None) != (len(said.lengths) > 0 and said.acceleration is not None):
+            raise InputError(
+                "'speed' is the limit of moves to 'lengths' with an 'acceleration'",
+                key="speed" if said.speed is not None else "acceleration",
+                expected="'lengths', 'speed' and 'acceleration'; 'speeds' and 'acceleration'; or a table alone",
+            )
+        if said.speed is not None:
+            planned_moves(said.times, said.lengths, said.speed, said.acceleration, said.jerk)
+        else:
+            check_speeds(said)
+
+    @property
+    def plan(self) -> NDArray[np.float64]:
+        """Time, length hauled in since t = 0, speed, acceleration and jerk where each piece begins, shape (n, 5)."""
+        if self.acceleration is None:
+            return speed_pieces(*self.profile)[1:]
+        times, speeds = self.times, self.speeds
+        if self.speed is not None:
+            lengths = [-float(length) for length in self.lengths]
+            moves = planned_moves(list(self.times), lengths, self.speed, self.acceleration, self.jerk)
+            times, speeds = (np.array(values) for values in moves)
+            if not len(times):
+                return np.zeros((1, 5))
+        return speed_pieces(times, speeds, self.acceleration, self.jerk)
 
     @property
     def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
