@@ -193,16 +193,15 @@ def _stored(unit: Unit) -> bytes | None:
 def _read(path: Path) -> bytes | None:
     """The object of a file; None if there is none or it is not whole."""
     try:
-        content = path.read_bytes()
+        if not path.is_file():  # a pipe would wait for a writer
+            return None
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                return None
+            digest, data = file.read(32), file.read()
     except OSError:
         return None
-    start = len(MAGIC) + 32
-    data = content[start:]
-    whole = (
-        content[: len(MAGIC)] == MAGIC
-        and hashlib.blake2b(data, digest_size=32).digest() == content[len(MAGIC) : start]
-    )
-    return data if whole else None
+    return data if hashlib.blake2b(data, digest_size=32).digest() == digest else None
 
 
 def _write(unit: Unit, data: bytes) -> None:

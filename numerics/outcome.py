@@ -11,7 +11,8 @@ class Outcome(IntEnum):
     """How a simulation or a stage ended; stored with the results.
 
     The value is also the exit code of the command that ran it: 0 success, 1 a
-    check failed, 2 bad input, larger values name a run that stopped by itself.
+    check failed, 2 bad input, larger values name a run that stopped by itself; the
+    last two end a command of any kind.
     """
 
     COMPLETED = 0
@@ -29,9 +30,12 @@ class Outcome(IntEnum):
     TOO_MANY_CONTACTS = 12
     LINE_OVERSTRETCHED = 13
     OUTSIDE_DATABASE = 14
-    LIMIT_REACHED = 15
-    TIMED_OUT = 16
-    PHASES_LEFT = 17
+    ENERGY_NOT_KEPT = 15
+    LIMIT_REACHED = 16
+    TIMED_OUT = 17
+    PHASES_LEFT = 18
+    FAULT = 70
+    OUT_OF_MEMORY = 71
 
     @property
     def text(self) -> str:
@@ -49,20 +53,40 @@ _TEXTS = {
     Outcome.DISK_FULL: "stopped: the disk is full",
     Outcome.LOCKED: "another run works in this folder",
     Outcome.NOT_CONVERGED: "stopped: an iteration did not converge",
-    Outcome.NOT_CLOSED: "stopped: a joint came apart",
+    Outcome.NOT_CLOSED: "stopped: a joint or rope came apart",
     Outcome.STRAINS_LOST: "stopped: carried strains have left those of the shape",
     Outcome.TOO_MANY_CONTACTS: "stopped: more contacts at once than there is room for",
     Outcome.LINE_OVERSTRETCHED: "stopped: a mooring line is stretched beyond its limit, or has no equilibrium",
     Outcome.OUTSIDE_DATABASE: "stopped: a hull has left what its hydrodynamic database covers",
+    Outcome.ENERGY_NOT_KEPT: "not to be believed: steps made or lost as much energy as there is",
     Outcome.LIMIT_REACHED: "stopped: a limit of the scenario is reached",
     Outcome.TIMED_OUT: "stopped: a phase of the scenario takes too long",
     Outcome.PHASES_LEFT: "phases of the scenario are left",
+    Outcome.FAULT: "stopped by a fault of the program",
+    Outcome.OUT_OF_MEMORY: "stopped: there is not enough memory",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
 }
 
 
+LONGEST = 400
+"""Characters of a part of a message; of a longer one the middle is left out."""
+LONGEST_LIST = 20_000
+"""Of what was expected, which may be a list of all that there is."""
+
+
+def in_one_line(text: str, longest: int = LONGEST) -> str:
+    """A text without line breaks and other controls, and not longer than a person reads."""
+    if len(text) > longest:
+        text = f"{text[: longest // 2]} ... ({len(text):,} characters) ... {text[-longest // 4 :]}"
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 class InputError(ValueError):
     """Bad input: one message that names where, what was found and what was expected.
+
+    What comes from a file, problem and key, is shown in one line, however long it is and whatever it contains.
 
     Parameters
     ----------
@@ -77,10 +101,10 @@ class InputError(ValueError):
     """
 
     def __init__(self, problem: str, *, source: object = "", key: str = "", expected: str = "") -> None:
-        self.problem = problem
-        self.source = str(source)
-        self.key = key
-        self.expected = expected
+        self.problem = problem = in_one_line(problem)
+        self.source = in_one_line(str(source))
+        self.key = key = in_one_line(key)
+        self.expected = expected = in_one_line(expected, LONGEST_LIST)
         place = ": ".join(part for part in (self.source, key) if part)
         message = f"{place}: {problem}" if place else problem
         super().__init__(f"{message}; expected {expected}" if expected else message)
@@ -90,5 +114,7 @@ class InputErrors(InputError):
     """Several errors found in one pass over an input, reported together."""
 
     def __init__(self, errors: list[InputError]) -> None:
+        super().__init__("")
         self.errors = errors
-        super().__init__("\n".join(str(error) for error in errors))
+        self.problem = "\n".join(str(error) for error in errors)
+        self.args = (self.problem,)

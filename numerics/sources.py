@@ -10,6 +10,7 @@ import hashlib
 import os
 import re
 import sys
+import tempfile
 import time
 from functools import cache
 from pathlib import Path
@@ -34,7 +35,10 @@ def cache_root() -> Path:
     if chosen:
         return Path(chosen)
     base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "heavylift"
+    try:
+        return (Path(base) if base else Path.home() / ".cache") / "heavylift"
+    except RuntimeError:  # a user without a home, as in some containers
+        return Path(tempfile.gettempdir()) / f"heavylift-{os.getuid()}"
 
 
 def _file(module: str) -> Path:

@@ -59,7 +59,10 @@ KINDS = {
         Kind("frequency", "Hz", Dimension(0, 0, -1)),
         Kind("velocity", "m/s", Dimension(1, 0, -1)),
         Kind("acceleration", "m/s^2", Dimension(1, 0, -2)),
+        Kind("jerk", "m/s^3", Dimension(1, 0, -3)),
         Kind("angular velocity", "rad/s", Dimension(0, 0, -1, 1)),
+        Kind("angular acceleration", "rad/s^2", Dimension(0, 0, -2, 1)),
+        Kind("angular jerk", "rad/s^3", Dimension(0, 0, -3, 1)),
         Kind("density", "kg/m^3", Dimension(-3, 1)),
         Kind("pressure", "Pa", Dimension(-1, 1, -2)),
         Kind("force", "N", Dimension(1, 1, -2)),
@@ -142,6 +145,12 @@ _OF_COUNTRIES = {
 """Units, by their names in pint, that differ between countries or trades, or read as something else with a prefix
 (mt would be a kilogram): what to write in their place."""
 
+LONGEST = 200
+"""Characters of a quantity or unit; no sensible one has more."""
+
+STEEPEST = 20.0
+"""Largest exponent of a unit."""
+
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*\Z")
 _TOKEN = re.compile(r"\s*(\*\*|[*/·^()]|[+-]?\d+\.?\d*|[^\W\d]\w*|%)")
 
@@ -175,7 +184,10 @@ def parse_quantity(value: object, kind: Kind) -> float:
     elif isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{value!r} is not a number", expected=expected)
     else:
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:  # an integer of some hundred digits
+            number = math.inf
     if not math.isfinite(number):
         raise InputError(f"{value!r} is not finite", expected=expected)
     return number
@@ -193,6 +205,8 @@ def _scaled(text: str, number: float, factor: float) -> float:
 
 def _split(text: str, expected: str) -> tuple[float, str]:
     """Number and unit of a quantity string."""
+    if len(text) > LONGEST:
+        raise InputError(f"{text!r} has {len(text):,} characters", expected=expected)
     match = _NUMBER.match(text)
     if match is None:
         kind = (
@@ -213,8 +227,10 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     Raises
     ------
     InputError
-        If a name is no unit or the expression is not well formed.
+        If a name is no unit, the expression is not well formed, or no number is left of its factor.
     """
+    if len(text) > LONGEST:
+        raise InputError(f"unit {text!r} has {len(text):,} characters", expected='a unit such as "kg/m^3"')
     tokens, position = [], 0
     while position < len(text.rstrip()):
         match = _TOKEN.match(text, position)
@@ -222,9 +238,14 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
             raise InputError(f"unit {text!r} is not understood", expected='a unit such as "kg/m^3"')
         tokens.append(match[1])
         position = match.end()
-    result, rest = _product(tokens, text)
+    try:
+        result, rest = _product(tokens, text)
+    except (OverflowError, ZeroDivisionError):  # "GPa^20 GPa^20", "1/nm^20/nm^20"
+        result, rest = (math.inf, Dimension()), []
     if rest:
         raise InputError(f"unit {text!r} is not understood", expected="balanced parentheses")
+    if not 0.0 < result[0] < math.inf:
+        raise InputError(f"unit {text!r} is beyond all numbers", expected='a unit such as "kg/m^3"')
     return result
 
 
@@ -257,6 +278,11 @@ def _power(tokens: list[str], text: str) -> tuple[tuple[float, Dimension], list[
             power = float(tokens[1])
         except ValueError:
             raise InputError(f"unit {text!r} is not understood", expected="a number as exponent") from None
+        if not abs(power) <= STEEPEST:
+            raise InputError(
+                f"unit {text!r} has the exponent {tokens[1]}",
+                expected=f"exponents from {-STEEPEST:g} to {STEEPEST:g}",
+            )
         factor, dimension, tokens = factor**power, Dimension().times(dimension, power), tokens[2:]
     return (factor, dimension), tokens
 
@@ -274,7 +300,8 @@ def _named_unit(name: str, text: str) -> tuple[float, Dimension]:
     except (pint.errors.PintError, AttributeError, TypeError, ValueError):
         whole = "" if name == text else f" in {text!r}"
         raise InputError(f"{name!r}{whole} is not a unit", expected='a unit such as "kg/m^3"') from None
-    prefix, unit, _ = min(_registry().parse_unit_name(name))  # without prefix, if it can be read so
+    # without prefix, if it can be read so; words of no dimension have no name
+    prefix, unit, _ = min(_registry().parse_unit_name(name), default=("", "", ""))
     if unit in _OF_COUNTRIES and (unit != "metric_ton" or prefix) and not name.startswith(("short_", "US_")):
         raise InputError(f"{name!r} may mean several units", expected=_OF_COUNTRIES[unit])
     names = {"meter": 0, "kilogram": 1, "second": 2, "radian": 3}
@@ -285,6 +312,8 @@ def _named_unit(name: str, text: str) -> tuple[float, Dimension]:
                 f"{name!r} is measured in {unit}", expected="a unit of length, mass, time and angle"
             )
         exponents[names[unit]] = float(power)
+    if _registry().Quantity(0.0, name).to_base_units().magnitude != 0.0:
+        raise InputError(f"{name!r} is logarithmic", expected="a unit of which a quantity is a multiple")
     return float(base.magnitude), Dimension(*exponents)
 
 

@@ -1,8 +1,14 @@
-"""What a person sees while stages run: lines on a stream; progress as a bar on a terminal, else as lines."""
+"""What a person sees while stages run: lines on a stream; progress as a bar on a terminal, else as lines.
+
+Nobody has to read what is said: a pipe that is closed, as by ``| head -1``, or a disk that is full, as under
+``> log.txt``, silences the stream and never ends the run that speaks.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import errno
+import os
 import sys
 import time
 from typing import TYPE_CHECKING, TextIO
@@ -10,10 +16,72 @@ from typing import TYPE_CHECKING, TextIO
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["Log"]
+__all__ = ["Log", "flush_output", "lost_output", "say_on"]
 
 PROGRESS_SECONDS = 10.0
 """Wall time between two lines of progress where no bar can be drawn."""
+
+
+_SILENCED: dict[TextIO, OSError] = {}
+"""Streams of this process that take no more, and why; a closed pipe apart: its reader has enough."""
+_LOST: list[OSError] = []
+"""Why something was lost that was needed."""
+
+
+def say_on(stream: TextIO | None, text: str, *, needed: bool = False) -> None:
+    """Print a line; a stream that takes no more is silenced, and what it was to show is lost.
+
+    Letters that the encoding of the stream does not have are written as escapes. What is `needed`, as a table that
+    was asked for, is not lost without a trace: see `lost_output`.
+    """
+    if stream is None:  # it was closed before the process began
+        return
+    try:
+        try:
+            print(text, file=stream, flush=True)
+        except UnicodeEncodeError:
+            known = getattr(stream, "encoding", None) or "ascii"
+            print(text.encode(known, "backslashreplace").decode(known), file=stream, flush=True)
+    except (OSError, ValueError) as error:  # a ValueError: closed by whoever opened it
+        _lose(stream, error)
+    if needed and stream in _SILENCED:
+        _LOST.append(_SILENCED[stream])
+
+
+def _lose(stream: TextIO, error: Exception) -> None:
+    """Silence a stream that takes no more, and say so once, unless its reader has enough."""
+    _silence(stream)
+    if not isinstance(error, OSError) or error.errno in {errno.EPIPE, errno.ESHUTDOWN}:
+        return
+    first = not _SILENCED
+    _SILENCED[stream] = error
+    if first and stream is not sys.stderr:
+        say_on(sys.stderr, f"output is lost: {error.strerror}; the run itself goes on")
+
+
+def flush_output() -> None:
+    """Write what libraries have left in the buffers of this process, or lose it as `say_on` does."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            if stream is not None and not stream.closed:
+                stream.flush()
+        except (OSError, ValueError) as error:
+            _lose(stream, error)
+
+
+def lost_output() -> OSError | None:
+    """Why something that was needed is lost; None if nothing was, or into a closed pipe."""
+    return _LOST[0] if _LOST else None
+
+
+def _silence(stream: TextIO) -> None:
+    """Send what is still in the buffer of a stream, and all that follows, nowhere."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        try:
+            os.dup2(nowhere, stream.fileno())
+        finally:
+            os.close(nowhere)
 
 
 class Log:
@@ -29,12 +97,12 @@ class Log:
 
     def __init__(self, *, quiet: bool = False, stream: TextIO | None = None) -> None:
         self.quiet = quiet
-        self.stream = stream or sys.stdout
+        self.stream: TextIO | None = stream or sys.stdout
 
     def say(self, text: str) -> None:
         """Print one line."""
         if not self.quiet:
-            print(text, file=self.stream, flush=True)
+            say_on(self.stream, text)
 
     @contextlib.contextmanager
     def progress(
@@ -48,7 +116,7 @@ class Log:
         if self.quiet:
             yield lambda _done, _note: None
             return
-        if not self.stream.isatty():
+        if self.stream is None or self.stream.closed or not self.stream.isatty():
             yield _PlainProgress(title, total, start)
             return
         from rich.console import Console
@@ -82,8 +150,7 @@ class _PlainProgress:
         if done > self._start:
             left = (now - self._begin) * (self._total - done) / (done - self._start)
             words.append(f"about {_duration(left)} left")
-        sys.stderr.write(f"{self._title}: {', '.join([note, *words])}\n")
-        sys.stderr.flush()
+        say_on(sys.stderr, f"{self._title}: {', '.join([note, *words])}")
 
 
 def _duration(seconds: float) -> str:

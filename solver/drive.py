@@ -1,4 +1,4 @@
-"""Prescribed motion of a frame: four functions of time, as spline tables and harmonics, in one flat array.
+"""Prescribed motion of a frame: four functions of time, as cubics in time and harmonics, in one flat array.
 
 A driven frame is displaced by ``d(t)`` (world axes) and turned by the angle ``phi(t)`` about a fixed
 axis through a pivot::
@@ -23,6 +23,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import exponential_quaternion, quaternion_product, rotate_by_quaternion
 from heavylift.numerics.vectors import cross
 from heavylift.solver.scene.bodies import Driven, Profile
+from heavylift.solver.scene.speed_profiles import profile_cubics
 
 __all__ = [
     "DRIVEN",
@@ -81,13 +82,10 @@ def pack_profile(profile: Profile | None) -> NDArray[np.float64]:
     harmonics = np.array(
         [(h.amplitude, 2.0 * math.pi * h.frequency, h.phase) for h in profile.harmonics], dtype=np.float64
     ).ravel()
-    count = len(profile.times)
-    if count == 0:
+    if len(profile.times) == 0:
         return np.concatenate([[0.0, len(profile.harmonics)], harmonics])
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(profile.times, profile.values, bc_type="clamped")
-    return np.concatenate([[count, len(profile.harmonics)], profile.times, spline.c.T.ravel(), harmonics])
+    breaks, cubics = profile_cubics(profile)
+    return np.concatenate([[len(breaks), len(profile.harmonics)], breaks, cubics.ravel(), harmonics])
 
 
 @kernel

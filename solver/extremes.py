@@ -7,6 +7,8 @@ looks in between changes nothing.
 
 A force that is recorded and what it follows from, say a tension and an elongation, are two expressions of one thing.
 How far they are from each other at most, and when, is kept likewise.
+
+What stores energy elastically tells by its changes from step to step whether it takes up a motion within a few of them.
 """
 
 from __future__ import annotations
@@ -14,7 +16,16 @@ from __future__ import annotations
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record
 
-__all__ = ["Agreement", "Extremes", "compare_force", "largest_of", "note_value", "smallest_of"]
+__all__ = [
+    "Agreement",
+    "Extremes",
+    "Store",
+    "compare_force",
+    "largest_of",
+    "note_stored",
+    "note_value",
+    "smallest_of",
+]
 
 
 class Extremes(Record):
@@ -86,3 +97,31 @@ def compare_force(agreement: Agreement, time: float, force: float, low: float, h
     if miss > agreement.miss:
         agreement.miss, agreement.time, agreement.force = miss, time, force
         agreement.expected = low if force < low else high
+
+
+class Store(Record):
+    """Energy [J] that something stores, from step to step: whether steps resolve how it takes up a motion.
+
+    Attributes
+    ----------
+    begun
+        Whether a step has been made.
+    energy
+        At the end of the last step.
+    largest, change
+        Largest of all, and largest change within a step.
+    """
+
+    begun: bool
+    energy: float
+    largest: float
+    change: float
+
+
+@kernel(inline=True, internal=True)
+def note_stored(store: Store, energy: float) -> None:
+    """Take the energy at the end of a step."""
+    if store.begun:
+        store.change = max(store.change, abs(energy - store.energy))
+    store.begun, store.energy = True, energy
+    store.largest = max(store.largest, energy)

@@ -79,6 +79,7 @@ __all__ = [
     "update_rows",
     "watch_forces",
     "watch_joints",
+    "watch_motions",
     "write_velocity",
 ]
 
@@ -239,7 +240,8 @@ class Coordinates(Record):
 class Sums(Record):
     """What concerns all bodies: acceleration of gravity [m/s2], energies [J], momenta about the world origin.
 
-    The energies and momenta of a record stand in this order.
+    The energies and momenta of a record stand in this order. At the end the largest distance of a carried elongation
+    from the geometry [m, rad], of a record too.
     """
 
     gravity: Vector
@@ -251,6 +253,7 @@ class Sums(Record):
     dissipated: float
     linear_momentum: Vector
     angular_momentum: Vector
+    drift: float
 
 
 class Workspace(Arrays):
@@ -460,6 +463,11 @@ def record(kinds: Bodies, time: float, work: Workspace, row: Floats1) -> None:
 @optional()
 def watch_forces(kinds: Forces, work: Workspace) -> None:
     """Forces: when a step stands, extremes since the last record of what they were in its middle."""
+
+
+@optional()
+def watch_motions(kinds: Forces, bodies: Bodies, work: Workspace) -> None:
+    """What only watches: extremes since the last record of what is seen at the end of a step that stands."""
 
 
 @optional("record")

@@ -39,6 +39,7 @@ from heavylift.solver.scene.scene import (
     RigidBody,
     Scene,
 )
+from heavylift.solver.scene.speed_profiles import overshoot, speed_pieces
 from heavylift.solver.scene_checks import check_scene
 
 __all__ = ["Channel", "Layout", "pack_scene", "scene_corners"]
@@ -128,6 +129,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     column = add_channels("momentum", MOMENTUM_CHANNELS, channels, column)
 
     notes: list[str] = [] if made.sea is None else list(made.sea.notes)
+    notes += _overshoots(scene)
     bodies: list[Any] = []
     number = 0
     for group, pack in _groups(scene):
@@ -163,9 +165,14 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     forces += made.forces
     if made.sea is not None:
         forces += made.sea.forces
+    velocities = sum(velocity_count(body, made.bases) for body in ordered)
+    if step > 0.0 and integrator == "dele2":
+        from heavylift.solver.measures.step_counts import pack_step_counts
+
+        forces.append(pack_step_counts(step, velocities))
     widths = [end.width for end in map(attachments(ordered, dofs, made.bases), dofs)]
     work = Workspace.empty(
-        sum(velocity_count(body, made.bases) for body in ordered),
+        velocities,
         book.count,
         max(6, *widths),
         scene_corners(scene),
@@ -278,6 +285,26 @@ def _of_sensors(sensors: dict[str, list[tuple[int, Any]]], bodies: list[Any]) ->
     ]
 
 
+def _overshoots(scene: Scene) -> list[str]:
+    """Drives that leave the values of their tables in between, as sentences."""
+    drives = [(f"the drive of {joint.name!r}", getattr(joint, "drive", None)) for joint in scene.joints]
+    for body in scene.bodies:
+        if isinstance(body.motion, Driven):
+            names = (f"the drive {key} of {body.name!r}" for key in ("x", "y", "z", "angle"))
+            drives += zip(names, body.motion.profiles, strict=True)
+    sentences = []
+    for words, profile in drives:
+        if profile is None:
+            continue
+        beyond, time = overshoot(profile)
+        if beyond > 0.0:
+            sentences.append(
+                f"{words} leaves the values of its table by {beyond:.3g} at {time:.6g} s: take 'speeds', or"
+                " interpolation 'monotone'"
+            )
+    return sentences
+
+
 def scene_corners(scene: Scene) -> NDArray[np.float64]:
     """Positive times [s], increasing: rows of load, motor and winch tables, ends of the tables of drives."""
     times: list[float] = []
@@ -299,6 +326,14 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
         if isinstance(body.motion, Driven):
             profiles += body.motion.profiles
     for profile in profiles:
-        if profile is not None and len(profile.times):
+        if profile is None or not len(profile.times):
+            continue
+        if len(profile.speeds):
+            times += list(
+                speed_pieces(profile.times, profile.speeds, profile.acceleration, profile.jerk)[1:, 0]
+            )
+        elif profile.interpolation == "monotone":
+            times += list(profile.times)
+        else:
             times += [profile.times[0], profile.times[-1]]
     return np.unique([time for time in times if time > 0.0])

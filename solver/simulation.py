@@ -21,7 +21,8 @@ from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
-from heavylift.solver.integrate.run_watch import RunWatch
+from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
+from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.contacts import RigidLaw
@@ -206,7 +207,10 @@ class Simulation:
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
-        self._watch = RunWatch(self.channels, self._size(), self._weight(scene), energy_remedy(self._layout))
+        remedy = energy_remedy(self._layout)
+        self._watch = RunWatch(
+            self.channels, self._size(), self._weight(scene), remedy, touches=scene.touches
+        )
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -267,6 +271,7 @@ class Simulation:
             start_contacts(layout, self.step, settled=settled)
         if layout.block_names and self.integrator == "dele2":
             self._probe()
+        prepare_counts(layout)
         if self.operation is not None:
             self._begin_scenario(self.operation)
 
@@ -374,12 +379,13 @@ class Simulation:
 
             contacts = layout.systems[1]
             forces = resting_forces(contacts)
-            good = good and forces is not None
             for name, array in self._arrays():
                 array[...] = before[name]
             forget_trials(layout)
-            if good:
+            if good and forces is not None:
                 put_forces(contacts, forces)
+            else:
+                good = False
         else:
             for name, array in self._arrays():
                 array[...] = before[name]
@@ -478,11 +484,31 @@ class Simulation:
         self.step_index, self.outcome, self.message, self.cpu_seconds = done, outcome, message, cpu
 
     @property
+    def energy_drift(self) -> float:
+        """Largest change of the energy balance over the energy turned over; not a number where records have none."""
+        return self._watch.drift
+
+    @property
+    def periods(self) -> str:
+        """Steps in the shortest periods that the scene is known to have, as a sentence; empty with steps that vary."""
+        return period_words(self._layout, self._scene.sea)
+
+    @property
+    def verdict(self) -> tuple[Outcome, str]:
+        """Whether a run that has come to its end is to be believed, and a message why not."""
+        outcome, message = self._watch.verdict
+        if outcome is Outcome.COMPLETED and self.operation is not None and self.operation.unfinished:
+            outcome = Outcome.PHASES_LEFT
+            message = f"{outcome.text} at t = {self.time:.9g} s: {self.operation.unfinished}"
+        return outcome, message
+
+    @property
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
         layout = self._layout
         seen = (force_warning, mesh_warning, hull_warning, contact_warning)
-        found = "; ".join(filter(None, [self._watch.warning, *(look(layout) for look in seen)]))
+        steps = step_warning(layout, self._watch.floor)
+        found = "; ".join(filter(None, [self._watch.warning, steps, *(look(layout) for look in seen)]))
         if found:
             return found
         if self.integrator == "accurate":
@@ -519,7 +545,7 @@ class Simulation:
             **shapes,
             "step_index": (),
             "cpu_seconds": (),
-            "watch": (5,),
+            "watch": (STATE,),
             "scene": own.shape,
         }.items():
             foreign = name == "scene" and name in state and not np.array_equal(state[name], own)

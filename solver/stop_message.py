@@ -58,6 +58,10 @@ def stop_message(layout: Layout, when: str) -> str:
 
         happened, remedy = left_because(layout.bodies, int(status.body))
         reason = f": {happened}" if happened else ""
+    if outcome is Outcome.NOT_CLOSED:
+        parted = _parted(layout, int(status.block))
+        if parted:
+            part, reason, remedy = parted
     of_mesh = status.block < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
@@ -70,6 +74,19 @@ def stop_message(layout: Layout, when: str) -> str:
     number = int(status.body if part in {"body", "line"} else status.block)
     element = f", element {-1 - int(status.block)}" if of_mesh else ""
     return f"{outcome.text} at {when}, {part} {names[number]!r}{element}{reason}; try {remedy}"
+
+
+def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
+    """What a law is called whose positions have left the elongation that it carries, how far, and what may help."""
+    for kind in layout.joints:
+        if "table" not in kind._fields or "largest_drift" not in (kind.table.dtype.names or ()):
+            continue
+        for entry, state in zip(kind.table, kind.state, strict=True):
+            if entry["block"] == block:
+                word, unit = ("rope", " m") if "rest" in (kind.state.dtype.names or ()) else ("law of", "")
+                reason = f": positions have left the elongation that makes its force, by {state['drift']:.3g}{unit}"
+                return word, reason, "a smaller step: a third of a period of what hangs on it is too long"
+    return "", "", ""
 
 
 def _first_contact(layout: Layout) -> int:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = ["scene_errors"]
 
-DESCRIBED = ("forces", "sensors", "relative_motions", "ropes", "tanks", "fluid_loads", "fenders")
+DESCRIBED = ("forces", "sensors", "relative_motions", "leads", "ropes", "tanks", "fluid_loads", "fenders")
 """Lists of tables that `heavylift.pipeline.assemble.described.assemble` takes as they are."""
 
 NEAR, EDGE = 0.02, 4.0
@@ -277,6 +277,7 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
         force for force in known("forces", made["forces"]) if getattr(force, "joint", None) in {None, *along}
     ]
     forces += known("relative_motions", made["relative_motions"])
+    forces += known("leads", made["leads"])
     from heavylift.solver.layout import pack_scene
 
     with scene.part("case"), in_case(case):

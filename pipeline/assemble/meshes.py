@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.meshes import CORNERS, EDGES, counts_of
 from heavylift.solver.joints.edges import expand_edge
@@ -67,8 +68,28 @@ class Place:
         return InputError(problem, source=self.case.file, key=place, expected=expected)
 
 
+FRAME_BYTES, FRAME_SECONDS = 4e3, 20e-6
+"""Of an element of a frame, with its part of the factor; seconds until time starts."""
+SHELL_BYTES, SHELL_SECONDS = 20e3, 100e-6
+"""Of an element of a shell."""
+
+
+def _refuse_beyond_memory(place: Place, count: float, bytes_each: float, seconds_each: float) -> None:
+    """Refuse more elements than there is memory for, in the order of magnitude."""
+    refuse_beyond_memory(
+        count,
+        "elements",
+        bytes_each=bytes_each,
+        seconds_each=seconds_each,
+        source=place.case.file,
+        key=place.case.place(f"bodies.{place.name}.geometry.elements"),
+        remedy="fewer elements",
+    )
+
+
 def frame_mesh(place: Place, geometry: FrameGeometry) -> FrameMesh:
     """Mesh of a line, arc or spline."""
+    _refuse_beyond_memory(place, geometry.elements or 1, FRAME_BYTES, FRAME_SECONDS)
     if geometry.type == "line":
         return mesh_shapes.line(geometry.start, geometry.end, geometry.elements)
     if geometry.type == "arc":
@@ -90,6 +111,7 @@ def frame_mesh(place: Place, geometry: FrameGeometry) -> FrameMesh:
 def shell_mesh(place: Place, geometry: ShellGeometry) -> ShellMesh:
     """Mesh of a rectangle, quadrilateral or grid."""
     nx, ny = counts_of(geometry.elements)
+    _refuse_beyond_memory(place, float(nx) * float(ny), SHELL_BYTES, SHELL_SECONDS)
     with _told(place):
         if geometry.type == "rectangle":
             return mesh_shapes.rectangle(*geometry.size, nx, ny)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,6 +98,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
     forces += assemble_list(case, "forces", sides)
     forces += assemble_list(case, "relative_motions", sides)
+    forces += assemble_list(case, "leads", sides)
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
@@ -212,6 +214,7 @@ def points_on(
     force: Any
     both = [(f"forces.{i}", force) for i, force in enumerate(case.forces)]
     both += [(f"relative_motions.{i}", motion) for i, motion in enumerate(case.relative_motions)]
+    both += [(f"leads.{i}", lead) for i, lead in enumerate(case.leads)]
     for place, force in both:
         if hasattr(force, "point"):
             found.append((f"{place}.point", force.body, force.point))
@@ -291,7 +294,10 @@ def start_of_frame(
         from heavylift.numerics.rotation import quaternion_from_rotation_vector
 
         axis: NDArray[np.float64] = np.array(initial.orientation.axis)
-        orientation = quaternion_from_rotation_vector(initial.orientation.angle * axis / np.linalg.norm(axis))
+        angle = math.fmod(
+            initial.orientation.angle, 4.0 * math.pi
+        )  # whole turns would overflow, if there are many
+        orientation = quaternion_from_rotation_vector(angle * axis / np.linalg.norm(axis))
     return {
         "position": origin.copy() if initial.position is None else np.array(initial.position),
         "orientation": orientation,

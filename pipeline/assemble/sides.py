@@ -10,6 +10,7 @@ import numpy as np
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
 from heavylift.pipeline.case.fields import GROUND
 from heavylift.solver.scene import scene as s
+from heavylift.solver.scene.speed_profiles import profile_cubics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -76,9 +77,9 @@ def _start_value(profile: s.Profile | None) -> float:
     if profile is None:
         return 0.0
     value = sum(h.amplitude * float(np.sin(h.phase)) for h in profile.harmonics)
-    if len(profile.times):
-        from scipy.interpolate import CubicSpline
-
-        spline = CubicSpline(profile.times, profile.values, bc_type="clamped")
-        value += float(spline(np.clip(0.0, profile.times[0], profile.times[-1])))
+    if len(profile.values):
+        breaks, cubics = profile_cubics(profile)
+        time = float(np.clip(0.0, breaks[0], breaks[-1]))
+        piece = min(int(np.searchsorted(breaks, time, side="right")), len(cubics)) - 1
+        value += float(np.polyval(cubics[piece], time - breaks[piece]))
     return value

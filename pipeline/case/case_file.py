@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,8 @@ from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
+from heavylift.pipeline.case.criteria import Criteria, LimitCriterion, check_criterion
+from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
@@ -32,6 +34,7 @@ from heavylift.pipeline.case.scenario import scenario_of
 from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
+from heavylift.pipeline.equipment.builders import BUILDERS
 from heavylift.solver.scene.scenario import Scenario, check_scenario
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
@@ -69,10 +72,13 @@ class Case(SceneTables, _CaseHeading):
     """Convergence study."""
     check: tuple[CheckSection, ...] = ()
     """Reference values."""
+    criteria: Criteria = ()
+    """Criteria that the operation is judged by: cranes, slings, clearances."""
 
     _file: Path = PrivateAttr(default=Path(CASE_FILE))
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
     _expansion: Expansion = PrivateAttr(default_factory=lambda: Expansion({}))
+    _equipped: Equipped = PrivateAttr(default_factory=lambda: Equipped({}))
     _names: Declared = PrivateAttr(default_factory=Declared)
     _overrides: tuple[str, ...] = PrivateAttr(default=())
 
@@ -80,6 +86,7 @@ class Case(SceneTables, _CaseHeading):
         """Tables that are right by themselves and do not fit together: everything that is wrong with them."""
         parts: list[Callable[[], None]] = [
             *(partial(self._check_can_be_computed, *entry) for entry in enumerate(self.check)),
+            *(partial(self._criterion_can_be_computed, *entry) for entry in enumerate(self.criteria)),
             self._fits_the_sea,
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
@@ -100,6 +107,16 @@ class Case(SceneTables, _CaseHeading):
         texts = {f"check.{index}.quantity": check.quantity}
         if isinstance(check.reference, QuantityReference):
             texts[f"check.{index}.reference.quantity"] = check.reference.quantity
+        self._can_be_computed(texts)
+
+    def _criterion_can_be_computed(self, index: int, criterion: Any) -> None:
+        """What a criterion looks at must exist."""
+        check_criterion(self, index)
+        if isinstance(criterion, LimitCriterion):
+            self._can_be_computed({f"criteria.{index}.quantity": criterion.quantity})
+
+    def _can_be_computed(self, texts: Mapping[str, str]) -> None:
+        """Refuse quantities, by the keys that name them, that the case cannot have."""
         for key, text in texts.items():
             quantity = self.quantity(text)
             for member in dict(quantity.members).values() or (text,):
@@ -107,7 +124,7 @@ class Case(SceneTables, _CaseHeading):
                 problem = self._missing_for(one)
                 if problem:
                     reject(f"{member!r} needs {problem}", "a quantity that the case has", key=key)
-                whole = one.family in {"channel", "frequency"} and not one.component
+                whole = one.family in {"channel", "frequency", "angular_frequency"} and not one.component
                 components = single_components(one.item, self._names) if whole else None
                 if components is not None and len(components) > 1:
                     expected = f"one of its components: {', '.join(components)}; or {', '.join(ACROSS)}"
@@ -285,8 +302,8 @@ class Case(SceneTables, _CaseHeading):
         return parse_quantity_name(text, self._names)
 
     def place(self, key: str) -> str:
-        """Dotted key in the case file of a dotted key of this model: that of the block, if it was written out."""
-        return self._expansion.locate(key)[0]
+        """Dotted key in the case file of a dotted key of this model: that of the block or builder that wrote it."""
+        return self._expansion.locate(self._equipped.locate(key)[0])[0]
 
     @property
     def meshes(self) -> dict[str, FrameBodySection | ShellBodySection]:
@@ -322,8 +339,8 @@ class Case(SceneTables, _CaseHeading):
 
     @property
     def name(self) -> str:
-        """Name of the case folder."""
-        return self._file.resolve().parent.name
+        """Name of the case folder; letters that are no UTF-8 as escapes, so that every file can hold it."""
+        return self._file.resolve().parent.name.encode("utf-8", "backslashreplace").decode()
 
     @property
     def document(self) -> dict[str, Any]:
@@ -375,29 +392,41 @@ def load_case(
     file = Path(path)
     if file.is_dir():
         file = file / CASE_FILE
-    document, changed = apply_overrides(read_document(file), overrides, Case)
+    document = read_document(file)
+    check_values(document, file)
+    document, changed = apply_overrides(document, overrides, Case)
+    if overrides:
+        check_values(document, file)
     expansion = expand(document, file)
-    names = declared(expansion.document)
-    errors = [*expansion.errors, *group_errors(expansion.document, file)]
+    equipped = equip(expansion.document, file)
+    names = declared(equipped.document)
+    errors = [*expansion.errors, *equipped.errors, *group_errors(equipped.document, file)]
     more: list[InputError] = []
     try:
-        case = Case.model_validate(expansion.document, context=CaseContext(file.parent, names))
+        case = Case.model_validate(equipped.document, context=CaseContext(file.parent, names))
     except ValidationError as error:
-        errors += input_errors(error, expansion.document, Case, file)
+        errors += input_errors(error, equipped.document, Case, file)
     else:
         case._file = file  # noqa: SLF001
         case._document = document  # noqa: SLF001
         case._expansion = expansion  # noqa: SLF001
+        case._equipped = equipped  # noqa: SLF001
         case._names = names  # noqa: SLF001
         case._overrides = tuple(overrides)  # noqa: SLF001
         errors += case._misfits()  # noqa: SLF001
-        if errors and further is not None:
+        if errors and further is not None and not equipped.errors:
             more = further(case)
-    # what is wrong with a block or a parameter is told alone: the rest would follow from it
+    # what is wrong with a block, a parameter or a builder is told alone: the rest would follow from it
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
+    errors = [e for e in errors if _in_builder(e.key)] or errors
     if errors:
-        raise InputErrors([*expansion.told(errors, changed), *more])
+        raise InputErrors([*expansion.told(equipped.told(errors), changed), *more])
     return case
+
+
+def _in_builder(key: str) -> bool:
+    """Whether a key is that of the table of a builder of equipment."""
+    return key.partition(".")[0] in BUILDERS
 
 
 def _in_block(key: str) -> bool:
@@ -405,9 +434,30 @@ def _in_block(key: str) -> bool:
     return key.partition(".")[0] in {"parameters", "repeat"}
 
 
+LARGEST_FILE = 64 * 2**20
+"""Bytes of a case file; histories and meshes are files of their own."""
+DEEPEST = 60
+"""Tables and lists within each other."""
+LARGEST_INTEGER = 2**63 - 1
+"""What TOML asks of those who read it; a larger number is written with a point or an exponent."""
+
+
 def read_document(file: Path) -> dict[str, Any]:
     """Read a TOML file; a syntax error is one line with its place."""
     try:
+        if file.exists() and not file.is_file():
+            raise InputError(
+                "is a folder" if file.is_dir() else "is no regular file",
+                source=file,
+                expected=f"a readable {CASE_FILE}",
+            )
+        size = file.stat().st_size
+        if size > LARGEST_FILE:
+            raise InputError(
+                f"has {size:,} bytes",
+                source=file,
+                expected=f"at most {LARGEST_FILE:,}; histories and meshes in files of their own",
+            )
         return tomllib.loads(file.read_bytes().decode("utf-8"))
     except FileNotFoundError:
         raise InputError(
@@ -415,9 +465,48 @@ def read_document(file: Path) -> dict[str, Any]:
             source=file,
             expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes one to begin with",
         ) from None
-    except (IsADirectoryError, NotADirectoryError, PermissionError) as error:
+    except OSError as error:
         raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"byte {error.start} is no UTF-8", source=file, expected="text in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise InputError(
+            "is nested too deeply", source=file, expected=f"at most {DEEPEST} tables within each other"
+        ) from None
+    except ValueError as error:  # no TOML, an integer of thousands of digits, a NUL in the name
         raise InputError(str(error), source=file, expected="TOML") from None
+
+
+def check_values(document: dict[str, Any], file: Path) -> None:
+    """See that a document has values that numbers of the machine hold, and a depth that can be walked.
+
+    Raises
+    ------
+    InputErrors
+        One for each integer beyond 64 bits; the first key that is too deep.
+    """
+    errors: list[InputError] = []
+    waiting: list[tuple[Any, tuple[str, ...]]] = [(document, ())]
+    while waiting:
+        node, keys = waiting.pop()
+        if isinstance(node, (dict, list)):
+            if len(keys) >= DEEPEST:
+                raise InputError(
+                    "is nested too deeply",
+                    source=file,
+                    key=".".join(keys),
+                    expected=f"at most {DEEPEST} tables within each other",
+                )
+            pairs = node.items() if isinstance(node, dict) else enumerate(node)
+            waiting += [(value, (*keys, str(key))) for key, value in pairs]
+        elif isinstance(node, int) and abs(node) > LARGEST_INTEGER:
+            errors.append(
+                InputError(
+                    f"an integer of {node.bit_length()} bits",
+                    source=file,
+                    key=".".join(keys),
+                    expected="at most 64 bits; a larger number with a point or an exponent",
+                )
+            )
+    if errors:
+        raise InputErrors(errors[::-1])

@@ -34,6 +34,7 @@ __all__ = [
     "RunReference",
     "SeriesSection",
     "ToleranceSection",
+    "quantity_in_unit",
 ]
 
 
@@ -74,7 +75,7 @@ class ToleranceSection(Section):
         return self
 
 
-def _in_unit(info: ValidationInfo, value: Any, minimum: float | None = None) -> Any:
+def quantity_in_unit(info: ValidationInfo, value: Any, minimum: float | None = None) -> Any:
     """SI number of a value that has the dimension of the quantity of a section; zero if that is not known."""
     quantity, context = info.data.get("quantity"), CaseContext.of(info)
     if quantity is None:
@@ -160,19 +161,19 @@ class CheckSection(Section):
     @field_validator("reference", mode="before")
     @classmethod
     def _has_the_unit_of_the_quantity(cls, value: Any, info: ValidationInfo) -> Any:
-        return value if isinstance(value, dict) or value is None else _in_unit(info, value)
+        return value if isinstance(value, dict) or value is None else quantity_in_unit(info, value)
 
     @field_validator("tolerance", mode="before")
     @classmethod
     def _tolerance_has_the_unit(cls, value: Any, info: ValidationInfo) -> Any:
         if isinstance(value, dict) and "absolute" in value:
-            return value | {"absolute": _in_unit(info, value["absolute"], 0.0)}
+            return value | {"absolute": quantity_in_unit(info, value["absolute"], 0.0)}
         return value
 
     @field_validator("maximum", "minimum", mode="before")
     @classmethod
     def _limits_have_the_unit(cls, value: Any, info: ValidationInfo) -> Any:
-        return None if value is None else _in_unit(info, value)
+        return None if value is None else quantity_in_unit(info, value)
 
     @model_validator(mode="after")
     def _a_reference_or_limits(self) -> "CheckSection":
@@ -256,7 +257,7 @@ class ConvergeSection(Section):
         count = len(_members(info.data.get("quantity"), info))
         if count:
             reject(f"one value for a quantity of {count} things", "another quantity, or a run, as reference")
-        return _in_unit(info, value)
+        return quantity_in_unit(info, value)
 
     @model_validator(mode="after")
     def _can_fail(self) -> "ConvergeSection":

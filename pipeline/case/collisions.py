@@ -35,8 +35,10 @@ def yields(body: Any) -> bool:
     """Whether a body, as read from TOML, gives way to a force: not the ground, nor what is fixed or driven."""
     if not isinstance(body, dict):
         return False
-    frame = body.get("frame")
-    return body.get("type") in YIELDING or (isinstance(frame, dict) and frame.get("motion") == "free")
+    frame, kind = body.get("frame"), body.get("type")
+    return (isinstance(kind, str) and kind in YIELDING) or (
+        isinstance(frame, dict) and frame.get("motion") == "free"
+    )
 
 
 def collision_pairs(

@@ -246,7 +246,7 @@ def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
         geometry, modes = (body.get(key) if isinstance(body, dict) else None for key in ("geometry", "modes"))
         if not isinstance(geometry, dict) or not isinstance(modes, dict):
             continue
-        if geometry.get("type") in {"mesh", "matrices"}:
+        if geometry.get("type") in ("mesh", "matrices"):  # perhaps no text
             continue
         groups = geometry.get("groups", {})
         groups = list(groups) if isinstance(groups, dict) else []

@@ -28,7 +28,7 @@ from heavylift.pipeline.case.channel_names import is_pattern
 from heavylift.pipeline.case.quantity_names import channel_kind, channel_members, parse_quantity_name
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from heavylift.solver.scene.descriptions import ChannelKind
 
@@ -71,6 +71,8 @@ GROUND = "ground"
 """Name of the world as a side of a joint, spring or rope."""
 TAG = "type "
 """Beginning of the tags that `type_tag` gives."""
+LONGEST_DIRECTION = 1e100
+"""Length of a direction, which is divided by it; its inverse is the shortest."""
 PARALLEL = 1e-9
 """Sine of the angle below which two directions are parallel."""
 _SHOWN = 20  # names of a list in a message at most
@@ -238,9 +240,12 @@ def _known_hull(name: str, info: ValidationInfo) -> str:
 
 
 def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Refuse a direction of no length."""
+    """Refuse a direction of no length, or whose length is no number that can be squared."""
     if not any(axis):
         reject("a direction of length zero", "three numbers that are not all zero")
+    length = math.hypot(*axis)
+    if not 1.0 / LONGEST_DIRECTION <= length <= LONGEST_DIRECTION:
+        reject(f"a direction of length {length:.3g}", "three numbers of about 1")
     return axis
 
 
@@ -359,6 +364,42 @@ QuantityString = Annotated[str, AfterValidator(_quantity_string)]
 """Name of a computed quantity, see `heavylift.pipeline.case.quantity_names`."""
 
 
+LARGEST_INPUT = 4 * 2**30
+"""Bytes of an input file."""
+
+_NEIGHBOURS = (".1", ".3", ".8", ".9", ".hst", ".sti", ".mas", ".dof")
+"""Endings of files that are read because one of the same name is: numeric files of WAMIT, matrices of CalculiX."""
+
+
+def _neighbours(path: Path) -> Iterator[Path]:
+    """Files beside an input that are read with it, if they are there."""
+    for base in {path.name, path.stem}:
+        for ending in _NEIGHBOURS:
+            other = path.with_name(base + ending)
+            if other != path and (other.exists() or other.is_symlink()):
+                yield other
+
+
+def _refuse_outside(path: Path, root: Path, value: str) -> None:
+    """See that a file that exists lies below the case folder, is a file, and names none that does not."""
+    from heavylift.preprocess.finite_elements.named_files import refuse_foreign_files
+
+    target = path.resolve()
+    shown = value if path.name == Path(value).name else f"{value} with {path.name}"
+    if not target.is_relative_to(root):
+        reject(f"{shown!r} leaves the case folder", "files inside the case folder, also through links")
+    if not target.is_file():
+        reject(f"{shown!r} is no file", "a file in the case folder")
+    if target.stat().st_size > LARGEST_INPUT:
+        size = target.stat().st_size / 2**30
+        reject(f"{shown!r} has {size:.1f} GiB", f"at most {LARGEST_INPUT // 2**30} GiB")
+    try:
+        refuse_foreign_files(path, root)
+    except InputError as error:
+        where = f"{shown}: {error.key}" if error.key else shown
+        reject(f"{where}: {error.problem}", error.expected)
+
+
 class InFolder:
     """Annotation of a path below the case folder that must exist; validates to the relative path."""
 
@@ -374,11 +415,23 @@ class InFolder:
         if not isinstance(context, CaseContext):
             return value
         root = context.folder.resolve()
-        target = (root / value).resolve()
+        try:
+            target = (root / value).resolve()
+            there = target.is_dir() if self.folder else target.is_file()
+        except (OSError, ValueError, RuntimeError) as error:  # too long, a NUL, a loop of links
+            problem = getattr(error, "strerror", None) or str(error).partition(" from ")[0].lower()
+            reject(f"{value!r} is not a path: {problem}", f"the name of a {what} in the case folder")
         if Path(value).is_absolute() or not target.is_relative_to(root):
             reject(f"{value!r} leaves the case folder", f"a relative path of a {what} inside the case folder")
-        if not (target.is_dir() if self.folder else target.is_file()):
-            reject(f"{what} {value!r} does not exist", f"a {what} in the case folder")
+        if not there:
+            odd = target.exists() and not (target.is_dir() or target.is_file())
+            reject(
+                f"{value!r} is no file" if odd else f"{what} {value!r} does not exist",
+                f"a {what} in the case folder",
+            )
+        path = context.folder / value
+        for part in sorted(path.glob("*.dat")) if self.folder else (path, *_neighbours(path)):
+            _refuse_outside(part, root, value)
         return value
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:

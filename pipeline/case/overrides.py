@@ -77,7 +77,7 @@ def _toml(value: Any) -> str:
 def _value(text: str) -> Any:
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # no TOML
         return text
 
 
@@ -89,7 +89,7 @@ def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[Ba
         last = depth == len(keys) - 1
         path = ".".join(keys[: depth + 1])
         if isinstance(node, list):
-            if not key.isdecimal() or int(key) >= len(node):
+            if not key.isdecimal() or len(key) > 9 or int(key) >= len(node):
                 raise InputError(
                     f"{path} does not exist",
                     source=f"--set {text}",

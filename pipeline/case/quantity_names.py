@@ -23,6 +23,7 @@
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
+``angular_frequency.OWNER.KIND[.COMPONENT]``   the same in rad/s
 ``deviation.NAME``                             largest distance of a channel from the reference history
                                                NAME, divided by its scale if it has one;
                                                ``deviation.NAME.rms``: root mean square over its times
@@ -77,7 +78,7 @@ from heavylift.pipeline.case.channel_names import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
 __all__ = ["QuantityName", "channel_kind", "channel_members", "parse_quantity_name", "single_components"]
 
@@ -189,7 +190,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             return _group(text, members, names)
     if parts[0] == "channel":
         return _channel(text, parts, names)
-    if parts[0] == "frequency":
+    if parts[0] in {"frequency", "angular_frequency"}:
         return _frequency(text, parts, names)
     if parts[0] == "stress":
         return _stress(text, parts, names)
@@ -209,6 +210,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             "channel",
             "stress",
             "frequency",
+            "angular_frequency",
             "deviation",
             "lines",
             "hydrostatics",
@@ -228,7 +230,7 @@ def _members(text: str, parts: list[str], names: Declared) -> tuple[tuple[str, s
         "lines": sorted(names.lines),
         "hydrostatics": sorted(names.hulls),
     }
-    owners |= dict.fromkeys(("frequency", "stress"), owners["channel"])
+    owners |= dict.fromkeys(("frequency", "angular_frequency", "stress"), owners["channel"])
     owners |= dict.fromkeys(("mesh", "modes", "static", "ringdown"), flexible)
     if family not in owners or not rest:
         return ()
@@ -362,12 +364,13 @@ def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityN
     if len(parts) < (2 if "(" in text else 3) or "" in parts:
         raise InputError(
             f"quantity {text!r} is unknown",
-            expected="frequency.OWNER.KIND or frequency.OWNER.KIND.COMPONENT",
+            expected=f"{parts[0]}.OWNER.KIND or {parts[0]}.OWNER.KIND.COMPONENT",
         )
     owner, name, component = _channel_parts(parts[1:])
     channel_kind(name, text, names)
     _check_component(name, component, text, names)
-    return QuantityName(text, "frequency", owner, name, component, "", KINDS["frequency"])
+    kind = KINDS["frequency" if parts[0] == "frequency" else "angular velocity"]
+    return QuantityName(text, parts[0], owner, name, component, "", kind)
 
 
 def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName:
@@ -413,7 +416,10 @@ def channel_kind(name: str, text: str, names: Declared | None) -> Kind:
     combination = combination_of(name)
     if combination is not None:
         kinds = [_term_kind(term, text, names) for term in combination.terms]
-        return combined_kind(name, combination.function, kinds)
+        combined = combined_kind(name, combination.function, kinds)
+        if names is not None:
+            _check_same_components(name, combination.terms, names)
+        return combined
     owner, _, last = name.partition(".")
     scene = owner in RESERVED_NAMES
     known: Mapping[str, str] = SCENE_CHANNELS if scene else all_channels()
@@ -457,6 +463,38 @@ def _term_kind(term: str, text: str, names: Declared | None) -> Kind:
     kind = channel_kind(name, text, names)
     _check_component(name, component, text, names, across=False)
     return kind
+
+
+def _check_same_components(name: str, terms: Sequence[str], names: Declared) -> None:
+    """Refuse a combination of a vector with a number, or of vectors of other components, as far as the case tells."""
+    known = [
+        (term, components) for term in terms if (components := _term_components(term, names)) is not None
+    ]
+    for term, components in known[1:]:
+        first, of_first = known[0]
+        if len(components) != len(of_first) or (len(components) > 1 and components != of_first):
+            raise InputError(
+                f"{name!r} combines {first!r}, of {_in_words(of_first)}, with {term!r}, of {_in_words(components)}",
+                expected="channels with the same components, or one component of each",
+            )
+
+
+def _in_words(components: Sequence[str]) -> str:
+    return "one number" if len(components) == 1 else f"components {', '.join(components)}"
+
+
+def _term_components(term: str, names: Declared) -> tuple[str, ...] | None:
+    """Components of a term of a combination, one of a number; None if the case does not tell."""
+    if patterns_in(term):
+        return None
+    _, name, component = _channel_parts(split_name(term))
+    if component:
+        return ("",)
+    combination = combination_of(name)
+    if combination is None:
+        return single_components(name, names)
+    found = (_term_components(inner, names) for inner in combination.terms)
+    return next((components for components in found if components is not None), None)
 
 
 def single_components(name: str, names: Declared) -> tuple[str, ...] | None:

@@ -30,6 +30,7 @@ from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySect
 from heavylift.pipeline.case.scenario import ScenarioSection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
+from heavylift.pipeline.equipment.builders import EQUIPMENT
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import FORCES, MEASURES, ROPES
@@ -86,6 +87,19 @@ def _move_path(entry: dict[str, Any], move: Vector) -> None:
     for stop in path if isinstance(path, list) else ():
         if isinstance(stop, dict) and stop.get("body") == GROUND and "point" in stop:
             stop["point"] = _moved(stop["point"], move)
+
+
+def _move_hook(entry: dict[str, Any], move: Vector) -> None:
+    """Move the places of a piece of equipment on the ground."""
+    for key in ("hook", "crown", "drum", "other_drum"):
+        hook = entry.get(key)
+        if isinstance(hook, dict) and hook.get("body") == GROUND and "point" in hook:
+            hook["point"] = _moved(hook["point"], move)
+
+
+def _move_crane(entry: dict[str, Any], move: Vector) -> None:
+    """Move a crane."""
+    entry["position"] = _moved(entry.get("position", [0.0, 0.0, 0.0]), move)
 
 
 def _move_surface(entry: dict[str, Any], move: Vector) -> None:
@@ -286,6 +300,26 @@ class SceneTables(Section):
         Table("Ropes", "rope", move=_move_path, is_outer=_rope_on_ground),
     ] = ()
     """Ropes."""
+    gantry_cranes: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="gantry_cranes")], ...],
+        Table("Gantry cranes", "gantry crane", records=(), move=_move_crane),
+    ] = ()
+    """Gantry cranes: trolleys that run on a girder, with hoists."""
+    falls: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="falls")], ...],
+        Table("Falls", "falls", records=(), move=_move_hook),
+    ] = ()
+    """Hook blocks on ropes of n parts."""
+    equalizers: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="equalizers")], ...],
+        Table("Equalizers", "equalizer", records=(), move=_move_hook),
+    ] = ()
+    """Block loaders: lines with one force in all of them."""
+    spreaders: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="spreaders")], ...],
+        Table("Spreaders", "spreader", records=(), move=_move_hook),
+    ] = ()
+    """Spreader beams on two slings."""
     forces: Annotated[
         tuple[Annotated[Any, Chosen(FORCES)], ...],
         Table(
@@ -364,6 +398,11 @@ class SceneTables(Section):
         Table("Relative motions", "relative motion", move=_move_sides),
     ] = ()
     """Motions of points of bodies in the axes of other bodies."""
+    leads: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="leads")], ...],
+        Table("Leads", "lead", move=_move_sides),
+    ] = ()
+    """Angles of ropes against where they should point."""
     scenario: ScenarioSection | None = None
     """Phases of an operation."""
 

@@ -1,1 +1,1 @@
-"""Numbers that results are judged by: quantities, reference values and histories, studies of convergence."""
+"""Numbers that results are judged by: quantities, references, criteria of lifts, studies of convergence."""

@@ -15,6 +15,8 @@ from heavylift.pipeline.results.histories import Results, load_results
 from heavylift.pipeline.results.model_io import open_hdf5, read_states
 from heavylift.pipeline.results.sinusoid import fit_sinusoid
 from heavylift.pipeline.results.storage import OutputFolder, read_json
+from heavylift.solver.integrate.run_watch import RunWatch
+from heavylift.solver.scene.channels import Channel
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -163,6 +165,7 @@ class Quantities:
             "channel": self._channel,
             "stress": self._stress,
             "frequency": self._frequency,
+            "angular_frequency": lambda name: 2.0 * math.pi * self._frequency(name),
             "deviation": self._deviation,
             "lines": self._lines,
             "hydrostatics": self._hydrostatics,
@@ -190,6 +193,28 @@ class Quantities:
         history = reader(name)
         index = history.argmax() if name.statistic == "max" else history.argmin()
         return float(self.results.time[index]) if history.ndim == 1 else None
+
+    def history(self, text: str) -> NDArray[np.float64]:
+        """What the statistic of a channel or of a stress is taken of, one number a record: shape (nt,)."""
+        name = self._case.quantity(text)
+        history = {"channel": self._history, "stress": self._stress_history}[name.family](name)
+        if history.ndim > 1:
+            components = self.results.components(name.item)
+            raise self._missing(name, f"one component: {', '.join(components[:_SHOWN])}")
+        return history
+
+    @staticmethod
+    def statistic(word: str, history: NDArray[np.float64], times: NDArray[np.float64]) -> Any:
+        """Statistic of a history, shape (nt, ...), at times [s]; shape (...)."""
+        reductions = {
+            "end": lambda a: a[-1],
+            "min": lambda a: a.min(axis=0),
+            "max": lambda a: a.max(axis=0),
+            "mean": lambda a: a.mean(axis=0),
+            "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
+            "rate": lambda a: (a[-1] - a[0]) / (times[-1] - times[0]),
+        }
+        return reductions[word](history)
 
     def number(self, text: str) -> float:
         """Value of a quantity that is one number."""
@@ -304,15 +329,7 @@ class Quantities:
         return self._solids[body]
 
     def _statistic(self, name: QuantityName, history: NDArray[np.float64]) -> NDArray[np.float64]:
-        reductions = {
-            "end": lambda a: a[-1],
-            "min": lambda a: a.min(axis=0),
-            "max": lambda a: a.max(axis=0),
-            "mean": lambda a: a.mean(axis=0),
-            "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
-            "rate": lambda a: (a[-1] - a[0]) / (self.results.time[-1] - self.results.time[0]),
-        }
-        return np.asarray(reductions[name.statistic](history))
+        return np.asarray(self.statistic(name.statistic, history, self.results.time))
 
     def _history(self, name: QuantityName) -> NDArray[np.float64]:
         """Records of a channel, shape (nt,), or (nt, components) if none of several is named."""
@@ -415,18 +432,18 @@ def relative_drift(history: NDArray[np.float64]) -> float:
 
 
 def energy_drift(results: Results) -> float:
-    """Largest deviation of the energy balance from its initial value, relative.
+    """Largest deviation of the energy balance from its initial value, over the energy turned over.
 
-    The balance (kinetic + elastic + potential - work put in + dissipated) is constant in exact arithmetic.
-    It is divided by the largest kinetic plus elastic energy of the run, because the zero of the potential
-    is arbitrary; for a body without loads that is the initial energy. Zero for a scene that never moves, not a
-    number for one that diverged.
+    The balance (kinetic + elastic + potential - work put in + dissipated) is constant in exact arithmetic. A run has
+    measured it itself, see `heavylift.solver.integrate.run_watch`; of one that was cut off the records tell, without
+    the floor that scenes at rest have. Not a number for a run that diverged.
     """
-    with np.errstate(invalid="ignore", over="ignore"):  # a diverged run has infinite energies
-        balance = results["energy.balance"]
-        scale = float(np.abs(results["energy.kinetic"] + results["energy.elastic"]).max())
-        deviation = float(np.abs(balance - balance[0]).max())
-        return deviation / scale if scale > 0.0 else deviation
+    if "energy_drift" in results.metadata:
+        return float(results.metadata["energy_drift"])
+    names = [name for name in results if name.startswith("energy.")]
+    watch = RunWatch([Channel(name, "J", ("",), i, "") for i, name in enumerate(names)])
+    watch.add(np.column_stack([results[name] for name in names]))
+    return watch.drift
 
 
 def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:

@@ -5,10 +5,6 @@ Only what is needed to read the command line is imported here; each command impo
 
 # cyclopts evaluates the annotations of the commands, so the imports below are needed at run time.
 
-import atexit
-import gc
-import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,14 +29,12 @@ from heavylift.pipeline.commands.command_line import (
     print_lines,
 )
 from heavylift.pipeline.commands.sea import SEA_COMMANDS
+from heavylift.pipeline.commands.start import main
 
 if TYPE_CHECKING:
     from heavylift.pipeline.log import Log
 
 __all__ = ["app", "main"]
-
-YOUNG = 500_000
-"""Objects made between two searches for cycles: a start makes fewer, and all of them stay."""
 
 
 def _version() -> str:
@@ -55,18 +49,6 @@ app = App(
     version=_version,
     version_flags=["--version"],
 )
-
-
-def main() -> None:
-    """Entry point of the ``heavylift`` command."""
-    gc.set_threshold(YOUNG, 2, 2)
-    atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
-    try:
-        app()
-        sys.stdout.flush()
-    except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(141)
 
 
 @app.command
@@ -203,6 +185,34 @@ def verify(
 
 
 @app.command
+def criteria(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    force: Force = False,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Run a case and judge it by its [[criteria]]: what is used of each limit, when, where, by which clause.
+
+    Exit code: 0 if every criterion passed, 1 if some failed, 2 for bad input, above 2 if the run stopped.
+    """
+
+    def command(log: "Log") -> int:
+        from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
+
+        judged = judge_case(case, out=out, overrides=set_, force=force, log=log)
+        if json:
+            print_json(criteria_document(judged))
+        else:
+            print_lines(criteria_table(judged))
+        return int(judged.outcome)
+
+    return guarded(command, quiet=quiet, json=json)
+
+
+@app.command
 def converge(
     case: CaseArgument,
     *,
@@ -275,7 +285,7 @@ def schema(section: str = "", /, *, tables: bool = False) -> int:
     if tables:
         from heavylift.pipeline.case.schema import key_tables
 
-        print(key_tables())  # noqa: T201
+        print_lines([key_tables()])
         return 0
     from heavylift.pipeline.case.schema import case_schema
 

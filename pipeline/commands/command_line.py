@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
+from heavylift.pipeline.log import say_on
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,8 +74,9 @@ Json = Annotated[
 
 def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
     """Run a command; whatever a user can cause ends as one message and an exit code."""
+    from heavylift.pipeline.commands.start import interruption, out_of_memory
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.results.storage import StopError
+    from heavylift.pipeline.results.storage import FULL, StopError
 
     try:
         return command(Log(quiet=quiet, stream=sys.stderr if json else None))
@@ -87,18 +89,21 @@ def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
         ]
     except StopError as error:
         message, outcome, details = str(error), error.outcome, []
-    except KeyboardInterrupt:
-        message, outcome, details = "interrupted; what was written is kept", Outcome.INTERRUPTED, []
-    except BrokenPipeError:
-        return 0
+    except KeyboardInterrupt as error:
+        message, outcome, details = interruption(error), Outcome.INTERRUPTED, []
+    except MemoryError as error:
+        message, outcome, details = out_of_memory(error), Outcome.OUT_OF_MEMORY, []
     except RuntimeError as error:
         if type(error).__name__ != "CompileError":  # known only once kernels are imported
             raise
         message, outcome, details = f"cannot compile: {error}", Outcome.BAD_INPUT, []
     except OSError as error:
-        if error.filename is None:
+        full = error.errno in FULL
+        if error.filename is None and not full:
             raise
-        message, outcome, details = f"{error.filename}: {error.strerror}", Outcome.BAD_INPUT, []
+        where = error.filename or ("standard output, or a file" if full else "")
+        message = ": ".join(str(part) for part in (where, error.strerror) if part)
+        outcome, details = Outcome.DISK_FULL if full else Outcome.BAD_INPUT, []
     complain(message)
     if json:
         print_json({"error": message, "outcome": outcome.name.lower(), "details": details})
@@ -107,19 +112,19 @@ def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
 
 def complain(message: str) -> None:
     """Print a line on standard error."""
-    print(message, file=sys.stderr, flush=True)  # noqa: T201
+    say_on(sys.stderr, message)
 
 
 def print_lines(lines: list[str]) -> None:
     """Print a table on standard output."""
-    print("\n".join(lines), flush=True)  # noqa: T201
+    say_on(sys.stdout, "\n".join(lines), needed=True)
 
 
 def print_json(document: Any) -> None:
     """Print a document on standard output."""
     import json
 
-    print(json.dumps(_finite(document), indent=2, default=str), flush=True)  # noqa: T201
+    say_on(sys.stdout, json.dumps(_finite(document), indent=2, default=str), needed=True)
 
 
 def _finite(value: Any) -> Any:

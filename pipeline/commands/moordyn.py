@@ -14,7 +14,6 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-import sys
 import tempfile
 from dataclasses import dataclass
 from importlib import import_module
@@ -26,6 +25,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline.log import flush_output
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import check_sections
 from heavylift.solver.simulation import Simulation
@@ -425,7 +425,7 @@ class MoorDynLine:
     @contextlib.contextmanager
     def _messages(self, mode: str) -> Iterator[None]:
         """Send what the library prints, past Python, into a file beside its input."""
-        sys.stdout.flush()
+        flush_output()
         kept = os.dup(1), os.dup(2)
         with self._file.with_suffix(".log").open(mode) as out:
             try:

@@ -15,6 +15,7 @@ from heavylift.pipeline.pictures.mooring_lines import draw_line
 from heavylift.pipeline.pictures.render import Lines, Patch, Points
 from heavylift.pipeline.pictures.shapes import box_corners, clip_lines, coil, inertia_box, pad
 from heavylift.pipeline.pictures.triangles import clip_triangles, drawn_triangles
+from heavylift.pipeline.results.rope_lines import rope_tangents
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.edges import expand_edge
@@ -45,7 +46,6 @@ __all__ = ["Others", "Seen", "elevations", "rope_line"]
 _ROPE, _SPRING, _RIGID, _JOINT = "#7a4a12", "#2e7d32", "#5b6b7c", "#1d2733"
 _LINE, _FENDER, _WATER, _SAND, _FLOORING = "#a0522d", "#ef8a17", "#4d8fc4", "#d9c9a3", "#e4e7ea"
 _CIRCLE = 32  # corners of a pulley
-_TANGENTS = 12  # repetitions until tangents between pulleys are found
 # relative to the diagonal of the box that bodies move in:
 _WIDE = 1.0  # surfaces of the ground up to this size are looked at as a whole
 _GROUND_AROUND = 0.5  # wider surfaces of the ground are drawn so far
@@ -136,7 +136,11 @@ class Others:
         self._has_water = water and scene.sea is not None
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
         self._surfaces = dict(surfaces or {})
-        self._ropes = [[(self._place(p.body, p.point), p) for p in rope.path] for rope in scene.ropes]
+        self._ropes = [
+            [(self._place(p.body, p.point), p) for p in leg]
+            for rope in scene.ropes
+            for leg in getattr(rope, "legs", [rope.path])
+        ]
         self._springs, self._pulls = (
             [
                 (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
@@ -582,19 +586,8 @@ def rope_line(
     centres, radii, axes
         Of the pulleys in the order of the rope, ends and eyes with radius zero: [m], [m], unit vectors about which
         the rope turns.
-
-    Notes
-    -----
-    A tangent from a point at the distance L touches a circle of radius r at the angle ``arccos(r / L)`` from the
-    point, ahead of it where the rope arrives and behind it where it leaves. Two pulleys in a row find their common
-    tangent by repetition. What lies outside the plane of a pulley counts by its projection.
     """
-    arrive, leave = [np.array(c) for c in centres], [np.array(c) for c in centres]
-    for _ in range(_TANGENTS):
-        for k, (centre, radius, axis) in enumerate(zip(centres, radii, axes, strict=True)):
-            if radius > 0.0 and 0 < k < len(centres) - 1:
-                arrive[k] = _tangent_point(centre, radius, axis, leave[k - 1], 1.0)
-                leave[k] = _tangent_point(centre, radius, axis, arrive[k + 1], -1.0)
+    arrive, leave = rope_tangents(centres, radii, axes)
     points = []
     for first, last, centre, radius, axis in zip(arrive, leave, centres, radii, axes, strict=True):
         points.append(first)
@@ -605,26 +598,6 @@ def rope_line(
             turns = np.linspace(0.0, angle, 2 + int(_CIRCLE * angle / (2.0 * np.pi)))[1:]
             points += [centre + radius * (np.cos(t) * u + np.sin(t) * v) for t in turns]
     return np.array(points)
-
-
-def _tangent_point(
-    centre: NDArray[np.float64],
-    radius: float,
-    axis: NDArray[np.float64],
-    point: NDArray[np.float64],
-    side: float,
-) -> NDArray[np.float64]:
-    """Where the tangent from a point touches a circle."""
-    w = point - centre
-    w = w - (w @ axis) * axis
-    length = float(np.linalg.norm(w))
-    if length <= radius:
-        return centre + radius * w / max(length, np.finfo(np.float64).tiny)
-    toward = w / length
-    cosine = radius / length
-    e = cosine * toward + side * np.sqrt(1.0 - cosine**2) * np.cross(axis, toward)
-    touched: NDArray[np.float64] = centre + radius * e
-    return touched
 
 
 def _circle(centre: NDArray[np.float64], radius: float, axis: NDArray[np.float64]) -> Lines:

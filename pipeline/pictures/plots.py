@@ -11,6 +11,8 @@ import numpy as np
 
 from heavylift.pipeline.results.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
 from heavylift.pipeline.results.storage import replacing
+from heavylift.solver.integrate.run_watch import RunWatch
+from heavylift.solver.scene.channels import Channel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -21,15 +23,23 @@ if TYPE_CHECKING:
     from heavylift.pipeline.checks.convergence import ConvergenceStudy, WorkPrecision
 
 __all__ = [
+    "COLOURS",
+    "GREY",
+    "INK",
     "Series",
+    "add_legend",
+    "add_title",
     "constant_parts",
     "energy_plot",
     "few_colours",
     "figure_png",
     "history_plot",
+    "plain_text",
+    "plot_figure",
     "plot_series",
     "plot_study",
     "spectrum_plot",
+    "tidy_axes",
 ]
 
 
@@ -55,12 +65,12 @@ def few_colours(png: bytes) -> bytes:
 
 _DPI = 110
 _WIDTH = 10.0
-_INK = "#1d2733"
-_GREY = "#66707c"
+INK = "#1d2733"
+GREY = "#66707c"
 _FAR = 2.0  # an energy is shifted that never comes nearer to zero than this many times the largest change of any,
 _STEADY = 1.0e-9  # unless nothing changes, but for rounding
 _NAMED = 0.012  # part of the whole time that is wide enough for a name
-_COLOURS = ("#1f5fa8", "#d1661a", "#2e8b57", "#8e3b9c", "#b8322a", "#4d6470", "#a98600", "#1a9aa8")
+COLOURS = ("#1f5fa8", "#d1661a", "#2e8b57", "#8e3b9c", "#b8322a", "#4d6470", "#a98600", "#1a9aa8")
 
 
 class Series(NamedTuple):
@@ -103,7 +113,7 @@ def history_plot(
     """
     groups = [[curve] for curve in series] if stacked else [list(series)]
     rows = len(groups)
-    figure = _figure(0.9 + (1.25 * rows if rows > 1 else 3.2))
+    figure = plot_figure(0.9 + (1.25 * rows if rows > 1 else 3.2))
     panels = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
     time_unit = scaled_unit("s", [times])
     scale = scaled_unit(unit, [curve.values for curve in series])
@@ -112,22 +122,24 @@ def history_plot(
         own = scaled_unit(unit, [curve.values for curve in group]) if stacked else scale
         for curve in group:
             t, y = envelope(times, curve.values)
-            colour = _COLOURS[number % len(_COLOURS)]
-            axes.plot(t / time_unit.divisor, y / own.divisor, color=colour, lw=1.0, label=_plain(curve.label))
+            colour = COLOURS[number % len(COLOURS)]
+            axes.plot(
+                t / time_unit.divisor, y / own.divisor, color=colour, lw=1.0, label=plain_text(curve.label)
+            )
             number += 1
-        _tidy(axes)
+        tidy_axes(axes)
         axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)
         _shade(axes, bands, time_unit.divisor, named=axes is panels[-1])
         if stacked and rows > 1:
-            axes.set_ylabel(f"{_plain(group[0].label)}\n[{_unit(own.text)}]", color=_INK, fontsize=9)
+            axes.set_ylabel(f"{plain_text(group[0].label)}\n[{_unit(own.text)}]", color=INK, fontsize=9)
             axes.yaxis.set_major_locator(_few_ticks())
         else:
-            axes.set_ylabel(f"[{_unit(own.text)}]", color=_INK)
+            axes.set_ylabel(f"[{_unit(own.text)}]", color=INK)
     if not stacked and len(series) > 1:
-        _legend(panels[0])
-    panels[-1].set_xlabel(f"time [{time_unit.text}]", color=_INK)
+        add_legend(panels[0])
+    panels[-1].set_xlabel(f"time [{time_unit.text}]", color=INK)
     figure.align_ylabels(panels)
-    _title(figure, title)
+    add_title(figure, title)
     return few_colours(figure_png(figure))
 
 
@@ -157,7 +169,7 @@ def spectrum_plot(
     peak_count
         So many peaks, the highest of all curves that are not aliased, are marked with their frequency.
     """
-    figure = _figure(4.4)
+    figure = plot_figure(4.4)
     axes = figure.subplots()
     spectra = [amplitude_spectrum(curve.values, interval) for curve in series]
     scale = scaled_unit(unit, [spectrum.amplitudes for spectrum in spectra])
@@ -166,10 +178,10 @@ def spectrum_plot(
     hertz = scaled_unit("Hz", [np.array([upper])])
     peaks = []
     for number, (curve, spectrum) in enumerate(zip(series, spectra, strict=True)):
-        colour = _COLOURS[number % len(_COLOURS)]
+        colour = COLOURS[number % len(COLOURS)]
         shown = spectrum.frequencies <= upper
         x, y = envelope(spectrum.frequencies[shown], spectrum.amplitudes[shown], 4000)
-        name = _plain(curve.label) + (" (aliased)" if curve.aliased else "")
+        name = plain_text(curve.label) + (" (aliased)" if curve.aliased else "")
         axes.plot(x / hertz.divisor, y / scale.divisor, color=colour, lw=1.1, label=name)
         if curve.aliased:
             continue
@@ -182,17 +194,17 @@ def spectrum_plot(
     axes.set_xlim(0.0, upper / hertz.divisor)
     if top > 0.0:
         axes.set_ylim(1.0e-5 * top / scale.divisor, 8.0 * top / scale.divisor)
-    _tidy(axes)
+    tidy_axes(axes)
     _frequency_lines(
         axes, {label: f / hertz.divisor for label, f in (lines or {}).items()}, upper / hertz.divisor
     )
     peaks = sorted(peaks, reverse=True)[:peak_count]
     _peak_labels(axes, [(f / hertz.divisor, a / scale.divisor, colour, f) for a, f, colour in peaks])
-    axes.set_xlabel(f"frequency [{hertz.text}]", color=_INK)
-    axes.set_ylabel(f"amplitude [{_unit(scale.text)}]", color=_INK)
+    axes.set_xlabel(f"frequency [{hertz.text}]", color=INK)
+    axes.set_ylabel(f"amplitude [{_unit(scale.text)}]", color=INK)
     if len(series) > 1:
-        _legend(axes)
-    _title(figure, title)
+        add_legend(axes)
+    add_title(figure, title)
     return few_colours(figure_png(figure))
 
 
@@ -226,23 +238,20 @@ def energy_plot(
 
     Notes
     -----
-    The drift is relative to the largest kinetic plus elastic energy, as in `checks.quantities.energy_drift`; to the
-    largest energy of a run without these.
+    The drift is relative to the energy turned over, as in `heavylift.solver.integrate.run_watch`.
     """
     parts = {name: values for name, values in energies.items() if name != "balance" and np.any(values)}
-    words = {name: _plain(name.replace("_", " ")) for name in parts}
-    moving = np.asarray(sum(parts[name] for name in ("kinetic", "elastic") if name in parts))
-    reference = float(np.abs(moving).max(initial=0.0))
-    reference = (
-        reference or max((float(np.abs(values).max()) for values in parts.values()), default=0.0) or 1.0
-    )
+    words = {name: plain_text(name.replace("_", " ")) for name in parts}
+    watch = RunWatch([Channel(f"energy.{name}", "J", ("",), i, "") for i, name in enumerate(energies)])
+    watch.add(np.column_stack(list(energies.values())))
+    reference = watch.scale or 1.0
     for name, constant in constant_parts(parts).items():
         unit = scaled_unit("J", [np.array([constant])])
         size = f"{abs(constant) / unit.divisor:.5g} {_unit(unit.text)}"
         words[name] += f" {'-' if constant > 0.0 else '+'} {size}"
         parts[name] = parts[name] - constant
     balance = energies.get("balance")
-    figure = _figure(5.2 if balance is not None else 3.8)
+    figure = plot_figure(5.2 if balance is not None else 3.8)
     ratios = [2.2, 1.0] if balance is not None else [1.0]
     panels = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
     time_unit = scaled_unit("s", [times])
@@ -252,7 +261,7 @@ def energy_plot(
         panels[0].plot(
             t / time_unit.divisor,
             y / scale.divisor,
-            color=_COLOURS[number % len(_COLOURS)],
+            color=COLOURS[number % len(COLOURS)],
             lw=1.0,
             label=words[name],
         )
@@ -261,22 +270,21 @@ def energy_plot(
     ):
         low, high = panels[0].get_ylim()
         panels[0].set_ylim(min(1.1 * low, 0.0), max(1.1 * high, 0.0))  # rounding alone would fill the picture
-    panels[0].set_ylabel(f"energy [{_unit(scale.text)}]", color=_INK)
+    panels[0].set_ylabel(f"energy [{_unit(scale.text)}]", color=INK)
     if parts:
-        _legend(panels[0])
+        add_legend(panels[0])
     if balance is not None:
         t, y = envelope(times, (balance - balance[0]) / reference)
         error = scaled_unit("", [y])
-        panels[1].plot(t / time_unit.divisor, y / error.divisor, color=_COLOURS[4], lw=1.0)
-        relative = "kinetic + elastic" if np.any(moving) else "largest energy"
+        panels[1].plot(t / time_unit.divisor, y / error.divisor, color=COLOURS[4], lw=1.0)
         unit_words = _unit(error.text.strip() or "–")
-        panels[1].set_ylabel(f"drift of balance /\n{relative} [{unit_words}]", color=_INK)
+        panels[1].set_ylabel(f"drift of balance /\nenergy turned over [{unit_words}]", color=INK)
     for axes in panels:
-        _tidy(axes)
+        tidy_axes(axes)
         axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)
-    panels[-1].set_xlabel(f"time [{time_unit.text}]", color=_INK)
+    panels[-1].set_xlabel(f"time [{time_unit.text}]", color=INK)
     figure.align_ylabels(panels)
-    _title(figure, title)
+    add_title(figure, title)
     return few_colours(figure_png(figure))
 
 
@@ -295,16 +303,16 @@ def _frequency_lines(axes: Any, lines: Mapping[str, float], upper: float) -> Non
     for label, place in sorted(lines.items(), key=lambda item: item[1]):
         if place > upper:
             break
-        axes.axvline(place, color=_GREY, ls=(0, (4, 3)), lw=0.8, zorder=1)
+        axes.axvline(place, color=GREY, ls=(0, (4, 3)), lw=0.8, zorder=1)
         if place - last > 0.022 * upper:
             axes.annotate(
-                _plain(label),
+                plain_text(label),
                 (place, 1.0),
                 xycoords=("data", "axes fraction"),
                 xytext=(0, -3),
                 textcoords="offset points",
                 fontsize=8,
-                color=_GREY,
+                color=GREY,
                 ha="center",
                 va="top",
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
@@ -345,16 +353,18 @@ def _peak_labels(axes: Any, peaks: Sequence[tuple[float, float, str, float]]) ->
                 break
 
 
-def _figure(height: float) -> Any:
+def plot_figure(height: float) -> Any:
+    """An empty figure of the width of a report and a height [in]."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(_WIDTH, height), dpi=_DPI, facecolor="white", layout="constrained")
 
 
-def _tidy(axes: Any) -> None:
+def tidy_axes(axes: Any) -> None:
+    """Grid, ticks and spines as in all plots."""
     axes.grid(visible=True, color="#e3e7eb", lw=0.8)
     axes.set_axisbelow(True)
-    axes.tick_params(colors=_INK, labelsize=9.5, length=3)
+    axes.tick_params(colors=INK, labelsize=9.5, length=3)
     axes.ticklabel_format(axis="x", useOffset=False)
     if axes.get_yscale() == "linear":
         axes.ticklabel_format(axis="y", useOffset=False)
@@ -373,13 +383,13 @@ def _shade(axes: Any, bands: Sequence[tuple[str, float, float]], divisor: float,
             axes.text(
                 0.5 * (begin + end) / divisor,
                 0.02,
-                _plain(name.replace("_", " ")),
+                plain_text(name.replace("_", " ")),
                 transform=axes.get_xaxis_transform(),
                 rotation=90,
                 ha="center",
                 va="bottom",
                 fontsize=8,
-                color=_GREY,
+                color=GREY,
             )
 
 
@@ -389,7 +399,7 @@ def _few_ticks() -> Any:
     return MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
 
 
-def _legend(axes: Any) -> None:
+def add_legend(axes: Any) -> None:
     """Legend above the axes, at the right: never over a curve."""
     axes.legend(
         loc="lower right",
@@ -397,18 +407,19 @@ def _legend(axes: Any) -> None:
         ncols=8,
         frameon=False,
         fontsize=9.5,
-        labelcolor=_INK,
+        labelcolor=INK,
         handlelength=1.4,
         columnspacing=1.2,
         borderaxespad=0.2,
     )
 
 
-def _title(figure: Any, title: str) -> None:
-    figure.suptitle(_plain(title), x=0.012, ha="left", fontsize=13, weight="bold", color=_INK)
+def add_title(figure: Any, title: str) -> None:
+    """Heading of a figure."""
+    figure.suptitle(plain_text(title), x=0.012, ha="left", fontsize=13, weight="bold", color=INK)
 
 
-def _plain(text: str) -> str:
+def plain_text(text: str) -> str:
     """Text in which matplotlib finds no formula."""
     return text.replace("$", r"\$")
 

@@ -51,6 +51,7 @@ def input_section(case: Case) -> Section:
             )
         )
     items += described_table("relative motion", case.relative_motions)
+    items += described_table("lead", case.leads)
     return Section("Inputs", tuple(items))
 
 

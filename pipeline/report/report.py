@@ -12,6 +12,7 @@ from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableErr
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.collisions import collision_sections, surface_sections
 from heavylift.pipeline.report.contacts import contact_sections
+from heavylift.pipeline.report.criteria import criteria_results, criteria_section, write_criteria
 from heavylift.pipeline.report.document import (
     Album,
     Document,
@@ -37,9 +38,11 @@ from heavylift.pipeline.report.sea import sea_sections
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.log import Log
 
 __all__ = ["write_report"]
@@ -91,16 +94,20 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         if renderer is not None:
             renderer.close()
     checks, open_checks = _checks(case, out)
-    warnings = [Text(text, warning=True) for text in (problem, remedy) if text]
+    judged, open_criteria = criteria_results(case, out, results)
+    told = str(results.metadata.get("warning", "")) if results is not None else ""
+    warnings = [Text(text, warning=True) for text in (problem, f"{told}." if told else "", remedy) if text]
     outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
-    verdict = _stopped(outcome, message, checks) or _verdict(
-        case, checks, open_checks, simulated=results is not None
+    failed = tuple(dict.fromkeys(f"criterion {one.name}" for one in judged if not one.passed))
+    verdict = _stopped(outcome, message, checks, failed) or _verdict(
+        case, checks, open_checks, simulated=results is not None, judged=judged, open_criteria=open_criteria
     )
     document = Document(
         title=case.title,
         subtitle=f"case {case.name} · heavylift {version('heavylift')}",
         sections=(
             Section("", (verdict, *warnings)),
+            *criteria_section(case, out, results, judged, open_criteria, album),
             *([_check_section(checks, open_checks)] if case.check else []),
             *stills,
             input_section(case),
@@ -118,6 +125,9 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     if log is not None:
         log.say(f"report: {verdict.text}")
     files = []
+    if case.criteria:
+        ended = "not simulated" if results is None else results.outcome
+        files = write_criteria(folder, case, judged, open_criteria, ended)
     for name, text in (
         ("report.html", to_html(document, album.pictures)),
         ("report.md", to_markdown(document)),
@@ -125,6 +135,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         with replacing(folder / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
         files.append(folder / name)
+    files = [*files[-2:], *files[:-2]]
     for name in before - set(album.pictures):
         (folder / name).unlink(missing_ok=True)
     return files + [folder / name for name in album.pictures]
@@ -166,11 +177,13 @@ def _checks(case: Case, out: Path) -> tuple[list[CheckResult], dict[str, str]]:
     return done, missing
 
 
-def _stopped(outcome: Outcome | None, message: str, checks: list[CheckResult]) -> Verdict | None:
+def _stopped(
+    outcome: Outcome | None, message: str, checks: list[CheckResult], criteria: tuple[str, ...] = ()
+) -> Verdict | None:
     """Verdict on a simulation that did not reach its end; None for one that did, or has not run."""
     if outcome is None or outcome is Outcome.COMPLETED:
         return None
-    failed = [_with_place(check) for check in checks if not check.passed]
+    failed = [*criteria, *(_with_place(check) for check in checks if not check.passed)]
     words = [outcome.text.removeprefix("stopped: "), message, "The results are those up to there"]
     if failed:
         words.append(f"Failed besides: {', '.join(failed)}")
@@ -179,21 +192,45 @@ def _stopped(outcome: Outcome | None, message: str, checks: list[CheckResult]) -
     return Verdict(f"Stopped: {text}.", passed=None if outcome is Outcome.INTERRUPTED else False)
 
 
-def _verdict(case: Case, checks: list[CheckResult], missing: dict[str, str], *, simulated: bool) -> Verdict:
+def _verdict(
+    case: Case,
+    checks: list[CheckResult],
+    missing: dict[str, str],
+    *,
+    simulated: bool,
+    judged: Sequence[CriterionResult] = (),
+    open_criteria: Mapping[str, str] | None = None,
+) -> Verdict:
     """One line: what passed, what failed, what is not known."""
+    broken = dict.fromkeys(one.name for one in judged if not one.passed)
     failed = [_with_place(check) for check in checks if not check.passed]
-    count = len(case.check)
-    if failed:
-        return Verdict(f"Failed: {len(failed)} of {count} checks ({', '.join(failed)}).", passed=False)
-    if missing:
-        return Verdict(f"Open: {len(missing)} of {count} checks could not be evaluated.", passed=None)
+    count, criteria = len(case.check), len(case.criteria)
+    if failed or broken:
+        parts = [f"{len(broken)} of {criteria} criteria ({', '.join(broken)})"] if broken else []
+        parts += [f"{len(failed)} of {count} checks ({', '.join(failed)})"] if failed else []
+        return Verdict(f"Failed: {'; '.join(parts)}.", passed=False)
+    if missing or open_criteria:
+        parts = [f"{len(open_criteria)} of {criteria} criteria"] if open_criteria else []
+        parts += [f"{len(missing)} of {count} checks"] if missing else []
+        return Verdict(f"Open: {' and '.join(parts)} could not be evaluated.", passed=None)
     if case.simulate is not None and not simulated:
         return Verdict("Open: the case has not been simulated.", passed=None)
-    if not count:
+    if not count and not criteria:
         return Verdict("No verdict: the case has no checks.", passed=None)
     used = max((check for check in checks if check.utilisation is not None), key=_used, default=None)
     most = f"; at most {100.0 * _used(used):.3g} % of a limit is used, {_with_place(used)}" if used else ""
-    return Verdict(f"Passed: {'the only check' if count == 1 else f'all {count} checks'}{most}.", passed=True)
+    parts = [_all_of(criteria, "criterion", "criteria")] if criteria else []
+    # a factor is near its limit in every lift: one that hardly moves uses 1 of 1.1
+    used_up = [one for one in judged if one.type != "dynamic_factor"]
+    worst = max(used_up, key=lambda one: one.utilisation or 0.0, default=None)
+    if worst is not None and worst.utilisation is not None:
+        parts[0] += f", of which {worst.name} uses most, {100.0 * worst.utilisation:.3g} %"
+    parts += [_all_of(count, "check", "checks") + most] if count else []
+    return Verdict(f"Passed: {'; '.join(parts)}.", passed=True)
+
+
+def _all_of(count: int, one: str, several: str) -> str:
+    return f"the only {one}" if count == 1 else f"all {count} {several}"
 
 
 def _used(check: CheckResult) -> float:

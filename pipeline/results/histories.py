@@ -8,16 +8,19 @@ one left.
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import re
 import zipfile
+import zlib
 from functools import cached_property
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.units import Kind, parse_unit
 from heavylift.pipeline.case.channel_names import (
     combination_of,
@@ -29,7 +32,15 @@ from heavylift.pipeline.case.channel_names import (
 )
 from heavylift.pipeline.results.mesh_results import MeshShape, read_meshes, write_meshes
 from heavylift.pipeline.results.model_io import open_hdf5
-from heavylift.pipeline.results.storage import OutputFolder, digest_bytes, replacing
+from heavylift.pipeline.results.storage import (
+    OutputFolder,
+    StopError,
+    digest_bytes,
+    hdf5_stream,
+    remove_left_over,
+    replacing,
+    sync_file,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -42,7 +53,7 @@ __all__ = [
     "ChannelInfo",
     "Results",
     "Segment",
-    "last_segment",
+    "SegmentMark",
     "load_results",
     "merge_segments",
     "read_segments",
@@ -69,6 +80,8 @@ class Segment(NamedTuple):
         Shape (nr, number of columns), SI.
     state
         State of the simulation after the last step of this segment.
+    checksum
+        Of all this, once it is on disk.
     """
 
     number: int
@@ -76,6 +89,19 @@ class Segment(NamedTuple):
     times: NDArray[np.float64]
     records: NDArray[np.float64]
     state: dict[str, NDArray[Any]]
+    checksum: str = ""
+
+    @property
+    def mark(self) -> SegmentMark:
+        """By what it is known again."""
+        return SegmentMark(len(self.times), self.checksum)
+
+
+class SegmentMark(NamedTuple):
+    """What a run remembers of a segment that it has written: how many records, and the checksum of all it holds."""
+
+    records: int
+    checksum: str
 
 
 def segment_path(folder: Path, index: int) -> Path:
@@ -83,8 +109,13 @@ def segment_path(folder: Path, index: int) -> Path:
     return folder / f"segment_{index:06d}{SUFFIX}"
 
 
-def write_segment(folder: Path, segment: Segment) -> None:
+def write_segment(folder: Path, segment: Segment) -> SegmentMark:
     """Write one segment in one step.
+
+    Returns
+    -------
+    SegmentMark
+        By which `merge_segments` knows it again.
 
     Raises
     ------
@@ -95,6 +126,7 @@ def write_segment(folder: Path, segment: Segment) -> None:
     checksum = _checksum(arrays)
     with replacing(segment_path(folder, segment.number)) as temporary, temporary.open("wb") as stream:
         np.savez(stream, allow_pickle=False, checksum=np.array(checksum), **arrays)
+    return SegmentMark(len(segment.times), checksum)
 
 
 def read_segments(folder: Path) -> Iterator[Segment]:
@@ -115,26 +147,32 @@ def read_segments(folder: Path) -> Iterator[Segment]:
         index += 1
 
 
-def last_segment(folder: Path) -> Segment | None:
-    """Last segment of the consistent prefix: the checkpoint; None if there is none."""
-    last = None
-    for segment in read_segments(folder):
-        last = segment
-    return last
+_ASIDE = ".damaged"
+_NAME = re.compile(rf"^segment_(\d+){re.escape(SUFFIX)}$")
+
+
+def numbers_on_disk(folder: Path) -> list[int]:
+    """Numbers of the files of segments, whole or damaged, in order."""
+    matches = [_NAME.match(path.name) for path in folder.glob(f"segment_*{SUFFIX}")]
+    return sorted(int(match[1]) for match in matches if match)
 
 
 def remove_segments(folder: Path, *, after: int = -1) -> None:
-    """Remove the segments whose index exceeds `after`, the last one first, and files left over by a kill."""
+    """Remove the segments whose index exceeds `after`, the last one first, and files left over by a kill.
+
+    The folder goes with the last of them, if nothing else is in it.
+    """
     if not folder.is_dir():
         return
-    paths = sorted(folder.glob(f"segment_*{SUFFIX}"), reverse=True)
-    for path in paths:
-        if int(path.stem.rpartition("_")[2]) > after:
-            path.unlink()
-    for path in folder.glob(".*.tmp"):
-        path.unlink()
+    for number in reversed(numbers_on_disk(folder)):
+        if number > after:
+            segment_path(folder, number).unlink()
+    remove_left_over(folder, alone=True)
     if after < 0:
-        folder.rmdir()
+        for path in folder.glob(f"segment_*{SUFFIX}{_ASIDE}"):
+            path.unlink()
+        with contextlib.suppress(OSError):
+            folder.rmdir()
 
 
 def _arrays(segment: Segment) -> dict[str, NDArray[Any]]:
@@ -154,20 +192,38 @@ def _checksum(arrays: Mapping[str, NDArray[Any]]) -> str:
     return digest_bytes(*parts)
 
 
+# what readers of NumPy, zip and its compression raise of a file with other bits
+_DAMAGED = (
+    OSError,
+    ValueError,
+    EOFError,
+    KeyError,
+    IndexError,
+    NotImplementedError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    MemoryError,
+)
+
+
 def _read_segment(path: Path, index: int) -> Segment | None:
+    if not path.is_file():
+        return None
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = {key: file[key] for key in file.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zipfile.LargeZipFile):
+    except (*_DAMAGED, zipfile.BadZipFile, zipfile.LargeZipFile):
         return None
-    if str(arrays.pop("checksum", "")) != _checksum(arrays):
+    checksum = str(arrays.pop("checksum", ""))
+    if checksum != _checksum(arrays):
         return None
     header = json.loads(str(arrays.pop("header")))
     if header.pop("number") != index:
         return None
     times, records = arrays.pop("times"), arrays.pop("records")
     state = {key.removeprefix(STATE_PREFIX): value for key, value in arrays.items()}
-    return Segment(index, header, times, records, state)
+    return Segment(index, header, times, records, state, checksum)
 
 
 FORMAT = "heavylift results 1"
@@ -412,9 +468,10 @@ class _Hdf5Columns(dict[str, Any]):
         return array
 
 
-CHUNK, FEW = 65536, 256
-"""Bytes of a channel that are stored together, and records for which there is always room: the file of a short run
-would be much larger than its records."""
+CHUNK = 2**20
+"""Bytes of a channel that are stored together at most; a channel that is smaller is one piece of its own size."""
+BATCH = 2**27
+"""Bytes of records that are merged, or read back, at once."""
 
 _REMEDY = "make it again with `heavylift simulate CASE --force`"
 
@@ -508,15 +565,17 @@ def merge_segments(
     descriptions: Mapping[str, str],
     metadata: Mapping[str, Any],
     meshes: Sequence[MeshShape] = (),
+    *,
+    expected: Sequence[SegmentMark] | None = None,
 ) -> None:
-    """Merge the segments of a run into one self-describing HDF5 file.
+    """Merge the segments of a run into one self-describing HDF5 file, and read it back.
 
     Parameters
     ----------
     segments_folder
-        Folder of the segments; they are read one after the other.
+        Folder of the segments, which are left there; they are read one after the other.
     file
-        Replaced in one step.
+        Replaced in one step, once what is on the disk has been compared with what was merged.
     channels
         Channels of the records.
     descriptions
@@ -525,40 +584,165 @@ def merge_segments(
         Root attributes: title, digest, outcome, versions, sources, ...
     meshes
         Shapes of frames and shells.
+    expected
+        Segments that the run has written; None takes the consistent prefix.
+
+    Raises
+    ------
+    StopError
+        If a segment is not there as it was written, if the disk is full, or holds something else than was written.
+        The old file and all segments are left.
     """
     import h5py
 
-    segments = read_segments(segments_folder)
-    first = next(segments, None)
-    expected = 0 if first is None else len(first.times)
-    with replacing(file) as temporary, h5py.File(temporary, "w") as target:
-        target.attrs["format"] = FORMAT
-        target.attrs["channel_order"] = json.dumps([channel.name for channel in channels])
-        for key, value in metadata.items():
-            target.attrs[key] = value if isinstance(value, (str, int, float)) else json.dumps(value)
-        write_meshes(target, meshes)
-        time = target.create_dataset("time", shape=(0,), maxshape=(None,), dtype="f8", chunks=(4096,))
-        time.attrs["unit"] = "s"
-        time.attrs["description"] = "simulated time of the records"
-        group = target.create_group("channels")
-        for channel in channels:
-            width = len(channel.components)
-            rows = max(1, min(CHUNK // (8 * width), max(expected, FEW)))
-            dataset = group.create_dataset(
-                channel.name, shape=(0, width), maxshape=(None, width), dtype="f8", chunks=(rows, width)
+    if expected is None:
+        expected = [segment.mark for segment in read_segments(segments_folder)]
+    count = sum(mark.records for mark in expected)
+    width = sum(len(channel.components) for channel in channels)
+    sums = dict.fromkeys((channel.name for channel in channels), 0)
+    of_times = 0
+    with replacing(file) as temporary:
+        # the records, and for each channel its name, texts and address
+        size = 8 * count * (1 + width) + sum(256 + len(descriptions[channel.name]) for channel in channels)
+        with (
+            hdf5_stream(temporary, size) as stream,
+            h5py.File(stream, "w", libver=("v110", "v110")) as target,
+        ):
+            target.attrs["format"] = FORMAT
+            target.attrs["channel_order"] = json.dumps([channel.name for channel in channels])
+            for key, value in metadata.items():
+                target.attrs[key] = value if isinstance(value, (str, int, float)) else json.dumps(value)
+            write_meshes(target, meshes)
+            time = target.create_dataset("time", shape=(count,), dtype="f8", **_chunks(count))
+            time.attrs["unit"] = "s"
+            time.attrs["description"] = "simulated time of the records"
+            group = target.create_group("channels")
+            first = 0
+            for times, records in _batches(segments_folder, expected, width):
+                rows = slice(first, first + len(times))
+                time[rows] = times
+                of_times = _sum(times, of_times)
+                for channel in channels:
+                    # a channel is made when its first records are there: HDF5 then writes it once
+                    dataset = (
+                        group[channel.name] if first else _new_channel(group, channel, descriptions, count)
+                    )
+                    values = np.ascontiguousarray(
+                        records[channel.column : channel.column + len(channel.components)].T
+                    )
+                    dataset[rows] = values
+                    sums[channel.name] = _sum(values, sums[channel.name])
+                first = rows.stop
+        _read_back(temporary, of_times, sums)
+
+
+def _new_channel(group: Any, channel: ChannelInfo, descriptions: Mapping[str, str], count: int) -> Any:
+    shape = (count, len(channel.components))
+    dataset = group.create_dataset(channel.name, shape=shape, dtype="f8", **_chunks(*shape))
+    dataset.attrs["unit"] = channel.unit
+    dataset.attrs["components"] = json.dumps(channel.components)
+    dataset.attrs["column"] = channel.column
+    dataset.attrs["description"] = descriptions[channel.name]
+    return dataset
+
+
+def _chunks(count: int, *width: int) -> dict[str, Any]:
+    """Pieces of a channel: as few as `CHUNK` allows and all as large as the last, so that none is half empty."""
+    if not count:
+        return {}
+    bytes_of_record = 8 * int(np.prod(width))
+    pieces = -(-count * bytes_of_record // CHUNK)
+    # each piece has a checksum, so that a bit that is wrong later is an error of whoever reads it
+    return {"chunks": (max(1, -(-count // pieces)), *width), "fletcher32": True}
+
+
+def _batches(
+    folder: Path, expected: Sequence[SegmentMark], width: int
+) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Times, and records column by column, of some segments together; at least once, also without records."""
+    times, records, size, last = [np.empty(0)], [np.empty((0, width))], 0, len(expected) - 1
+    for number, mark in enumerate(expected):
+        path = segment_path(folder, number)
+        segment = _read_segment(path, number)
+        if segment is None or segment.mark != mark:
+            first = sum(one.records for one in expected[:number])
+            there = path.exists()
+            if there:  # also one that is whole in itself: no later run shall go on from it
+                path.replace(path.with_name(path.name + _ASIDE))
+            raise StopError(
+                Outcome.INTERRUPTED,
+                f"{path} is {'damaged, and was put aside' if there else 'not there'}: something else has changed the "
+                f"files of this run; the records from number {first} on are not whole, so nothing was merged and "
+                "nothing removed; the same command goes on from what is before them",
             )
-            dataset.attrs["unit"] = channel.unit
-            dataset.attrs["components"] = json.dumps(channel.components)
-            dataset.attrs["column"] = channel.column
-            dataset.attrs["description"] = descriptions[channel.name]
-        count = 0
-        for segment in () if first is None else chain((first,), segments):
-            end = count + len(segment.times)
-            time.resize(end, axis=0)
-            time[count:end] = segment.times
-            for channel in channels:
-                dataset = group[channel.name]
-                dataset.resize(end, axis=0)
-                columns = slice(channel.column, channel.column + len(channel.components))
-                dataset[count:end] = segment.records[:, columns]
-            count = end
+        times.append(segment.times)
+        records.append(segment.records)
+        size += segment.records.nbytes
+        if size > BATCH and number < last:
+            yield np.concatenate(times), _columns(records)
+            times, records, size = [], [], 0
+    if times:
+        yield np.concatenate(times), _columns(records)
+
+
+def _columns(records: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Records with a row a column; each part is released as it is copied."""
+    found = np.empty((records[-1].shape[1], sum(len(part) for part in records)))
+    first = 0
+    while records:
+        part = records.pop(0)
+        rows = slice(first, first + len(part))
+        for column in range(0, len(found), 64):  # blocks that the cache holds in both orders
+            found[column : column + 64, rows] = part[:, column : column + 64].T
+        first = rows.stop
+    return found
+
+
+def _sum(values: NDArray[np.float64], before: int = 0) -> int:
+    """Checksum of numbers, going on from that of those before them."""
+    return zlib.crc32(np.ascontiguousarray(values).ravel().data, before)
+
+
+def _sum_on_disk(dataset: Any) -> int:
+    """Checksum of a data set of HDF5, some of its rows at a time."""
+    import h5py
+
+    count, *width = dataset.shape
+    most = max(1, BATCH // (8 * int(np.prod(width))))
+    found = 0
+    for first in range(0, count, most):
+        values = np.empty((min(most, count - first), *width))
+        space = dataset.get_space()
+        space.select_hyperslab((first, *(0 for _ in width)), values.shape)
+        dataset.read(h5py.h5s.create_simple(values.shape), space, values)
+        found = _sum(values, found)
+    return found
+
+
+def _read_back(path: Path, of_times: int, sums: Mapping[str, int]) -> None:
+    """Compare a file with what was written into it, from the disk as far as the system allows."""
+    import h5py
+
+    sync_file(path)
+    with path.open("rb") as stream, contextlib.suppress(OSError):
+        os.posix_fadvise(stream.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+    wrong = ""
+    try:
+        with h5py.File(path, "r") as found:
+            group = found["channels"].id
+            for name, place, expected in (
+                ("time", found.id, of_times),
+                *((name, group, expected) for name, expected in sums.items()),
+            ):
+                # the calls of the library itself: there may be thousands of channels
+                if _sum_on_disk(h5py.h5d.open(place, name.encode())) != expected:
+                    wrong = f"{name} is not what was written"
+                    break
+    except (OSError, KeyError, RuntimeError) as error:
+        wrong = str(error)
+    if wrong:
+        raise StopError(
+            Outcome.INTERRUPTED,
+            f"{path}: read back after merging: {wrong}. The disk or its memory is faulty; nothing was removed, and "
+            "the same command merges again",
+        )

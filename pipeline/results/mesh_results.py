@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from heavylift.pipeline.results.storage import replacing
+from heavylift.pipeline.results.model_io import replacing_hdf5
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -214,9 +214,7 @@ def save_meshes(path: Path, shapes: Sequence[MeshShape]) -> None:
     if not shapes:
         path.unlink(missing_ok=True)
         return
-    import h5py
-
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    with replacing_hdf5(path) as file:
         write_meshes(file, shapes)
 
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import opened_hdf5
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.results.storage import replacing
+from heavylift.pipeline.results.storage import hdf5_stream, replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
     import h5py
@@ -27,6 +30,7 @@ __all__ = [
     "read_model",
     "read_reduced",
     "read_states",
+    "replacing_hdf5",
     "write_model",
     "write_reduced",
 ]
@@ -35,17 +39,18 @@ MODEL_FORMAT = "heavylift finite-element model 1"
 REDUCED_FORMAT = "heavylift reduced body 1"
 
 
-def open_hdf5(path: Path, remedy: str) -> h5py.File:
-    """Open an HDF5 file for reading; an absent or damaged one is an `InputError` with a remedy."""
+def open_hdf5(path: Path, remedy: str) -> AbstractContextManager[h5py.File]:
+    """Open an HDF5 file of ours for reading; one that is absent, damaged or another one is an error with a remedy."""
+    return opened_hdf5(path, f"a whole result file; {remedy}")
+
+
+@contextlib.contextmanager
+def replacing_hdf5(path: Path) -> Iterator[h5py.File]:
+    """An HDF5 file to write, which replaces `path` in one step; errors as `storage.replacing`."""
     import h5py
 
-    try:
-        return h5py.File(path, "r")
-    except FileNotFoundError:
-        raise InputError("does not exist", source=path, expected=f"a result file; {remedy}") from None
-    except OSError as error:
-        reason = str(error).partition("(")[2].rstrip(")") or str(error)
-        raise InputError(f"is damaged: {reason}", source=path, expected=f"a whole file; {remedy}") from None
+    with replacing(path) as temporary, hdf5_stream(temporary) as stream, h5py.File(stream, "w") as file:
+        yield file
 
 
 def write_model(path: Path, model: FEModel, header: Mapping[str, Any]) -> None:
@@ -60,9 +65,7 @@ def write_model(path: Path, model: FEModel, header: Mapping[str, Any]) -> None:
     header
         Plain values kept as attributes, such as digests and versions.
     """
-    import h5py
-
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    with replacing_hdf5(path) as file:
         _write_header(file, MODEL_FORMAT, header)
         file.attrs["name"] = model.name
         file.attrs["notes"] = json.dumps(model.notes)
@@ -128,9 +131,7 @@ def write_reduced(
     path: Path, body: ReducedBody, header: Mapping[str, Any], states: Sequence[StaticState] = ()
 ) -> None:
     """Write a reduced body and its static load cases in SI units; parameters as `write_model`."""
-    import h5py
-
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    with replacing_hdf5(path) as file:
         _write_header(file, REDUCED_FORMAT, header)
         file.attrs["mean_axis"] = body.mean_axis
         file.attrs["orthogonality"] = body.orthogonality

@@ -160,13 +160,13 @@ def _files(case: Case, body: FlexibleBodySection | MeshBodySection) -> dict[str,
 
 
 def _with_includes(case: Case, name: str) -> dict[str, str]:
-    """Digests of a mesh file and, of a deck, the files that it includes."""
-    from heavylift.preprocess.finite_elements.deck import deck_files
+    """Digests of a mesh file and the files that it names."""
+    from heavylift.preprocess.finite_elements.named_files import mesh_files
 
     path, root = case.folder / name, case.folder.resolve()
     return {
         item.name if item == path else item.relative_to(root).as_posix(): digest_file(item)
-        for item in deck_files(path, case.folder)
+        for item in mesh_files(path, case.folder)
     }
 
 

@@ -39,7 +39,13 @@ def range_words(values: Sequence[float], unit: str) -> str:
 def profile_words(profile: Any, unit: str) -> str:
     """A function of time: ranges of its table, and its harmonics."""
     parts = []
-    if profile.times:
+    if profile.times and profile.speeds:
+        # speeds are of the unit of the value a second
+        ranges = f"{range_words(profile.times, 's')}: {range_words(profile.speeds, f'{unit}/s')}"
+        limits = [("acceleration", profile.acceleration, "s^2"), ("jerk", profile.jerk, "s^3")]
+        said = [f", {name} {number_words(v, f'{unit}/{per}')}" for name, v, per in limits if v is not None]
+        parts.append(f"{len(profile.times)} speeds, {ranges}{''.join(said)}")
+    elif profile.times:
         ranges = f"{range_words(profile.times, 's')}: {range_words(profile.values, unit)}"
         parts.append(f"table of {len(profile.times)} points, {ranges}")
     parts += [

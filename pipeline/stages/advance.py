@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.results.histories import Segment, last_segment, remove_segments, write_segment
+from heavylift.pipeline.results.histories import (
+    Segment,
+    SegmentMark,
+    numbers_on_disk,
+    read_segments,
+    remove_segments,
+    write_segment,
+)
 from heavylift.pipeline.results.storage import StopError
 
 if TYPE_CHECKING:
@@ -29,7 +36,11 @@ PIECE_SECONDS = 0.2
 FIRST_PIECE = 100
 """Steps of the first call."""
 SEGMENT_SECONDS = 5.0
-"""Wall time after which what was computed goes to disk."""
+"""Wall time after which what was computed goes to disk, at most."""
+FIRST_SEGMENT_SECONDS = 0.25
+"""The same for the first time, and twice as much each time after: most runs are shorter than `SEGMENT_SECONDS`."""
+WRITING_SHARE = 0.05
+"""Part of the time that may be spent on writing what is not needed for its size."""
 SEGMENT_BYTES = 32 * 2**20
 """Size of the records in memory after which they go to disk."""
 
@@ -101,6 +112,10 @@ class Advancer:
     restart_reason
         Set by `resume`: why it could not go on from what an earlier run left in the folder; empty if it did, or
         if nothing is there.
+    loss
+        Set by `resume`: what of an earlier run is computed again, because segments before it are missing or damaged.
+    segments
+        Those of this run that are on disk, in order.
     """
 
     simulation: SimulationLike
@@ -109,8 +124,8 @@ class Advancer:
     step_count: int
     adaptive: bool = False
     restart_reason: str = ""
-    _index: int = 0
-    _record_count: int = 0
+    loss: str = ""
+    segments: list[SegmentMark] = field(default_factory=list)
     _written_steps: int = 0
     _times: list[NDArray[np.float64]] = field(default_factory=list)
     _records: list[NDArray[np.float64]] = field(default_factory=list)
@@ -123,7 +138,9 @@ class Advancer:
         int
             Steps that are already done.
         """
-        last = last_segment(self.folder)
+        last, marks = None, []
+        for last in read_segments(self.folder):
+            marks.append(last.mark)
         if last is None or last.header["digest"] != self.digest:
             if last is not None:
                 self.restart_reason = "what an earlier run left belongs to other inputs"
@@ -133,10 +150,15 @@ class Advancer:
                 self.restart_reason = "nothing had been written"
             remove_segments(self.folder)
             return 0
+        lost = [number for number in numbers_on_disk(self.folder) if number > last.number]
+        if lost:
+            damaged = last.number + 1
+            what = "damaged" if lost[0] == damaged else "missing"
+            after = len(lost) - (lost[0] == damaged)
+            self.loss = f"segment {damaged} is {what}; it is computed again, and {after} behind it"
         remove_segments(self.folder, after=last.number)
         self.simulation.restore(last.state)
-        self._index = last.number + 1
-        self._record_count = last.header["first_record"] + len(last.times)
+        self.segments = marks
         self._written_steps = self.simulation.step_index
         return self._written_steps
 
@@ -154,12 +176,12 @@ class Advancer:
             If the disk is full; the segments written before are intact, and the state in memory is lost.
         """
         simulation = self.simulation
-        if self._record_count == 0:
+        if not any(mark.records for mark in self.segments):
             self._keep(
                 np.array([simulation.step_index * simulation.step]), simulation.record()[np.newaxis, :]
             )
         piece, growth = (1, FIRST_PIECE) if self.adaptive else (FIRST_PIECE, 4)
-        flushed = time.monotonic()
+        flushed, wait = time.monotonic(), min(FIRST_SEGMENT_SECONDS, SEGMENT_SECONDS)
         while (
             simulation.step_index < self.step_count
             and simulation.outcome is Outcome.COMPLETED
@@ -170,9 +192,10 @@ class Advancer:
             self._keep(*simulation.advance(min(piece, self.step_count - simulation.step_index)))
             now = time.monotonic()
             piece = _next_piece(piece, now - begin, growth)
-            if now - flushed > SEGMENT_SECONDS or sum(r.nbytes for r in self._records) > SEGMENT_BYTES:
+            if now - flushed > wait or sum(r.nbytes for r in self._records) > SEGMENT_BYTES:
                 self._write()
-                flushed = now
+                flushed = time.monotonic()
+                wait = min(SEGMENT_SECONDS, max(2.0 * wait, (flushed - now) / WRITING_SHARE))
             done = simulation.step_index
             progress(done, f"t = {done * simulation.step:.4g} s")
         self._write()
@@ -202,19 +225,20 @@ class Advancer:
         header = {
             "digest": self.digest,
             "channels": [[c.name, c.unit, list(c.components), c.column] for c in simulation.channels],
-            "first_record": self._record_count,
+            "first_record": sum(mark.records for mark in self.segments),
             "step": simulation.step,
             "record_every": simulation.record_every,
             "step_index": simulation.step_index,
             "cpu_s": simulation.cpu_seconds,
         }
         try:
-            write_segment(self.folder, Segment(self._index, header, times, records, simulation.state()))
+            segment = Segment(len(self.segments), header, times, records, simulation.state())
+            self.segments.append(write_segment(self.folder, segment))
         except StopError as error:
             if error.outcome is Outcome.DISK_FULL:
                 kept = (
-                    f"the first {self._index} segments are"
-                    if self._index
+                    f"the first {len(self.segments)} segments are"
+                    if self.segments
                     else "nothing was written yet; the inputs are"
                 )
                 raise StopError(
@@ -222,8 +246,6 @@ class Advancer:
                     f"{error}: {kept} kept. Free some space and give the same command: it goes on from there",
                 ) from None
             raise
-        self._index += 1
-        self._record_count += len(times)
         self._written_steps = simulation.step_index
         self._times.clear()
         self._records.clear()

@@ -12,7 +12,14 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.assemble.hulls import database_manifest, read_database_source, stored_database
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import database_digest, memory_digest, source_digest, versions
-from heavylift.pipeline.results.storage import read_json, replacing, write_json
+from heavylift.pipeline.results.storage import (
+    hdf5_stream,
+    read_json,
+    replacing,
+    stored,
+    unchanged,
+    write_json,
+)
 from heavylift.pipeline.stages.surfaces import reused, taken
 from heavylift.preprocess.hydrodynamics.database import database_faults
 from heavylift.preprocess.hydrodynamics.memory_fit import fit_memory, read_memory, write_memory
@@ -59,14 +66,14 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
                 _take_memory(work, name)
                 _write_manifest(manifest_file, case, items)
         if "mesh" not in work.force and item.get("digest") == digest:
-            if file.is_file() and file.stat().st_size == item["size"]:
+            if unchanged(file, item):
                 if item.get("memory_of") == memory_digest(case, section) and (
-                    section.memory != "exponentials" or folder.memory(name).is_file()
+                    section.memory != "exponentials" or unchanged(folder.memory(name), item.get("memory", {}))
                 ):
                     log.say(f"mesh: {name}: unchanged, skipped")
                     continue
                 about = _properties(work, name, stored_database(case, name, folder))
-                items[name] = {**item, "memory_of": memory_digest(case, section), "properties": about}
+                items[name] = {**item, **_memory_entry(work, name), "properties": about}
                 log.say(f"mesh: {name}: unchanged, with another memory: {_words(about)}")
                 _write_manifest(manifest_file, case, items)
                 continue
@@ -79,10 +86,9 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
             properties = _properties(work, name, database)
         items[name] = {
             "digest": digest,
-            "file": file.name,
-            "size": file.stat().st_size,
+            **stored(file),
             "cpu_s": time.process_time() - begin,
-            "memory_of": memory_digest(case, section),
+            **_memory_entry(work, name),
             "properties": properties,
         }
         log.say(f"mesh: {name}: {_words(properties)}; {items[name]['cpu_s']:.2f} s CPU")
@@ -90,6 +96,13 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
             log.say(f"mesh: {name}: REPAIRED: {sentence}")
         _write_manifest(manifest_file, case, items)
     return skipped, sum(item["cpu_s"] for item in items.values()), items
+
+
+def _memory_entry(work: Work, name: str) -> dict[str, Any]:
+    """What the memory of a database was made of, and the file of its exponentials, for the manifest."""
+    section, file = work.case.databases[name], work.folder.memory(name)
+    entry = {"memory": stored(file)} if section.memory == "exponentials" else {}
+    return {"memory_of": memory_digest(work.case, section), **entry}
 
 
 def _take_memory(work: Work, name: str) -> None:
@@ -276,8 +289,8 @@ def _remedy(section: DatabaseSection, database: HydrodynamicDatabase, faults: Se
 def _write(file: Path, database: HydrodynamicDatabase, digest: str, *, checked: bool = False) -> None:
     from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
-    with replacing(file) as temporary:
-        write_netcdf(temporary, database, digest=digest, checked=checked)
+    with replacing(file) as temporary, hdf5_stream(temporary) as stream:
+        write_netcdf(stream, database, digest=digest, checked=checked)
 
 
 def _properties(work: Work, name: str, database: HydrodynamicDatabase) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.results.provenance import report_digest, source_digest, versions
-from heavylift.pipeline.results.storage import read_json, write_json
+from heavylift.pipeline.results.storage import read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.stages import StageReport
 
 if TYPE_CHECKING:
@@ -24,10 +24,7 @@ def report_stage(work: Work) -> StageReport:
     digest = report_digest(work.case, work.folder)
     files = manifest.get("files", {})
     if "report" not in work.force and manifest.get("digest") == digest and files:
-        if all(
-            (folder / name).is_file() and (folder / name).stat().st_size == size
-            for name, size in files.items()
-        ):
+        if all(unchanged(folder / name, entry) for name, entry in files.items()):
             work.log.say("report: unchanged, skipped")
             return StageReport(
                 "report", Outcome.COMPLETED, skipped=True, cpu_s=manifest["cpu_s"], details={"files": files}
@@ -38,7 +35,7 @@ def report_stage(work: Work) -> StageReport:
     begin = time.process_time()
     folder.mkdir(parents=True, exist_ok=True)
     paths = write_report(work.case, folder, work.folder.root, work.log)
-    files = {str(path.relative_to(folder)): path.stat().st_size for path in paths}
+    files = {str(path.relative_to(folder)): stored(path) for path in paths}
     cpu_s = time.process_time() - begin
     write_json(
         manifest_file,

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import math
+import shutil
 from typing import TYPE_CHECKING, Any
 
-from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.results.histories import ChannelInfo, load_results, merge_segments, remove_segments
+from heavylift.numerics.memory import amount_of_bytes
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.pipeline.results.histories import ChannelInfo, merge_segments, remove_segments
 from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
-from heavylift.pipeline.results.storage import StopError, read_json, write_json
+from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.advance import Advancer, stop_requests
 from heavylift.pipeline.stages.stages import StageReport
 
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from heavylift.pipeline.log import Log
+    from heavylift.pipeline.results.histories import SegmentMark
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.stages import Work
     from heavylift.solver.scenario.operation import Operation
@@ -46,13 +49,15 @@ def diagnosis(simulation: Any) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``integrator``, ``choice`` (why, if it was chosen), ``start`` (what was done to it), and of a scene
+        ``integrator``, ``choice`` (why, if it was chosen), ``start`` (what was done to it), ``periods`` (steps in the
+        shortest that are known), and of a scene
         with joints ``degrees_of_freedom``, ``redundant`` and ``free_motions`` (sentences that name joints).
     """
     found: dict[str, Any] = {
         "integrator": str(getattr(simulation, "integrator", "")),
         "choice": str(getattr(simulation, "choice", "") or ""),
         "start": str(getattr(simulation, "start_text", "") or ""),
+        "periods": str(getattr(simulation, "periods", "") or ""),
     }
     about = getattr(simulation, "diagnosis", None)
     if about is not None:
@@ -66,7 +71,7 @@ def diagnosis(simulation: Any) -> dict[str, Any]:
 
 def diagnosis_lines(found: Mapping[str, Any]) -> list[str]:
     """Lines for a person; none for a scene without joints whose integrator is the one asked for."""
-    lines = [found[key] for key in ("choice", "start") if found.get(key)]
+    lines = [found[key] for key in ("choice", "start", "periods") if found.get(key)]
     if "degrees_of_freedom" in found:
         count = found["degrees_of_freedom"]
         words = [f"{count} degree{'' if count == 1 else 's'} of freedom"]
@@ -102,11 +107,14 @@ def simulate_stage(work: Work) -> StageReport:
     digest = simulate_digest(work.case)
     manifest = read_json(folder.manifest("simulate")) or {}
     forced = "simulate" in work.force
-    if not forced and manifest.get("digest") == digest and manifest.get("finished"):
-        if folder.results.is_file() and folder.results.stat().st_size == manifest["size"]:
+    if not forced and manifest.get("digest") == digest and manifest.get("finished") and _says_all(manifest):
+        if unchanged(folder.results, manifest):
+            remove_segments(folder.segments)  # of a run that was killed when all was done
             outcome = Outcome[manifest["outcome"].upper()]
             note = "" if outcome is Outcome.COMPLETED else f"; it ended: {manifest['message']}"
             log.say(f"simulate: unchanged, skipped{note}")
+            if manifest["details"].get("warning"):
+                log.say(f"simulate: WARNING: {manifest['details']['warning']}")
             return StageReport(
                 "simulate",
                 outcome,
@@ -121,6 +129,19 @@ def simulate_stage(work: Work) -> StageReport:
         remove_segments(folder.segments)
     cut_off = bool(manifest) and not manifest.get("finished")
     return _simulate(work, digest, cut_off=cut_off)
+
+
+def _says_all(manifest: Mapping[str, Any]) -> bool:
+    """Whether the manifest of a run that has ended tells how."""
+    details, outcome = manifest.get("details"), manifest.get("outcome")
+    return (
+        isinstance(details, dict)
+        and isinstance(details.get("cpu_s"), (int, float))
+        and isinstance(manifest.get("size"), int)
+        and isinstance(manifest.get("message"), str)
+        and isinstance(outcome, str)
+        and outcome.upper() in Outcome.__members__
+    )
 
 
 def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
@@ -144,6 +165,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         options["start"] = section.start
     with in_case(work.case):
         simulation = Simulation(scene, section.solver_step, section.integrator, **options)
+    _refuse_beyond_disk(work, simulation)
     with contextlib.suppress(FileNotFoundError):
         folder.results.unlink()  # from here on it would belong to other inputs
     save_meshes(folder.meshes, meshes)
@@ -171,25 +193,30 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         where = "record" if adaptive else "step"
         reached = done * simulation.step
         log.say(f"simulate: resumed from the checkpoint at t = {reached:.9g} s, {where} {done}")
+        if advancer.loss:
+            log.say(f"simulate: WARNING: {advancer.loss}: something else has changed the files of the run")
     elif advancer.restart_reason or cut_off:
         forced = "--force" if "simulate" in work.force else "nothing had been written"
         log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)
+        if outcome is Outcome.COMPLETED:
+            outcome, message = simulation.verdict
+        about["warning"] = simulation.warning
+        if simulation.operation is not None:
+            about |= {"scenario": operation_log(simulation.operation)}
+        finished = outcome is not Outcome.INTERRUPTED
+        if finished:
+            _merge(work, simulation, advancer.segments, digest, outcome, message, about, meshes)
     except StopError as error:
         with contextlib.suppress(StopError):
             _write_manifest(work, digest, error.outcome.name.lower(), str(error), finished=False, details={})
         raise
-    operation = simulation.operation
-    if operation is not None:
-        if outcome is Outcome.COMPLETED and operation.unfinished:
-            outcome = Outcome.PHASES_LEFT
-            message = f"{outcome.text} at t = {simulation.time:.9g} s: {operation.unfinished}"
-        about |= {"scenario": operation_log(operation)}
-        for line in operation.log:
-            log.say(f"simulate: {line.text}")
+    for event in simulation.operation.log if simulation.operation is not None else ():
+        log.say(f"simulate: {event.text}")
     steps = steps_taken(simulation)
+    drift = simulation.energy_drift if simulation.step_index else math.nan
     details: dict[str, Any] = {
         "outcome": outcome.name.lower(),
         "steps": steps,
@@ -197,23 +224,34 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
         "start_s": simulation.start_seconds,
         "compile_s": compile_s,
-        "energy_drift": None,
+        "energy_drift": drift if math.isfinite(drift) else None,
         **about,
     }
-    finished = outcome is not Outcome.INTERRUPTED
-    if finished:
-        _merge(work, simulation, digest, outcome, message, about, meshes)
-    if simulation.step_index:
-        drift = _energy_drift(work)
-        details["energy_drift"] = drift if math.isfinite(drift) else None
     _write_manifest(work, digest, details["outcome"], message, finished=finished, details=details)
     if finished:
         remove_segments(folder.segments)
     log.say(f"simulate: {outcome.text}: {_words(details)}")
-    if simulation.warning:
-        log.say(f"simulate: {simulation.warning}")
+    if about["warning"]:
+        log.say(f"simulate: WARNING: {about['warning']}")
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
+    )
+
+
+def _refuse_beyond_disk(work: Work, simulation: Simulation) -> None:
+    """Refuse histories that the disk cannot hold: segments while they grow, and the file that they are merged into."""
+    section = work.case.simulate
+    assert section is not None
+    records = section.interval_count + 1
+    width = 1 + sum(len(channel.components) for channel in simulation.channels)
+    needed, free = 2.0 * 8.0 * records * width, shutil.disk_usage(work.folder.root).free
+    if needed <= free:
+        return
+    raise InputError(
+        f"{records:,} records of {width:,} numbers, {amount_of_bytes(needed)} while they are written",
+        source=work.case.file,
+        key="simulate.output_interval",
+        expected=f"a longer interval or a shorter duration: {amount_of_bytes(free)} of {work.folder.root} are free",
     )
 
 
@@ -253,6 +291,7 @@ def _words(details: dict[str, Any]) -> str:
 def _merge(
     work: Work,
     simulation: Simulation,
+    segments: Sequence[SegmentMark],
     digest: str,
     outcome: Outcome,
     message: str,
@@ -274,6 +313,7 @@ def _merge(
         "output_interval": section.output_interval,
         "steps": steps_taken(simulation),
         "sees_every_step": bool(getattr(simulation, "sees_every_step", False)),
+        "energy_drift": simulation.energy_drift,
         **about,
         "cpu_s": simulation.start_seconds + simulation.cpu_seconds,
         "start_s": simulation.start_seconds,
@@ -288,13 +328,8 @@ def _merge(
         {channel.name: channel.sentence for channel in simulation.channels},
         metadata,
         meshes,
+        expected=segments,
     )
-
-
-def _energy_drift(work: Work) -> float:
-    from heavylift.pipeline.checks.quantities import energy_drift
-
-    return energy_drift(load_results(work.case, work.folder.root))
 
 
 def _write_manifest(
@@ -313,7 +348,7 @@ def _write_manifest(
             "digest": digest,
             "sources_digest": source_digest("simulate"),
             "versions": versions("simulate"),
-            "size": results.stat().st_size if finished else 0,
+            **(stored(results) if finished else {}),
             "details": details,
         },
     )

@@ -10,8 +10,10 @@ import errno
 import fcntl
 import os
 import socket
+import stat
 import time
 from dataclasses import dataclass, field, replace
+from io import FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +26,15 @@ from heavylift.pipeline.results.provenance import (
     source_digest,
     versions,
 )
-from heavylift.pipeline.results.storage import OutputFolder, StopError, read_json, write_json
+from heavylift.pipeline.results.storage import (
+    OutputFolder,
+    StopError,
+    read_json,
+    remove_left_over,
+    stored,
+    unchanged,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -101,6 +111,37 @@ class Work:
 LOCK_FILE = ".lock"
 
 
+_LOCK_BYTES = 4096
+_LOCK_WORD = "process "
+
+
+def _lock_file(path: Path) -> FileIO:
+    """The lock file, open to read and write; anything else of that name is refused as it is."""
+    problem, expected = "", "a lock file of heavylift, or none; move it away, or choose another --out"
+    try:
+        # a pipe would wait for its other end, a link lead to another file
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o644)
+    except OSError as error:
+        if error.errno not in {errno.ELOOP, errno.ENXIO, errno.EISDIR}:
+            raise
+        problem = "is a link" if error.errno == errno.ELOOP else "is no file"
+        raise InputError(problem, source=path, expected=expected) from None
+    stream = FileIO(handle, "r+")
+    status = os.fstat(handle)
+    if not stat.S_ISREG(status.st_mode):
+        problem = "is no file"
+    elif status.st_nlink > 1:
+        problem = "is the file of another name too"
+    elif status.st_size and not (
+        status.st_size < _LOCK_BYTES and (stream.read(_LOCK_BYTES) or b"").startswith(_LOCK_WORD.encode())
+    ):
+        problem = "has another content"
+    if problem:
+        stream.close()
+        raise InputError(problem, source=path, expected=expected)
+    return stream
+
+
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Hold the lock of an output folder.
@@ -112,10 +153,12 @@ def locked(folder: Path) -> Iterator[None]:
     ------
     StopError
         With `Outcome.LOCKED`, if another process holds it.
+    InputError
+        If what has its name is no lock file, but a link, a pipe or a file of someone.
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / LOCK_FILE
-    with path.open("a+", encoding="utf-8") as stream:
+    with _lock_file(path) as stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
@@ -123,21 +166,22 @@ def locked(folder: Path) -> Iterator[None]:
                 yield  # a file system without locks: better to run than to refuse
                 return
             stream.seek(0)
-            holder = stream.read().strip() or "another process"
+            text = stream.read(_LOCK_BYTES) or b""
+            holder = text.decode("utf-8", errors="replace").strip() or "another process"
             raise StopError(
                 Outcome.LOCKED,
                 f"{folder}: {holder} works in this folder; wait for it, stop it, or choose another --out",
             ) from None
-        stream.seek(0)
-        stream.truncate()
         started = time.strftime("%Y-%m-%d %H:%M:%S")
-        stream.write(f"process {os.getpid()} on {socket.gethostname()}, started {started},")
-        stream.flush()
+        holder = f"{_LOCK_WORD}{os.getpid()} on {socket.gethostname()}, started {started},"
+        with contextlib.suppress(OSError):  # on a full disk the lock holds without its text
+            stream.truncate(0)
+            os.pwrite(stream.fileno(), holder.encode(), 0)
         try:
             yield
         finally:
-            stream.seek(0)
-            stream.truncate()
+            with contextlib.suppress(OSError):
+                stream.truncate(0)
 
 
 STAGES = ("mesh", "modes", "simulate", "report")
@@ -153,6 +197,9 @@ REPORTED = {
     Outcome.STEP_TOO_SMALL,
     Outcome.STRAINS_LOST,
     Outcome.TOO_MANY_CONTACTS,
+    Outcome.LINE_OVERSTRETCHED,
+    Outcome.OUTSIDE_DATABASE,
+    Outcome.ENERGY_NOT_KEPT,
     Outcome.LIMIT_REACHED,
     Outcome.TIMED_OUT,
     Outcome.PHASES_LEFT,
@@ -244,7 +291,7 @@ def run_case(
         "report": report_stage,
     }
     folder = OutputFolder(Path(out) if out is not None else case.output_folder)
-    _check_folder(folder.root)
+    _check_folder(folder)
     work = Work(
         case=case,
         folder=folder,
@@ -256,6 +303,8 @@ def run_case(
     done: list[StageReport] = []
     seconds: dict[str, float] = {}
     with locked(folder.root):
+        for part in folder.folders:
+            remove_left_over(part, alone=part == folder.segments)
         if sound:
             write_json(folder.manifest("check"), {"case": case.name, "digest": sound})
         for name in STAGES:
@@ -304,17 +353,25 @@ def _check_scene(work: Work, stages: Sequence[str]) -> str:
     return digest
 
 
-def _check_folder(root: Path) -> None:
-    """See that an output folder is a folder or can become one."""
+def _check_folder(folder: OutputFolder) -> None:
+    """See that an output folder is a folder or can become one, and leads nowhere else below itself."""
+    root = folder.root
     for path in (root, *root.parents):
         if path.is_dir():
-            return
+            break
         if path.exists():
             raise InputError(
                 f"{path} is a file",
                 source="output folder",
                 key=str(root) if path != root else "",
                 expected="a folder, or a path where one can be made; choose another --out",
+            )
+    for path in folder.folders[1:]:
+        if path.is_symlink() or (path.exists() and not path.is_dir()):
+            raise InputError(
+                f"is {'a link' if path.is_symlink() else 'no folder'}: files in it are replaced and removed",
+                source=path,
+                expected="a folder, or nothing; the output folder itself may be a link, or choose another --out",
             )
 
 
@@ -446,7 +503,7 @@ def _body_stage(
         file, digest = file_of(name), digest_of(work.case, body)
         item = items.get(name, {})
         if stage not in work.force and item.get("digest") == digest:
-            if file.is_file() and file.stat().st_size == item["size"]:
+            if unchanged(file, item):
                 work.log.say(f"{stage}: {name}: unchanged, skipped")
                 continue
             if file.is_file():
@@ -462,8 +519,7 @@ def _body_stage(
                 properties = make(name, body, header)
             items[name] = {
                 "digest": digest,
-                "file": file.name,
-                "size": file.stat().st_size,
+                **stored(file),
                 "cpu_s": time.process_time() - begin,
                 "properties": properties,
             }

@@ -16,7 +16,7 @@ from heavylift.pipeline.assemble.surfaces import (
     write_surface_file,
 )
 from heavylift.pipeline.results.provenance import source_digest, surface_digest, versions
-from heavylift.pipeline.results.storage import read_json, replacing, write_json
+from heavylift.pipeline.results.storage import read_json, replacing, stored, unchanged, write_json
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,7 +46,7 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
         file, digest = folder.surface(name), surface_digest(case, case.surfaces[index])
         item = items.get(name, {})
         if "mesh" not in work.force and item.get("digest") == digest:
-            if file.is_file() and file.stat().st_size == item["size"]:
+            if unchanged(file, item):
                 log.say(f"mesh: {name}: unchanged, skipped")
                 continue
             if file.is_file():
@@ -59,8 +59,7 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
             write_surface_file(file, made[name])
             found = {
                 "digest": digest,
-                "file": file.name,
-                "size": file.stat().st_size,
+                **stored(file),
                 "cpu_s": time.process_time() - begin,
                 "properties": made[name].report,
             }
@@ -114,7 +113,7 @@ def reused(work: Work, manifest: Path, name: str, digest: str, file: Path) -> di
         entries = read_json(other.root / manifest.relative_to(root)) or {}
         item = entries.get("items", {}).get(name, {})
         source = other.root / file.relative_to(root)
-        if item.get("digest") != digest or not source.is_file() or source.stat().st_size != item["size"]:
+        if item.get("digest") != digest or not unchanged(source, item):
             continue
         taken(source, file)
         work.log.say(f"{file.parent.name}: {name}: unchanged, taken from {other.root}")

@@ -413,6 +413,7 @@ class _Reader:
         self.assembly = _Scope()
         self.instances: dict[str, _Instance] = {}
         self.instance: _Instance | None = None
+        self.on_instance: list[_Card] = []  # sections and surfaces within the present one
         self.scope = self.flat
         self.materials: dict[str, _Material] = {}
         self.material: _Material | None = None
@@ -608,6 +609,8 @@ class _Reader:
     def _surface(self, card: _Card) -> None:
         name = card.parameters.get("NAME", "")
         kind = card.parameters.get("TYPE", "ELEMENT").upper()
+        if self.instance is not None:
+            self.on_instance.append(card)
         if name and kind in {"ELEMENT", "NODE"}:
             rows = self.scope.surfaces.setdefault(name, (kind, []))[1]
             rows += [[word.strip('"').strip() for word in words] for _, _, words in card.data if words]
@@ -663,12 +666,18 @@ class _Reader:
             made.offset = a + made.rotation @ (made.offset - a)
         self.instances[name.upper()] = made
         self.instance, self.scope = made, _Scope(name)
+        self.on_instance = []
 
     def _end_instance(self, _card: _Card) -> None:
         made, own = self.instance, self.scope
         if made is not None and (own.nodes or own.elements):  # an independent instance has the mesh itself
             made.part = own
         elif made is not None:
+            for card in self.on_instance:
+                card.fail(
+                    f"in instance {made.name!r}, which has no mesh of its own",
+                    f"it in *PART {made.part.name!r}, for all its instances, or a mesh in the instance",
+                )
             # sets of an instance are its own, and the part serves others too
             made.part = replace(
                 made.part,
@@ -681,6 +690,8 @@ class _Reader:
 
     def _section(self, card: _Card) -> None:
         elements, material = card.parameters.get("ELSET", ""), card.parameters.get("MATERIAL", "")
+        if self.instance is not None:
+            self.on_instance.append(card)
         if elements:
             self.scope.sections.append((elements, material))
         else:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
 from heavylift.preprocess.finite_elements.groups import AXES, InBox, NodeSelector, OnFace, select_nodes
@@ -22,6 +24,10 @@ if TYPE_CHECKING:
 __all__ = ["Box", "mesh_blocks"]
 
 _Point = tuple[float, float, float]
+BRICK_BYTES, BRICK_SECONDS = 8e3, 56e-6
+"""Of a brick, meshed and assembled; measured on cubes of 27,000 and 216,000 of them."""
+BEYOND = 1e18
+"""Elements along an edge that nobody has memory for."""
 _SNAP = 1e-9  # coordinates closer than this, in diagonals of the body, are one plane
 
 
@@ -113,6 +119,14 @@ def mesh_blocks(
     if repeated is not None:
         raise InputError(f"box {repeated!r} is given twice", source=name, expected="one box a name")
     planes = {axis: _planes([*add, *cut], k, _diagonal(add)) for axis, k in AXES.items()}
+    for axis, values in planes.items():
+        if len(values) < 2:
+            raise InputError(
+                f"along {axis} all boxes are thinner than {_SNAP:g} of their diagonal, {_diagonal(add):.3g} m",
+                source=name,
+                key="add",
+                expected="boxes of one size (a unit that is missing?)",
+            )
     if size is None:
         size = _default_size(add, planes)
     if not (np.isfinite(size) and size > 0.0):
@@ -228,7 +242,7 @@ def _tetrahedra(
         if not gmsh.model.getEntities(3):
             raise InputError("nothing is left after the cuts", source=name, key="cut")
         wishes = _curve_sizes(gmsh, scale, add, cut, groups, refine, name) if refine else []
-        nodes, elements, _ = mesh_tetrahedra(gmsh, scale * size, refine=wishes)
+        nodes, elements, _ = mesh_tetrahedra(gmsh, scale * size, source=name, refine=wishes)
     nodes = nodes / scale
     # put surface nodes exactly on the planes they were meshed on
     for k in range(3):
@@ -286,12 +300,19 @@ def _bricks(
             if axis not in AXES:
                 raise InputError(f"axis {axis!r}", source=name, key=key, expected="'x', 'y' or 'z'")
     tolerance = _SNAP * _diagonal(add)
-    x, y, z = (
-        _grid_lines(
-            axis, _grid_planes(axis, planes[axis], breaks, tolerance, name), size, divisions.get(axis), name
-        )
-        for axis in AXES
+    grids = {axis: _grid_planes(axis, planes[axis], breaks, tolerance, name) for axis in AXES}
+    counts = {axis: _divisions(axis, grids[axis], size, divisions.get(axis), name) for axis in AXES}
+    most = max(AXES, key=lambda axis: sum(counts[axis]))
+    refuse_beyond_memory(
+        math.prod(float(sum(one)) for one in counts.values()),
+        "bricks",
+        bytes_each=BRICK_BYTES,
+        seconds_each=BRICK_SECONDS,
+        source=name,
+        key=f"divisions.{most}" if most in divisions else "size",
+        remedy="fewer divisions" if most in divisions else "a larger size",
     )
+    x, y, z = (_grid_lines(grids[axis], counts[axis]) for axis in AXES)
     middles = [0.5 * (line[:-1] + line[1:]) for line in (x, y, z)]
     cells = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1).reshape(-1, 3)
     keep = _inside(cells, add) & ~_inside(cells, cut)
@@ -334,14 +355,14 @@ def _grid_planes(
     return lines
 
 
-def _grid_lines(
+def _divisions(
     axis: str, planes: NDArray[np.float64], size: float, counts: Sequence[int] | None, name: str
-) -> NDArray[np.float64]:
-    """Divide each interval between planes into equal elements."""
+) -> list[int]:
+    """Numbers of equal elements in the intervals between planes."""
     intervals = len(planes) - 1
     if counts is None:
         # the small allowance keeps 20 mm / 5 mm at four elements
-        counts = [max(1, int(np.ceil(d / size - 1e-9))) for d in np.diff(planes)]
+        return [max(1, math.ceil(min(d / size, BEYOND) - 1e-9)) for d in np.diff(planes).tolist()]
     if len(counts) != intervals or any(int(c) != c or c < 1 for c in counts):
         raise InputError(
             f"{list(counts)}",
@@ -351,7 +372,12 @@ def _grid_lines(
             + ", ".join(f"{p:.9g}" for p in planes)
             + " m",
         )
+    return [int(count) for count in counts]
+
+
+def _grid_lines(planes: NDArray[np.float64], counts: Sequence[int]) -> NDArray[np.float64]:
+    """Divide each interval between planes into equal elements."""
     parts = [
-        np.linspace(a, b, int(count) + 1)[:-1] for (a, b), count in zip(pairwise(planes), counts, strict=True)
+        np.linspace(a, b, count + 1)[:-1] for (a, b), count in zip(pairwise(planes), counts, strict=True)
     ]
     return np.concatenate([*parts, planes[-1:]])

@@ -29,7 +29,6 @@ __all__ = [
     "DeckBody",
     "DeckMaterial",
     "ElementBlock",
-    "deck_files",
     "deck_number",
     "deck_text",
     "included_file",
@@ -119,26 +118,6 @@ def included_file(name: str, deck: Path, root: Path, place: Path, line: int) -> 
             expected="a file, relative to the folder of the deck",
         )
     return target
-
-
-_INCLUDES = re.compile(
-    r"""^\s*(?:\*\s*\w[\w ]*,.*?\bINPUT\s*=\s*"?([^",\r\n]+)|INCLUDE\s+['"]?([^'"\r\n]+))""",
-    re.IGNORECASE | re.MULTILINE,
-)
-
-
-def deck_files(path: Path, root: Path) -> list[Path]:
-    """A mesh file and, of a deck, the files below `root` that it includes: what a digest of it is made of."""
-    found = [path]
-    if path.suffix.lower() not in DECK_SUFFIXES:
-        return found
-    for file in found:  # grows as it goes
-        text = file.read_bytes().decode("utf-8", errors="replace")
-        for names in _INCLUDES.findall(text):
-            target = (path.parent / next(filter(None, names)).strip()).resolve()
-            if target.is_relative_to(root.resolve()) and target.is_file() and target not in found:
-                found.append(target)
-    return found
 
 
 # ---- what a deck holds ----

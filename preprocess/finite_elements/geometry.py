@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import check_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
@@ -163,7 +164,9 @@ def read_step(
             for face in filter(None, (f"face {tag}", label)):
                 tags_of.setdefault(face, []).append(tag)
         wishes = _curve_sizes(gmsh, groups, refine, tags_of, str(path)) if refine else []
-        nodes, elements, face_nodes = mesh_tetrahedra(gmsh, target, curved=curved, refine=wishes)
+        nodes, elements, face_nodes = mesh_tetrahedra(
+            gmsh, target, source=str(path), curved=curved, refine=wishes
+        )
     faces = {
         face: np.unique(np.concatenate([face_nodes[tag] for tag in tags])) for face, tags in tags_of.items()
     }
@@ -318,6 +321,8 @@ def read_with_meshio(path: Path) -> Any:
     """
     import meshio
 
+    if path.suffix.lower() == ".med":  # an HDF5 file
+        check_hdf5(path, f"a {path.suffix} file meshio can read")
     # meshio prints its complaint and may leave by SystemExit: keep both for the message
     said = io.StringIO()
     try:

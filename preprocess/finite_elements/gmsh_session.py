@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.refinement import refine_near
 
@@ -64,8 +65,47 @@ def gmsh_session(source: str) -> Iterator[Any]:
         gmsh.finalize()
 
 
+TETRAHEDRA = 4.7
+"""Elements that gmsh makes of the volume of a cube of their edge length."""
+
+ALONG_CURVE = 15.0
+"""Elements around a curve for each edge length on it, at a growth of 1."""
+
+TINY = 1e-60
+"""Of lengths that are divided by: far below what anybody has memory for."""
+
+TETRAHEDRON_BYTES, TETRAHEDRON_SECONDS = 14e3, 60e-6
+"""Of a quadratic tetrahedron, meshed and assembled; measured on cubes of 8,000 and 37,000 of them."""
+
+
+def _estimate_tetrahedra(gmsh: Any, size: float, refine: Sequence[CurveSize], source: str) -> None:
+    """Refuse a mesh for which there is no memory.
+
+    Where the edge length grows with the distance d from a curve as s + g d, the elements of the volume 2 pi d L dd
+    around it add up to pi L / (g^2 s) cubes.
+    """
+    volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
+    size = max(size, TINY)
+    wanted = [(TETRAHEDRA * volume / size**3, "size", "a larger size")]
+    for wish in refine:
+        length, own = sum(gmsh.model.occ.getMass(1, tag) for tag in wish.curves), max(wish.size, TINY)
+        # no more than elements of this size in all of the body
+        near = min(ALONG_CURVE * length / max(wish.growth, TINY) ** 2 / own, TETRAHEDRA * volume / own**3)
+        wanted.append((near + length / own, "refine", "a larger size or growth"))
+    count, key, remedy = max(wanted)
+    refuse_beyond_memory(
+        count,
+        "tetrahedra",
+        bytes_each=TETRAHEDRON_BYTES,
+        seconds_each=TETRAHEDRON_SECONDS,
+        source=source,
+        key=key,
+        remedy=remedy,
+    )
+
+
 def mesh_tetrahedra(
-    gmsh: Any, size: float, *, curved: bool = False, refine: Sequence[CurveSize] = ()
+    gmsh: Any, size: float, *, source: str, curved: bool = False, refine: Sequence[CurveSize] = ()
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], dict[int, NDArray[np.int64]]]:
     """Mesh the solids of the current model with second-order tetrahedra.
 
@@ -75,6 +115,8 @@ def mesh_tetrahedra(
         From `gmsh_session`.
     size
         Target edge length, in units of the model.
+    source
+        What is meshed, for errors.
     curved
         Whether middle nodes follow curved faces; straight edges otherwise.
     refine
@@ -84,7 +126,13 @@ def mesh_tetrahedra(
     -------
     tuple
         Node positions (n, 3); elements (ne, 10), zero-based, order of VTK; nodes of every face by gmsh's tag.
+
+    Raises
+    ------
+    InputError
+        There is no memory for so many elements.
     """
+    _estimate_tetrahedra(gmsh, size, refine, source)
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     gmsh.option.setNumber("Mesh.MeshSizeMin", 0.0)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)

@@ -352,7 +352,13 @@ class _Reader:
         self.others.setdefault((card.name, count), []).append((label, property_id, nodes))
 
     def _property(self, card: _Card) -> None:
-        self.properties[card.whole(0, "number of the property")] = card.whole(1, "number of the material", 0)
+        label, material = card.whole(0, "number of the property"), card.whole(1, "number of the material", 0)
+        before = self.properties.setdefault(label, material)
+        if before != material:
+            card.fail(
+                f"property {label} is defined twice, of material {before} and {material}",
+                "every property once",
+            )
 
     def _material(self, card: _Card) -> None:
         label = card.whole(0, "number of the material")

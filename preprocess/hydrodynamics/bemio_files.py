@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import opened_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.preprocess.hydrodynamics.repairs import repaired
@@ -65,7 +66,7 @@ def read_bemio(
     path = Path(path)
     if not path.is_file() or not h5py.is_hdf5(path):
         raise InputError("no such HDF5 file", source=path, expected="a .h5 file of BEMIO")
-    with h5py.File(path, "r") as file:
+    with opened_hdf5(path, "a .h5 file of BEMIO", foreign=True) as file:
         density, gravity = (
             _scalar(file, "simulation_parameters/rho"),
             _scalar(file, "simulation_parameters/g"),
@@ -147,7 +148,15 @@ def _array(file: Any, name: str) -> NDArray[np.float64]:
     """A data set, or the error that names it."""
     if name not in file:
         raise InputError(f"there is no '{name}'", source=file.filename, expected="a .h5 file of BEMIO")
-    return np.asarray(file[name][()])
+    values = np.asarray(file[name][()] if hasattr(file[name], "dtype") else None)
+    if values.dtype.kind not in "iuf":
+        raise InputError(
+            "is a group" if values.dtype.kind == "O" else f"is of type {values.dtype}",
+            source=file.filename,
+            key=name,
+            expected="numbers",
+        )
+    return values
 
 
 def _scalar(file: Any, name: str) -> float:

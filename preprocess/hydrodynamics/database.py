@@ -386,7 +386,10 @@ def check_phase(database: HydrodynamicDatabase) -> None:
     if not database.has_excitation:
         return
     longest = float(database.wave_numbers()[0])
-    gyradius = 1.0 / float(length_scales(database).min())
+    smallest = float(length_scales(database).min())
+    if not smallest > 0.0:  # moments of inertia beyond all numbers
+        return
+    gyradius = 1.0 / smallest
     if longest * gyradius * np.sqrt(12.0) > LONG_WAVE:
         return
     force = database.excitation_at_reference_points()[0]

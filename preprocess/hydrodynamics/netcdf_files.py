@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import opened_hdf5, told_of_file
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import check_word
 from heavylift.preprocess.hydrodynamics.database import (
@@ -58,30 +59,37 @@ def load_variables(path: Path) -> tuple[dict[str, Variable], dict[str, Any]]:
     if not path.is_file():
         raise InputError("no such file", source=path, expected="a netCDF file")
     if h5py.is_hdf5(path):
-        with h5py.File(path, "r") as file:
+        with opened_hdf5(path, "a netCDF file", foreign=True) as file:
             return (
-                {name: _from_hdf5(item) for name, item in file.items() if isinstance(item, h5py.Dataset)},
+                {
+                    name: _from_hdf5(name, item, path)
+                    for name, item in file.items()
+                    if isinstance(item, h5py.Dataset)
+                },
                 {key: _text(value) for key, value in file.attrs.items()},
             )
     from scipy.io import netcdf_file
 
-    try:
-        with netcdf_file(path, "r", mmap=False) as classic:
-            variables = {
-                name: Variable(tuple(item.dimensions), _letters(np.array(item.data)), _attributes_of(item))
-                for name, item in classic.variables.items()
-            }
-            return variables, {key: _text(value) for key, value in classic._attributes.items()}  # noqa: SLF001
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{error}", source=path, expected="a netCDF file") from None
+    with told_of_file(path, "a netCDF file"), netcdf_file(path, "r", mmap=False) as classic:
+        variables = {
+            name: Variable(tuple(item.dimensions), _letters(np.array(item.data)), _attributes_of(item))
+            for name, item in classic.variables.items()
+        }
+        return variables, {key: _text(value) for key, value in classic._attributes.items()}  # noqa: SLF001
 
 
-def _from_hdf5(item: Any) -> Variable:
+def _from_hdf5(name: str, item: Any, path: Path) -> Variable:
     """One HDF5 data set: its axes are the scales attached to it, or itself if it is one."""
     values = item.asstr()[()] if item.dtype.kind == "O" else item[()]
-    axes = [
-        (scales[0] if len(scales) else item).name.rsplit("/", 1)[-1] for scales in item.dims if item.shape
-    ]
+    scales = [(along[0] if len(along) else item).name for along in item.dims if item.shape]
+    if None in scales:
+        raise InputError(
+            f"the scale of its axis {scales.index(None)} is not in the file",
+            source=path,
+            key=name,
+            expected="a netCDF file, which has a variable for each axis",
+        )
+    axes = [scale.rsplit("/", 1)[-1] for scale in scales]
     hidden = ("REFERENCE_LIST", "DIMENSION_LIST", "CLASS", "NAME")
     attributes = {key: _text(item.attrs[key]) for key in item.attrs if key not in hidden}
     return Variable(tuple(axes), np.asarray(values), attributes)
@@ -197,10 +205,10 @@ def write_netcdf(
             ("phase_convention", PHASE_CONVENTION),
             ("digest", digest),
         ):
-            file.attrs[key] = np.bytes_(text.encode())
+            file.attrs[key] = np.bytes_(text.encode("utf-8", "backslashreplace"))
         file.attrs["symmetric"] = np.int32(database.symmetric)
         if database.repairs:
-            file.attrs["repairs"] = np.bytes_("\n".join(database.repairs).encode())
+            file.attrs["repairs"] = np.bytes_("\n".join(database.repairs).encode("utf-8", "backslashreplace"))
         for name, values in axes.items():
             is_text = isinstance(values, list)
             scale = file.create_dataset(
@@ -250,10 +258,22 @@ def read_netcdf(
         Not such a file, something is missing (a variable, one of six coordinates, the time convention, the reference
         points), units other than SI, a forward speed, or what `repaired` refuses.
     """
-    variables, attributes = load_variables(Path(path))
-    source = str(path)
     if time_convention is not None:
-        check_word(time_convention, TimeConvention, source=source, key="time_convention")
+        check_word(time_convention, TimeConvention, source=str(path), key="time_convention")
+    variables, attributes = load_variables(Path(path))
+    with told_of_file(Path(path), "variables with the axes and types of a hydrodynamic database"):
+        database = _database_of(variables, attributes, str(path), time_convention, reference_points)
+    return repaired(database, repair) if checked else database
+
+
+def _database_of(
+    variables: dict[str, Variable],
+    attributes: dict[str, Any],
+    source: str,
+    time_convention: TimeConvention | None,
+    reference_points: NDArray[np.float64] | None,
+) -> HydrodynamicDatabase:
+    """What the variables of a file say, in our order."""
     convention = time_convention or _convention(attributes, source)
     bodies, order = _coordinates(variables, source)
     n = len(order)
@@ -262,7 +282,7 @@ def read_netcdf(
     if speed is not None and np.any(np.asarray(speed.values, dtype=float) != 0.0):
         raise InputError("a forward speed", source=source, key="forward_speed", expected="0")
     steps = _named(variables, "omega", source)
-    omega = np.atleast_1d(steps.values).astype(np.float64)
+    omega = np.atleast_1d(_numbers(variables, "omega", source))
     along = (
         steps.axes[0] if steps.axes else "omega"
     )  # Capytaine has periods or wave numbers there if asked for them
@@ -282,7 +302,7 @@ def read_netcdf(
     elif len(set(parts) & variables.keys()) == 1:
         repairs = (*repairs, "Froude-Krylov force or diffraction alone are no exciting forces: left out")
     if all(part in variables for part in parts):
-        headings = np.atleast_1d(_named(variables, "wave_direction", source).values).astype(np.float64)
+        headings = np.atleast_1d(_numbers(variables, "wave_direction", source))
         turned = np.argsort(headings)
         real, imaginary = np.sum([_arranged(variables, part, waves, source) for part in parts], axis=0)
         excitation = (real + 1j * imaginary)[finite][:, turned][:, :, order]
@@ -293,8 +313,8 @@ def read_netcdf(
     if len(headings) and "drift_force" in variables and attributes.get("title") == FORMAT:
         drift = _arranged(variables, "drift_force", waves[1:], source)[finite][:, turned][:, :, order]
     constants = {key: _scalar(variables, key, source) for key in ("rho", "g", "water_depth")}
-    volumes, centres = _displaced(variables, len(bodies), constants["rho"])
-    database = HydrodynamicDatabase(
+    volumes, centres = _displaced(variables, len(bodies), constants["rho"], source)
+    return HydrodynamicDatabase(
         bodies=bodies,
         omega=omega[finite],
         headings=headings[turned],
@@ -311,10 +331,9 @@ def read_netcdf(
         drift=drift,
         volumes=volumes,
         centres_of_buoyancy=centres,
-        hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"]),
+        hydrostatic_stiffness=_stiffness(variables, order, references, constants["g"], source),
         repairs=repairs,
     )
-    return repaired(database, repair) if checked else database
 
 
 def read_digest(path: Path | str) -> str:
@@ -347,9 +366,17 @@ def _named(variables: dict[str, Variable], name: str, source: str) -> Variable:
     return variables[name]
 
 
+def _numbers(variables: dict[str, Variable], name: str, source: str) -> NDArray[np.float64]:
+    """Values of a variable that has numbers."""
+    values = _named(variables, name, source).values
+    if values.dtype.kind not in "iuf":
+        raise InputError(f"is of type {values.dtype}", source=source, key=name, expected="numbers")
+    return values.astype(np.float64)
+
+
 def _scalar(variables: dict[str, Variable], name: str, source: str) -> float:
     """One number, of an array of one if need be."""
-    values = np.ravel(_named(variables, name, source).values)
+    values = np.ravel(_numbers(variables, name, source))
     if values.size != 1:
         raise InputError(f"{values.size} values", source=source, key=name, expected="one")
     return float(values[0])
@@ -359,7 +386,7 @@ def _arranged(
     variables: dict[str, Variable], name: str, axes: tuple[str, ...], source: str
 ) -> NDArray[np.float64]:
     """The variable with its axes in this order; an axis that was left out has the length one."""
-    variable = _named(variables, name, source)
+    variable, numbers = _named(variables, name, source), _numbers(variables, name, source)
     extra = [
         axis
         for axis in variable.axes
@@ -371,9 +398,9 @@ def _arranged(
         )
     present = [axis for axis in axes if axis in variable.axes]
     rest = [axis for axis in variable.axes if axis not in axes]
-    values = np.transpose(
-        np.asarray(variable.values, dtype=np.float64), [variable.axes.index(a) for a in (*present, *rest)]
-    ).reshape([variable.values.shape[variable.axes.index(a)] for a in present])
+    values = np.transpose(numbers, [variable.axes.index(a) for a in (*present, *rest)]).reshape(
+        [variable.values.shape[variable.axes.index(a)] for a in present]
+    )
     for place, axis in enumerate(axes):
         if axis not in present:
             values = np.expand_dims(values, place)
@@ -450,7 +477,8 @@ def _reference_points(
             expected="'reference_points = [[x, y, z]]', the point of each hull about which its moments are (of "
             "Capytaine's most often the centre of mass)",
         )
-    points = np.asarray(given if stated is None else stated.values, dtype=np.float64).reshape(-1, 3)
+    read = given if stated is None else _numbers(variables, "rotation_center", source)
+    points = np.asarray(read, dtype=np.float64).reshape(-1, 3)
     if points.shape != (count, 3):
         raise InputError(
             f"{len(points)} reference points", source=source, key="rotation_center", expected=f"{count}"
@@ -470,32 +498,36 @@ def _reference_points(
 
 
 def _displaced(
-    variables: dict[str, Variable], count: int, density: float
+    variables: dict[str, Variable], count: int, density: float, source: str
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
     """Volumes and centres of buoyancy, where the file has them."""
     volumes = centres = None
     if "volume" in variables:
-        volumes = np.asarray(variables["volume"].values, dtype=np.float64).reshape(count)
+        volumes = _numbers(variables, "volume", source).reshape(count)
     elif "disp_mass" in variables:
-        volumes = np.asarray(variables["disp_mass"].values, dtype=np.float64).reshape(count) / density
+        volumes = _numbers(variables, "disp_mass", source).reshape(count) / density
     if "center_of_buoyancy" in variables:
-        centres = np.asarray(variables["center_of_buoyancy"].values, dtype=np.float64).reshape(count, 3)
+        centres = _numbers(variables, "center_of_buoyancy", source).reshape(count, 3)
     return volumes, centres
 
 
 def _stiffness(
-    variables: dict[str, Variable], order: NDArray[np.int64], references: NDArray[np.float64], gravity: float
+    variables: dict[str, Variable],
+    order: NDArray[np.int64],
+    references: NDArray[np.float64],
+    gravity: float,
+    source: str,
 ) -> NDArray[np.float64] | None:
     """(N, 6, 6) without the terms of weight; those of Capytaine have them, from its mass and its centre."""
     count = len(references)
     if "hydrostatic_stiffness_without_weight" in variables:
-        return np.asarray(variables["hydrostatic_stiffness_without_weight"].values, dtype=np.float64)
+        return _numbers(variables, "hydrostatic_stiffness_without_weight", source)
     needed = ("hydrostatic_stiffness", "inertia_matrix", "center_of_mass")
     if any(name not in variables for name in needed):
         return None
-    whole = np.asarray(variables["hydrostatic_stiffness"].values, dtype=np.float64)[np.ix_(order, order)]
-    inertia = np.asarray(variables["inertia_matrix"].values, dtype=np.float64)[np.ix_(order, order)]
-    arms = np.asarray(variables["center_of_mass"].values, dtype=np.float64).reshape(count, 3) - references
+    whole = _numbers(variables, "hydrostatic_stiffness", source)[np.ix_(order, order)]
+    inertia = _numbers(variables, "inertia_matrix", source)[np.ix_(order, order)]
+    arms = _numbers(variables, "center_of_mass", source).reshape(count, 3) - references
     stiffness = np.zeros((count, 6, 6))
     for body, (x, y, z) in enumerate(arms):
         block = slice(6 * body, 6 * body + 6)

@@ -29,6 +29,7 @@ from heavylift.preprocess.hydrodynamics.database import (
     length_scales,
     mass_scales,
 )
+from heavylift.preprocess.hydrodynamics.plausibility import check_plausibility
 from heavylift.preprocess.hydrodynamics.retardation import infinite_added_mass, ogilvie_deviation
 
 if TYPE_CHECKING:
@@ -90,12 +91,28 @@ class Repair:
         Whether unsymmetric matrices and damping that drives are repaired. Without, they are refused.
     tolerance
         How much of it is repaired, as a share of the largest entry or eigenvalue; more is refused.
+
+    Raises
+    ------
+    InputError
+        A number that is none, a range upside down, a frequency to be left out that is not positive, a tolerance of one
+        or more.
     """
 
     frequency_range: tuple[float, float] | None = None
     leave_out: tuple[float, ...] = ()
     symmetrise: bool = True
     tolerance: float = TOLERANCE
+
+    def __post_init__(self) -> None:
+        low, high = self.frequency_range or (0.0, np.inf)
+        for key, good, expected in (
+            ("frequency_range", 0.0 <= low < high, "[lowest, highest] in rad/s"),
+            ("leave_out", all(0.0 < omega < np.inf for omega in self.leave_out), "frequencies > 0 [rad/s]"),
+            ("tolerance", 0.0 <= self.tolerance < 1.0, "a share of the largest, from 0 to less than 1"),
+        ):
+            if not good:  # comparisons with what is not a number are false
+                raise InputError(f"{getattr(self, key)}", source="Repair", key=key, expected=expected)
 
     @property
     def limits(self) -> Limits:
@@ -124,7 +141,8 @@ def repaired(
     Raises
     ------
     InputError
-        What cannot be repaired, with file, entry and what to set; what `check_database` and `check_phase` refuse.
+        What cannot be repaired, with file, entry and what to set; what `check_database`, `check_phase` and
+        `check_plausibility` refuse.
     """
     repair = repair or Repair()
     check_shapes(database)
@@ -141,6 +159,7 @@ def repaired(
         database = step(database, repair)
     check_database(database)
     check_phase(database)
+    check_plausibility(database)
     return database
 
 

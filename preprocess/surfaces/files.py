@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES
 from heavylift.preprocess.finite_elements.geometry import (
@@ -32,6 +33,10 @@ _WITH_UNIT = (*STEP_SUFFIXES, ".iges", ".igs")  # carry their unit of length
 _CAD_SUFFIXES = (*_WITH_UNIT, ".brep")
 SURFACE_SUFFIXES = (*_TRIMESH_SUFFIXES, *_CAD_SUFFIXES, *MESH_SUFFIXES)
 
+TRIANGLES = 2.3
+"""Triangles of equal sides in the square of their edge length."""
+TRIANGLE_BYTES, TRIANGLE_SECONDS = 1e3, 20e-6
+"""Of a triangle that gmsh makes."""
 _TRI3 = 2  # gmsh's number of the 3-node triangle
 # flat pieces of the faces of meshes; a middle node stands between the corners of its edge
 _PIECES = {
@@ -237,6 +242,17 @@ def _mesh_faces(
         gmsh.model.occ.synchronize()
         box = np.array(gmsh.model.getBoundingBox(-1, -1))
         target = 0.05 * float((box[3:] - box[:3]).max()) if size is None else size / to_metres
+        refuse_beyond_memory(
+            TRIANGLES
+            * sum(gmsh.model.occ.getMass(2, tag) for _, tag in gmsh.model.getEntities(2))
+            / max(target, 1e-60) ** 2,
+            "triangles",
+            bytes_each=TRIANGLE_BYTES,
+            seconds_each=TRIANGLE_SECONDS,
+            source=path,
+            key="size",
+            remedy="a larger size",
+        )
         points, triangles = _triangulate(gmsh, target)
     return to_metres * points, triangles
 

@@ -97,7 +97,7 @@ def resting_forces(contacts: ContactRows) -> dict[tuple[int, ...], NDArray[np.vo
     contacts
         After the step, with the counts of impacts since the start.
     """
-    state = contacts.state[: int(contacts.counts.total)]
+    state: Any = contacts.state[: int(contacts.counts.total)]
     if not contacts.control.uncut or np.any(state["impacts"] > 0):
         return None
     return {

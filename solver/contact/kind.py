@@ -23,7 +23,7 @@ from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
 from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
-from heavylift.solver.extremes import Extremes
+from heavylift.solver.extremes import Extremes, Store
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows.structure import RowArrays
 
@@ -242,6 +242,8 @@ class ContactState(Record):
         Of contours: whether the gap at the end of the last step was searched for; else it is larger than what is told.
     forces, gaps
         Extremes of the normal force and of the gap.
+    store
+        Of a compliant contact on a contour: its energy from step to step.
     """
 
     u: float
@@ -300,6 +302,7 @@ class ContactState(Record):
     located: bool
     forces: Extremes
     gaps: Extremes
+    store: Store
 
 
 class ContourPose(RelativePose):
@@ -371,7 +374,7 @@ class Counts(Record):
     controls
         Control points under the contact that is being located, whose numbers stand in `places`.
     all_rigid
-        Whether all contacts are between rigid bodies of which none is a hull.
+        Whether nothing that is touched has more than six velocities, see `moves_rigidly`.
     """
 
     present: int
@@ -485,6 +488,9 @@ class Reduced(Arrays):
         Velocities without and with impulses, shape (n,).
     columns, velocities
         Column of each velocity of the scene, -1 if it is not touched; velocity of each column.
+    units
+        Of each velocity that a body begins with whose mass is no diagonal: its first attachment to unit rows, whose
+        panels through the inverse mass are the columns of that, three each; else -1.
     """
 
     problem: Problem
@@ -495,6 +501,7 @@ class Reduced(Arrays):
     found: Floats1
     columns: Ints1
     velocities: Ints1
+    units: Ints1
 
 
 class ContactRows(RowArrays):
@@ -506,7 +513,8 @@ class ContactRows(RowArrays):
         What kinds of contact there are.
     lanes, attachments, panels, rows, inverse_mass
         As in the system of joints; block c and its attachments 2 c (contour) and 2 c + 1 (what touches) belong to
-        contact c. Impulses push what touches along the normal.
+        contact c. Impulses push what touches along the normal. Behind them is a block without impulses, whose
+        attachments have unit rows, see `Reduced.units`.
     table, values, state
         Of each contact.
     contours

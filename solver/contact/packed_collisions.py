@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +12,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
+from heavylift.solver.rows.structure import DIAGONAL, FACTORED, PRESCRIBED
 
-__all__ = ["PackedCollisions", "no_collisions"]
+__all__ = ["PackedCollisions", "moves_rigidly", "no_collisions"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +34,11 @@ class PackedCollisions:
     most
         Contacts at once.
     all_rigid
-        Whether all surfaces are on rigid bodies, hulls apart, or the ground.
+        Whether all surfaces are on what has six velocities or none.
     widest
         Velocities that a side of a contact sees at most.
+    sides
+        First velocity, number and holder of the bodies that collide.
     """
 
     meshes: Colliding
@@ -44,6 +49,12 @@ class PackedCollisions:
     most: int
     all_rigid: bool
     widest: int = 6
+    sides: Sequence[Any] = ()
+
+
+def moves_rigidly(side: Any) -> bool:
+    """Whether what is attached has six velocities or none: rigid bodies, hulls with a database of their own, ground."""
+    return side.holder in {DIAGONAL, PRESCRIBED} or (side.holder == FACTORED and side.width == 6)
 
 
 def no_collisions() -> PackedCollisions:

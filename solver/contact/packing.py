@@ -41,7 +41,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
 from heavylift.solver.contact.moving_points import moving_points
-from heavylift.solver.contact.packed_collisions import no_collisions
+from heavylift.solver.contact.packed_collisions import moves_rigidly, no_collisions
 from heavylift.solver.contact.search.features import (
     Curves,
     Deforming,
@@ -55,7 +55,7 @@ from heavylift.solver.contact.solve.newton import ContactSolvers, NonsmoothNewto
 from heavylift.solver.contact.solve.problem import make_work
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows.structure import DIAGONAL, PRESCRIBED, Attachment, Row, Side
+from heavylift.solver.rows.structure import FACTORED, PRESCRIBED, Attachment, Row, Side
 from heavylift.solver.scene.connections import axes_about
 from heavylift.solver.scene.contacts import (
     BilateralLaw,
@@ -219,19 +219,27 @@ def _kind(
 ) -> ContactRows:
     """Allocate everything that a step needs."""
     count, of_contours = len(table), len(table) - collided.most
-    rigid_only = collided.all_rigid and all(side.holder in {DIAGONAL, PRESCRIBED} for side in sides)
+    rigid_only = collided.all_rigid and all(moves_rigidly(side) for side in sides)
     own = min(count, DENSE) if rigid_only else count
     shape = block_shape(ROWS)
     lanes = len(shape[1])
     window = max([collided.widest, *(side.width for side in sides)])
-    attachments = records(Side, 2 * count)
-    attachments["panel"] = np.arange(2 * count) * window * lanes
-    attachments["owner"] = np.arange(2 * count) // 2
+    touched = [*sides, *collided.sides] if rigid_only else []
+    factored = sorted({int(side.dof) for side in touched if side.holder == FACTORED})
+    ends = 2 * (count + len(factored))
+    attachments = records(Side, ends)
+    attachments["panel"] = np.arange(ends) * window * lanes
+    attachments["owner"] = np.minimum(np.arange(ends) // 2, count)
     attachments["dof"], attachments["holder"] = -1, PRESCRIBED
     for i, side in enumerate(sides):
         given = attachments[i]
         given.dof, given.width, given.holder = side.dof, side.width, side.holder
-    rows = lane_records(Row, count, lanes)
+    panels = np.zeros(2 * ends * window * lanes)
+    for i, end in enumerate(attachments[2 * count :]):
+        end.dof, end.width, end.holder = factored[i // 2], 6, FACTORED
+        for r in range(ROWS):
+            panels[end.panel + (3 * (i % 2) + r) * lanes + r] = 1.0
+    rows = lane_records(Row, count + 1, lanes)
     rows["scale"][:, :ROWS] = 1.0
     counts = Counts.one()
     counts.first_block, counts.all_rigid = block_count, rigid_only
@@ -253,13 +261,14 @@ def _kind(
         solution=told.Solution.one(),
     )
     reduced = _reduced(dense, count if rigid_only else 0, size, len(inverse_mass) if rigid_only else 0)
+    reduced.units[factored] = 2 * (count + np.arange(len(factored)))
     control = Events.one()
     control.watched = control.joins = -1
     return ContactRows(
         features=_features(packed, table[:of_contours], values[:of_contours]),
         lanes=lanes,
         attachments=attachments,
-        panels=np.zeros(4 * count * window * lanes),
+        panels=panels,
         rows=rows,
         inverse_mass=np.ascontiguousarray(inverse_mass, dtype=np.float64),
         table=table,
@@ -305,7 +314,7 @@ def _joined(first: Records[ContourPose], second: Records[ContourPose]) -> Record
 
 
 def _reduced(dense: told.Problem, contact_count: int, size: int, velocity_count: int) -> Reduced:
-    """Room for some contacts on some velocities of rigid bodies; none of either where contacts are not solved so."""
+    """Room for some contacts on some velocities of bodies; none of either where contacts are not solved so."""
     problem = dense._replace(
         counts=told.ProblemSize.one(),
         ends=np.zeros((contact_count, 4), dtype=np.int64),
@@ -323,6 +332,7 @@ def _reduced(dense: told.Problem, contact_count: int, size: int, velocity_count:
         found=problem.y,
         columns=np.full(velocity_count, -1, dtype=np.int64),
         velocities=np.zeros(size, dtype=np.int64),
+        units=np.full(velocity_count, -1, dtype=np.int64),
     )
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.coordinates import inverse_scales
-from heavylift.solver.scene.connections import GROUND, Between
+from heavylift.solver.scene.connections import GROUND, Between, rubbing_places
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 from heavylift.solver.scene.scene import FlexibleBody, Scene
 
@@ -88,6 +88,12 @@ def _rope(scene: Scene) -> str:
     return f"rope {scene.ropes[0].name!r} can go slack" if scene.ropes else ""
 
 
+def _rubbing(scene: Scene) -> str:
+    """The first rope with friction in a sheave, as words; empty if none."""
+    names = [rope.name for rope in scene.ropes if rubbing_places(rope)]
+    return f"rope {names[0]!r} sticks and slides on its sheaves" if names else ""
+
+
 def _law(scene: Scene) -> str:
     """The first thing whose force jumps, as words; empty if none."""
     if scene.touches:
@@ -106,7 +112,7 @@ def _not_smooth(scene: Scene) -> str:
     flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
     if flexible:
         return f"body {flexible[0]!r} is flexible"
-    reason = _law(scene) or _floating(scene)
+    reason = _law(scene) or _rubbing(scene) or _floating(scene)
     if reason:
         return reason
     compliant = [joint.name for joint in scene.joints if joint.compliance > 0.0]

@@ -41,6 +41,7 @@ from heavylift.solver.interface import (
     solve_again,
     solve_midpoint,
     watch_forces,
+    watch_motions,
 )
 from heavylift.solver.rows.stage import end_step
 from heavylift.solver.scenario.interface import direct, keep_state, take_back
@@ -216,6 +217,7 @@ def run(
             control.step_count += 1
             done = step if h == interval else done + h
             after_step(systems, bodies, work, h, natural or done == step)
+            watch_motions(forces, bodies, work)
         if (index + 1) % every == 0:
             write_record(bodies, forces, joints, systems, work, (index + 1) * step, records[row])
             row += 1

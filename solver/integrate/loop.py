@@ -71,7 +71,7 @@ def write_record(
         work.row_force[i] = 0.0
     sums = work.sums
     sums.kinetic = sums.elastic = sums.potential = 0.0
-    sums.external_work = sums.drive_work = sums.dissipated = 0.0
+    sums.external_work = sums.drive_work = sums.dissipated = sums.drift = 0.0
     for k in range(3):
         sums.linear_momentum[k] = sums.angular_momentum[k] = 0.0
     record_rows(systems, bodies, joints, work, time, row)

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.outcome import Outcome
 from heavylift.solver.scene.channels import Channel
 
-__all__ = ["RunWatch"]
+__all__ = ["STATE", "RunWatch"]
+
+STATE = 7
+"""Numbers that a continuation needs."""
 
 LARGEST_CHANGE = 0.02
-"""Of the energy balance, relative to the largest kinetic and elastic energy, that is worth a warning: it holds what
-dampers, friction and drives take and give, so what it gains or loses is made by the steps."""
+"""Of the energy balance, relative to the energy turned over, that is worth a warning: it holds what dampers, friction
+and drives take and give, so what it gains or loses is made by the steps."""
+
+LARGEST_DRIFT = 0.5
+"""The same beyond which a run is not to be believed."""
 
 LARGEST_OPENING = 1e-5
 """Violation [m or rad] of a rigid row of a joint that is worth a warning: errors of the motion are some thirty times
@@ -25,13 +33,21 @@ LARGEST_SHARE = 1e-6
 SMALLEST_ENERGY, ROUNDING = 1e-9, 1e-9
 """Least scale of the energy [J], and relative to the largest potential energy."""
 
-GAPS = 2e-8
-"""Least scale of the energy relative to weights times sizes of all bodies: gaps are found to 1e-10 of the size, so what
-is at rest may rise or sink by that in the first step."""
+FREE, TOUCHING = 2e-8, 5e-6
+"""Least scale of the energy relative to weights times sizes of all bodies, without and with contacts: what stands on
+others is at rest to some 1e-8 of its size, since gaps are found to 1e-10 and balances of force are not exact."""
+
+
+def _of_all(name: str) -> bool:
+    """Whether a channel is a sum over all bodies."""
+    return name.startswith(("energy.", "momentum."))
 
 
 class RunWatch:
     """Largest gain and loss of the energy balance since the first record, and largest opening of a joint.
+
+    The measure of both is the energy that was turned over: the largest of the kinetic and elastic energy, of the works
+    of drives, of what was dissipated, and of what gravity and other forces from outside gave together.
 
     Parameters
     ----------
@@ -41,26 +57,39 @@ class RunWatch:
         Length of the largest body [m].
     weight
         Of all bodies, each times its size [J].
+    touches
+        Whether bodies touch.
     remedy
         What may help beside a smaller step or tolerance, as words that go on a sentence.
 
     Attributes
     ----------
     gain, loss, scale
-        [J]; the scale is the largest sum of kinetic and elastic energy, with a floor: what rounding does to scenes
-        at rest is not worth a word.
+        [J]; the scale is the energy turned over, with a floor: what rounding does to scenes at rest is not worth a
+        word.
     opening
         [m or rad].
+    finite
+        Whether energies and momenta of all records are numbers.
     """
 
     def __init__(
-        self, channels: Sequence[Channel], size: float = 0.0, weight: float = 0.0, remedy: str = ""
+        self,
+        channels: Sequence[Channel],
+        size: float = 0.0,
+        weight: float = 0.0,
+        remedy: str = "",
+        *,
+        touches: bool = False,
     ) -> None:
         self._column = {channel.name: channel.column for channel in channels}
+        self._sums = [c.column + i for c in channels for i in range(len(c.components)) if _of_all(c.name)]
         self._first: float | None = None
+        self._given = 0.0
         self.gain = self.loss = self.scale = self.opening = 0.0
+        self.finite = True
         self._remedy = remedy
-        self._floor = SMALLEST_ENERGY + GAPS * weight
+        self.floor = SMALLEST_ENERGY + (TOUCHING if touches else FREE) * weight
         self._allowed = max(LARGEST_OPENING, LARGEST_SHARE * size)
 
     @property
@@ -70,32 +99,63 @@ class RunWatch:
 
     @property
     def state(self) -> NDArray[np.float64]:
-        """What a continuation needs, shape (5,)."""
+        """What a continuation needs, shape (`STATE`,)."""
         first = np.nan if self._first is None else self._first
-        return np.array([first, self.gain, self.loss, self.scale, self.opening])
+        return np.array(
+            [first, self._given, self.gain, self.loss, self.scale, self.opening, float(self.finite)]
+        )
 
     @state.setter
     def state(self, values: NDArray[np.float64]) -> None:
-        first, self.gain, self.loss, self.scale, self.opening = (float(value) for value in values)
-        self._first = None if np.isnan(first) else first
+        first, self._given, self.gain, self.loss, self.scale, self.opening, finite = map(float, values)
+        self._first, self.finite = None if np.isnan(first) else first, bool(finite)
 
     def add(self, records: NDArray[np.float64]) -> None:
         """Look at more records, shape (rows, columns)."""
 
         def energy(name: str) -> NDArray[np.float64]:
-            values: NDArray[np.float64] = records[:, self._column[f"energy.{name}"]]
-            return values
+            column = self._column.get(f"energy.{name}")  # results may have been recorded in part
+            return np.zeros(len(records)) if column is None else records[:, column]
 
-        if "monitor.violation" in self._column and len(records):
-            self.opening = max(self.opening, float(records[:, self._column["monitor.violation"]].max()))
-        balance = energy("balance")
-        if not len(balance) or not np.all(np.isfinite(balance)):
+        if not len(records):
             return
-        self._first = float(balance[0]) if self._first is None else self._first
+        if "monitor.violation" in self._column:
+            self.opening = max(self.opening, float(records[:, self._column["monitor.violation"]].max()))
+        if not np.all(np.isfinite(records[:, self._sums])):
+            self.finite = False
+            return
+        balance, given = energy("balance"), energy("potential") - energy("external_work")
+        if self._first is None:
+            self._first, self._given = float(balance[0]), float(given[0])
         self.gain = max(self.gain, float(balance.max()) - self._first)
         self.loss = max(self.loss, self._first - float(balance.min()))
-        floor = self._floor + ROUNDING * float(np.abs(energy("potential")).max())
-        self.scale = max(self.scale, float((energy("kinetic") + energy("elastic")).max()), floor)
+        turned = (
+            energy("kinetic") + energy("elastic"),
+            energy("drive_work"),
+            energy("dissipated"),
+            given - self._given,
+        )
+        floor = self.floor + ROUNDING * float(np.abs(energy("potential")).max())
+        self.scale = max(self.scale, floor, *(float(np.abs(values).max()) for values in turned))
+
+    @property
+    def drift(self) -> float:
+        """Largest change of the balance over the energy turned over; not a number where records have none."""
+        if not self.finite:
+            return math.nan
+        return max(self.gain, self.loss) / self.scale if self.scale > 0.0 else 0.0
+
+    @property
+    def verdict(self) -> tuple[Outcome, str]:
+        """Whether a run that came to its end is to be believed, and why not."""
+        if not self.finite:
+            return Outcome.NOT_FINITE, (
+                f"{Outcome.NOT_FINITE.text} in energies or momenta of records; try a smaller step, or loads and initial"
+                " values of a sensible size"
+            )
+        if self.drift > LARGEST_DRIFT:
+            return Outcome.ENERGY_NOT_KEPT, f"{Outcome.ENERGY_NOT_KEPT.text}: {self.warning}"
+        return Outcome.COMPLETED, ""
 
     @property
     def warning(self) -> str:
@@ -120,6 +180,6 @@ class RunWatch:
                 f"{self.loss:.3g} J of energy ({self.loss / self.scale:.1%}) were lost that nothing dissipates"
             )
         cure = f"a smaller step or tolerance{self._remedy}"
-        return f"{' and '.join(parts)}, of the largest kinetic and elastic energy: take {cure}" + (
+        return f"{' and '.join(parts)}, of the energy that was turned over: take {cure}" + (
             f"; {opened}" if opened else ""
         )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.connections import Joint
     from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["joint_module", "pack_joints"]
+__all__ = ["joint_module", "largest_opening", "pack_joints"]
 
 OPEN = 3.0
 """Distance of the points of a joint, in radii of gyration of the larger body, at which a run has failed."""
@@ -120,6 +120,13 @@ def _openness(
     joint: Joint, rotational: tuple[bool, ...], scales: Callable[[str], tuple[float, float]]
 ) -> Any:
     """Factor that makes a violation 1 where a run has failed, of each row: a distance like the larger body."""
+    distance = largest_opening(joint, scales, turns=False)
+    return np.array([1.0 if turns else 1.0 / distance for turns in rotational])
+
+
+def largest_opening(joint: Joint, scales: Callable[[str], tuple[float, float]], *, turns: bool) -> float:
+    """Violation of a row at which a run has failed: a radian, or a distance like the larger body [m]."""
+    if turns:
+        return 1.0
     sides = [scales(name) for name in (joint.body_a, joint.body_b) if name != GROUND]
-    largest = max(math.sqrt(mass / inertia) for mass, inertia in sides if inertia > 0.0)
-    return np.array([1.0 if turns else 1.0 / (OPEN * largest) for turns in rotational])
+    return OPEN * max(math.sqrt(mass / inertia) for mass, inertia in sides if inertia > 0.0)

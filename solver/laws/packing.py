@@ -8,7 +8,7 @@ tables as forces.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,10 +27,11 @@ from heavylift.solver.joints.coordinate import (
     spring_markers,
 )
 from heavylift.solver.joints.packing import start_frames
+from heavylift.solver.joints.registry import largest_opening
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
-from heavylift.solver.scene.connections import GROUND, Joint, Limits
+from heavylift.solver.scene.connections import GROUND, Joint, Limits, rubbing_places
 
 if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
@@ -67,13 +68,22 @@ def law_owners(scene: Scene) -> list[Any]:
 
 def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
     """Append the channels of one of them; returns the next free column."""
+    if hasattr(owner, "segment_count"):
+        lines = tuple(str(i + 1) for i in range(owner.segment_count))
+        return add_channels(owner.name, owner.CHANNELS, channels, column, {"segment_tension": lines})
     if isinstance(owner, (JointSpring, JointMotor)):
         turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
     parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
-    segments = {"segment_tension": tuple(str(i + 1) for i in range(parts))}
-    return add_channels(owner.name, owner.CHANNELS, channels, column, segments)
+    rubbing = tuple(str(place) for place in rubbing_places(owner))
+    chosen = {
+        "segment_tension": tuple(str(i + 1) for i in range(parts)),
+        "sheave_speed": rubbing,
+        "sheave_state": rubbing,
+    }
+    kinds = [kind for kind in owner.CHANNELS if kind.columns(chosen)]
+    return add_channels(owner.name, kinds, channels, column, chosen)
 
 
 @dataclass
@@ -133,6 +143,16 @@ def pack_laws(
     """
     packing = _Packing(scene, columns, book, attachment, scales, first_block)
     made = packing.made
+    shared = [rope for rope in scene.ropes if rope.WORD == "equalized"]
+    if shared:
+        from heavylift.solver.laws.equalized_packing import pack_equalized
+
+        places = [columns[rope.name] for rope in shared]
+        bodies, add = scene.bodies, packing.add
+        lines = pack_equalized(shared, places, book, attachment, scales, bodies, add, integrator=integrator)
+        made.joints.append(lines)
+        made.fitted = True
+        scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
     springs: list[tuple[Spring | JointSpring, NDArray[np.float64], bool]] = []
     cornered: list[tuple[Spring | JointSpring, NDArray[np.float64]]] = []
     for force in scene.forces:
@@ -154,12 +174,12 @@ def pack_laws(
         made.forces.append(driving)
         made.joints.append(driving)
     _pack_scalar_laws(packing, cornered)
-    if scene.ropes:
+    for ropes in _rope_groups(scene):
         from heavylift.solver.laws.rope_packing import pack_ropes
 
-        ropes, blocks = pack_ropes(
-            scene.ropes,
-            [columns[rope.name] for rope in scene.ropes],
+        kind, blocks = pack_ropes(
+            ropes,
+            [columns[rope.name] for rope in ropes],
             first_block + packing.block_count,
             book,
             attachment,
@@ -167,13 +187,22 @@ def pack_laws(
             scene.bodies,
             as_forces=integrator == "accurate",
         )
-        made.joints.append(ropes)
+        made.joints.append(kind)
         made.blocks += blocks
+        packing.block_count += sum(block.block_count for block in blocks)
         if integrator == "accurate":
-            made.forces.append(ropes)
+            made.forces.append(kind)
         else:
             made.fitted = True
     return made
+
+
+def _rope_groups(scene: Scene) -> list[list[Any]]:
+    """Ropes with one tension, and those with sheaves that rub: a kind each, if there are any."""
+    groups: tuple[list[Any], list[Any]] = [], []
+    for rope in scene.ropes:
+        groups[bool(rubbing_places(rope))].append(rope)
+    return [group for group in groups if group]
 
 
 def _table(force: Spring | JointSpring) -> NDArray[np.float64]:
@@ -309,7 +338,9 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
     for force, curve in springs:
         place = (sum(map(len, curves)), len(curve))
         entry = _spring(packing, force, place, as_row=True)
-        rows.append((*entry, SPRING, 0.0, 0.0, 0.0))
+        coordinate, joint = _sides(packing, force)
+        drift = largest_opening(joint, packing.scales, turns=coordinate == ANGLE)
+        rows.append((*entry, SPRING, 0.0, 0.0, 0.0, drift))
         curves.append(curve)
         expected.append(float(force.length if isinstance(force, Spring) else force.rest))
     for joint in limited:
@@ -317,14 +348,15 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
         limits = _checked_limits(joint)
         stiffness = limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale
         load = (0.0, stiffness, limits.damping, 0, 0)
-        rows.append((*row, *load, STOP, limits.lower, limits.upper, 0.0))
+        drift = largest_opening(joint, packing.scales, turns=row[0] == ANGLE)
+        rows.append((*row, *load, STOP, limits.lower, limits.upper, 0.0, drift))
         ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
         expected.append(sum(ends) / len(ends) if ends else 0.0)
     for joint in rubbing:
         friction = float(getattr(joint, "friction", 0.0))
         if not 0.0 < friction < np.inf:
             raise InputError(f"{friction}", source=joint.name, key="friction", expected="0 or more")
-        rows.append((*_joint_row(packing, joint), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction))
+        rows.append((*_joint_row(packing, joint), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction, np.inf))
         expected.append(0.0)
     state = records(ScalarLawState, len(rows))
     state["fresh"], state["value"] = True, expected

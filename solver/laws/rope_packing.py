@@ -15,6 +15,7 @@ from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace
+from heavylift.solver.laws.rows import ROWS_A_BLOCK
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.laws.wire_rope import (
     LARGEST_STRAIN,
@@ -27,10 +28,21 @@ from heavylift.solver.laws.wire_rope import (
 )
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import Attachment
-from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint, axes_about
+from heavylift.solver.scene.connections import (
+    GROUND,
+    ROPE_CHANNELS,
+    JointFrame,
+    RopePoint,
+    axes_about,
+    rubbing_places,
+)
 from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["pack_ropes"]
+
+LARGEST_DRIFT, LARGEST_SHARE = 1.0, 0.1
+"""Of a carried stretch from the path [m], and relative to the length: the smaller one ends the run. Ropes break at a
+strain of two hundredths."""
 
 
 def pack_ropes(
@@ -75,20 +87,27 @@ def pack_ropes(
             places.append((book.point(point.body, point.point, level), axis, side))
         stiffness = getattr(rope, "axial_stiffness", 0.0), getattr(rope, "stiffness", 0.0)
         numbers = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
-        table.append((*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0))
+        drift = min(LARGEST_DRIFT, LARGEST_SHARE * max(length, start_length(path)))
+        table.append(
+            (*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0, drift)
+        )
         winches += rows
         paths += [(place.centre, place.axis, place.radius) for place in path]
         state.append((start_length(path), length))
         if as_forces:
             continue
-        blocks.append(
-            LawBlock(
-                rope.name,
-                tuple(attachment(name) for name in held),
-                sum(scales(name)[0] for name in held),
+        rows_left = 1 + len(rubbing_places(rope))
+        while rows_left > 0:
+            blocks.append(
+                LawBlock(
+                    rope.name,
+                    tuple(attachment(name) for name in held),
+                    sum(scales(name)[0] for name in held),
+                    rows=min(rows_left, ROWS_A_BLOCK),
+                )
             )
-        )
-        block += blocks[-1].block_count
+            rows_left -= ROWS_A_BLOCK
+            block += blocks[-1].block_count
     carried = records(RopeState, len(state))
     carried["fresh"] = True
     carried["stretched"], carried["rest"] = np.transpose(state)
@@ -101,7 +120,38 @@ def pack_ropes(
         carried,
         np.full(len(places), START_WRAP),
     )
+    if any(rubbing_places(rope) for rope in ropes):
+        return _with_friction(kind, ropes), blocks
     return kind, blocks
+
+
+def _with_friction(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
+    """The kind of ropes over sheaves with an efficiency."""
+    from heavylift.solver.laws.sheave_friction import Chain, Sheave, SheavedRopes, SheaveState
+
+    chains: list[tuple[float, ...]] = []
+    sheaves: list[tuple[float, ...]] = []
+    for entry, rope in zip(kind.table, ropes, strict=True):
+        rubbing, parts = rubbing_places(rope), len(rope.path) - 1
+        stride = max(1, (entry.attachments + 1) // 2)
+        winch = getattr(rope, "winch", None)
+        winch_last = float(winch is not None and winch.end == "last")
+        chains.append((len(sheaves), len(rubbing), stride, winch_last, 0, 0, 0, 0))
+        column = entry.column + len(ROPE_CHANNELS) - 1 + parts
+        for row, place in enumerate(rubbing, start=1):
+            block = entry.block + row // ROWS_A_BLOCK * stride
+            stop = (entry.first + place - 1, block, row % ROWS_A_BLOCK, column + row - 1)
+            sheaves.append((*stop, rope.path[place - 1].efficiency))
+    places = len(kind.places)
+    return SheavedRopes(
+        **{name: getattr(kind, name) for name in kind._fields},
+        chains=records(Chain, chains),
+        sheaves=records(Sheave, sheaves),
+        sheave_state=records(SheaveState, len(sheaves)),
+        leaving=records(PlaceGradient, places),
+        parts=np.zeros(places),
+        tension=np.zeros(places),
+    )
 
 
 def _axes(rope: Any, point: RopePoint) -> NDArray[np.float64]:

@@ -25,7 +25,7 @@ from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.vectors import cross
 from heavylift.solver.joints.row_writing import dot, near_angle
 
-__all__ = ["START_WRAP", "PlaceGradient", "RopePlace", "path_length"]
+__all__ = ["START_WRAP", "PlaceGradient", "RopePlace", "find_parts", "path_length"]
 
 START_WRAP = math.pi * (1.0 - 1e-6)
 """Wrap near which that of the start is sought [rad]: none of it may be more than a turn."""
@@ -192,6 +192,59 @@ def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wr
             wrap = near_angle(math.atan2(dot(n, s), dot(arrival, e1)), wraps[i])
             total += r * wrap
             if math.isfinite(wrap):  # what has no path must not spoil the count of turns
+                wraps[i] = wrap
+        arrival = e2
+    return total
+
+
+@kernel(internal=True)
+def find_parts(
+    places: Records[RopePlace],
+    gradient: Records[PlaceGradient],
+    leaving: Records[PlaceGradient],
+    lengths: NDArray[np.float64],
+    wraps: NDArray[np.float64],
+) -> float:
+    """Length of a path [m], as `path_length`, and what each of its parts has of it.
+
+    Parameters
+    ----------
+    places, gradient, wraps
+        As in `path_length`.
+    leaving
+        Receives what the part behind each place has of its derivatives; the part before it has the rest.
+    lengths
+        Receives the lengths of the parts [m], each with half of the arcs at its ends; shape (n,), the last one 0.
+
+    Notes
+    -----
+    Parts end at directions about the axes of the pulleys that are fixed in space: so their derivatives are those of
+    tensions at the tangent points, and no part turns a body about the axis of its pulley.
+    """
+    count = places.shape[0]
+    for i in range(count):
+        lengths[i] = 0.0
+        for k in range(3):
+            gradient[i].centre[k] = gradient[i].axis[k] = 0.0
+            leaving[i].centre[k] = leaving[i].axis[k] = 0.0
+    total = 0.0
+    arrival = (0.0, 0.0, 0.0)
+    for i in range(count - 1):
+        e1, e2 = _straight(places[i], places[i + 1])
+        straight = _add_straight(places[i], places[i + 1], e1, e2, leaving[i], gradient[i + 1])
+        total += straight
+        lengths[i] += straight
+        for k in range(3):
+            gradient[i].centre[k] += leaving[i].centre[k]
+            gradient[i].axis[k] += leaving[i].axis[k]
+        r = places[i].radius
+        if r > 0.0:
+            n = _axis(places[i])
+            wrap = near_angle(math.atan2(dot(n, cross(arrival, e1)), dot(arrival, e1)), wraps[i])
+            total += r * wrap
+            lengths[i] += 0.5 * r * wrap
+            lengths[i - 1] += 0.5 * r * wrap
+            if math.isfinite(wrap):
                 wraps[i] = wrap
         arrival = e2
     return total

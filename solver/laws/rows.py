@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import Outcome
 from heavylift.solver.interface import Workspace
 from heavylift.solver.rows.structure import (
     REGULARISATION,
@@ -22,6 +23,8 @@ from heavylift.solver.rows.structure import (
 
 __all__ = [
     "FREE_SOFTNESS",
+    "ROWS_A_BLOCK",
+    "check_drift",
     "fit_law",
     "law_impulse",
     "put_law",
@@ -33,6 +36,9 @@ __all__ = [
 FREE_SOFTNESS = 1e20
 """Softness relative to the characteristic inverse mass of a row whose force is given."""
 
+ROWS_A_BLOCK = 8
+"""Rows of one rope in a block of the system, as many as the largest has; more of them go on in the next one."""
+
 RETURN = 0.001
 """Part of the drift of a carried elongation that goes back each step, where that takes energy and gives none.
 
@@ -40,6 +46,8 @@ Elongations are carried by the rate of the row, because only then their energy i
 leave the geometry with the third power of the step. Without a return a rope that swings for hours and is
 never slack would creep.
 """
+
+NOT_CLOSED = int(Outcome.NOT_CLOSED)
 
 FITTED = 1e-13
 """Relative miss of a force or a row that counts as fitted."""
@@ -67,6 +75,17 @@ def put_residual(system: RowArrays, block: int, value: float) -> None:
 def law_impulse(system: RowArrays, block: int) -> float:
     """Impulse of the first row of a block in the stage."""
     return system.rows[block].impulse[0]
+
+
+@kernel(inline=True, internal=True)
+def check_drift(block: int, drift: float, largest: float, work: Workspace) -> None:
+    """Refuse a step after which a carried elongation has nothing to do with the geometry any more.
+
+    Energies and forces are those of what is carried, so nothing else would tell.
+    """
+    if not abs(drift) <= largest:
+        work.status.outcome = NOT_CLOSED
+        work.status.block = block
 
 
 @kernel(internal=True)

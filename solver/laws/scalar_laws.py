@@ -17,7 +17,16 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.extremes import Agreement, Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import (
+    Agreement,
+    Extremes,
+    Store,
+    compare_force,
+    largest_of,
+    note_stored,
+    note_value,
+    smallest_of,
+)
 from heavylift.solver.forces.spring import SpringEntry, compare_load, end_rate, spring_load, stored_energy
 from heavylift.solver.interface import (
     Workspace,
@@ -39,6 +48,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, pull
 from heavylift.solver.laws.rows import (
     RETURN,
+    check_drift,
     fit_law,
     law_impulse,
     put_law,
@@ -71,12 +81,15 @@ class ScalarLaw(SpringEntry):
         Ends of a stop.
     largest
         Load of friction that slides.
+    largest_drift
+        Of the carried value from the geometry, beyond which a run ends.
     """
 
     law: int
     lower: float
     upper: float
     largest: float
+    largest_drift: float
 
 
 class ScalarLawState(Record):
@@ -101,7 +114,9 @@ class ScalarLawState(Record):
     load, extremes
         Of a spring: force at the end of the last step [N, N m], and its extremes.
     agreement
-        Of the recorded force with the elongation.
+        Of a spring or stop: of the force with the elongation.
+    store
+        Elastic energy of a spring or stop from step to step.
     last_rate, last_force, rounds
         Scratch of the iteration: of its last round, and how many there were.
     """
@@ -117,6 +132,7 @@ class ScalarLawState(Record):
     load: float
     extremes: Extremes
     agreement: Agreement
+    store: Store
     last_rate: float
     last_force: float
     rounds: int
@@ -273,12 +289,30 @@ def update_scalar_laws(
         state.fresh = False
 
 
+@kernel(inline=True, internal=True)
+def _beyond(law: ScalarLaw, q: float) -> float:
+    """How far a value is beyond its stop."""
+    return max(0.0, q - law.upper, law.lower - q)
+
+
+@kernel(inline=True, internal=True)
+def _stored(kind: ScalarLaws, law: ScalarLaw, q: float) -> float:
+    """Elastic energy of a spring or stop at a value [J]."""
+    if law.law == SPRING:
+        return stored_energy(kind.curves, law, q - law.rest)
+    beyond = _beyond(law, q)
+    return 0.5 * law.stiffness * beyond * beyond
+
+
 @implement(watch_joints, ScalarLaws)
 @kernel(internal=True)
 def watch_scalar_laws(kind: ScalarLaws, work: Workspace, system: RowArrays) -> None:
-    """Forces of springs at the end of the step."""
+    """Forces of springs at the end of the step; values that have left the geometry end the run."""
     for i in range(kind.table.shape[0]):
         law, state = kind.table[i], kind.state[i]
+        if law.law != FRICTION:  # whose value makes no force
+            check_drift(law.block, state.drift, law.largest_drift, work)
+            note_stored(state.store, _stored(kind, law, state.value))
         if law.law != SPRING:
             continue
         rate = 0.0
@@ -301,6 +335,9 @@ def record_scalar_laws(
         geometric = _carry(kind, i, coordinate_value(work, law.coordinate, law.a, law.b, law.c))
         q = state.value
         work.sums.dissipated += state.loss
+        if law.law != FRICTION:
+            work.sums.drift = max(work.sums.drift, abs(state.drift))
+            work.sums.elastic += _stored(kind, law, q)
         if law.law == SPRING:
             e = q - law.rest
             load = state.load
@@ -314,7 +351,6 @@ def record_scalar_laws(
                 row[law.column + 1] = geometric
                 row[law.column + 2] = largest_of(state.extremes, work.control.interval, load)
                 row[law.column + 3] = smallest_of(state.extremes, work.control.interval, load)
-            work.sums.elastic += stored_energy(kind.curves, law, e)
         elif law.law == STOP:
-            beyond = max(0.0, q - law.upper, law.lower - q)
-            work.sums.elastic += 0.5 * law.stiffness * beyond * beyond
+            expected = law.stiffness * _beyond(law, geometric)
+            compare_force(state.agreement, time, law.stiffness * _beyond(law, q), expected, expected)

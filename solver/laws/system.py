@@ -24,7 +24,7 @@ GROUND_SIDE = Attachment(-1, -1, 0, PRESCRIBED)
 
 @dataclass(frozen=True)
 class LawBlock:
-    """One row on any number of bodies.
+    """Rows of one law on any number of bodies.
 
     Attributes
     ----------
@@ -37,6 +37,8 @@ class LawBlock:
     compliance, relaxation
         Of a spring: the inverse of its stiffness, damping over stiffness [s]. A law fits its row itself; its
         compliance says only that the row is not rigid.
+    rows
+        How many, on the same bodies.
     """
 
     name: str
@@ -44,6 +46,7 @@ class LawBlock:
     scale: float
     compliance: float = 1.0
     relaxation: float = 0.0
+    rows: int = 1
 
     @property
     def block_count(self) -> int:
@@ -89,7 +92,7 @@ def extend_system(
         ends = [Attachment(end.dof, end.dof, end.width, end.holder) for end in block.sides]
         ends += [GROUND_SIDE] * (2 * block.block_count - len(ends))
         for part in range(block.block_count):  # sides beyond the second are those of blocks without rows
-            counts.append(1 if part == 0 else 0)
+            counts.append(block.rows if part == 0 else 0)
             scales.append(np.full(counts[-1], block.scale if block.scale > 0.0 else 1.0))
             sides.append((ends[2 * part], ends[2 * part + 1]))
             owners.append(starts[-1])
@@ -99,8 +102,8 @@ def extend_system(
         for name in ("compliance", "relaxation", "rigid"):
             made.rows[name][:blocks_before, :width] = joints.rows[name][:blocks_before, :width]
     for start, block in zip(starts, blocks, strict=True):
-        made.rows[start].compliance[0] = block.compliance
-        made.rows[start].relaxation[0] = block.relaxation
+        made.rows[start].compliance[: block.rows] = block.compliance
+        made.rows[start].relaxation[: block.rows] = block.relaxation
     return made._replace(laws=laws)
 
 

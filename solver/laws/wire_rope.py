@@ -32,7 +32,16 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import AsDrawn, Least, Positive, Quantity
 from heavylift.numerics.records import Record, Records, records
-from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import (
+    Agreement,
+    Extremes,
+    Store,
+    compare_force,
+    largest_of,
+    note_stored,
+    note_value,
+    smallest_of,
+)
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -47,10 +56,24 @@ from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
-from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.laws.rows import (
+    RETURN,
+    check_drift,
+    fit_law,
+    put_law,
+    put_residual,
+    row_rate,
+)
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import ROPE_CHANNELS, ROPES, RopePoint, Winch, check_path
+from heavylift.solver.scene.connections import (
+    ROPE_CHANNELS,
+    ROPES,
+    SHEAVE_CHANNELS,
+    RopePoint,
+    Winch,
+    check_path,
+)
 
 __all__ = [
     "LARGEST_STRAIN",
@@ -61,7 +84,20 @@ __all__ = [
     "Ropes",
     "SpringRope",
     "WinchRow",
+    "compare_length",
+    "compare_tension",
+    "end_tension",
+    "midpoint_rate",
+    "midpoint_tension",
+    "path_rate",
+    "put_places",
+    "relinearise_ropes",
+    "set_rope_targets",
     "start_length",
+    "stiffness_of",
+    "update_ropes",
+    "watch_stretch",
+    "winch_state",
 ]
 
 LARGEST_STRAIN = 0.02
@@ -71,10 +107,10 @@ LARGEST_STRAIN = 0.02
 @ROPES.describe("wire")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Rope:
-    """A wire rope through any number of points, with one tension all along: it pulls and never pushes."""
+    """A wire rope through any number of points, with one tension all along but for sheaves with an efficiency."""
 
-    CHANNELS: ClassVar = ROPE_CHANNELS
-    """What it records, in the order of its columns; the last one a segment."""
+    CHANNELS: ClassVar = (*ROPE_CHANNELS, *SHEAVE_CHANNELS)
+    """What it records, in the order of its columns: behind the extremes one a segment, then one a place that rubs."""
 
     name: str
     path: Annotated[tuple[RopePoint, ...], Least(2)]
@@ -108,6 +144,12 @@ class Rope:
             if said.path[place].radius > 0.0:
                 raise InputError(
                     "a pulley at an end", key=f"path.{place}.radius", expected="ends without 'radius'"
+                )
+            if said.path[place].efficiency < 1.0:
+                raise InputError(
+                    "an efficiency at an end",
+                    key=f"path.{place}.efficiency",
+                    expected="'efficiency' of places between the ends, over which the rope runs",
                 )
         check_path(said.path)
 
@@ -162,6 +204,12 @@ class SpringRope:
                 raise InputError(
                     "a pulley in a rope of type 'spring'", key=f"path.{place}.radius", expected="type 'wire'"
                 )
+            if stop.efficiency < 1.0:
+                raise InputError(
+                    "an efficiency in a rope of type 'spring'",
+                    key=f"path.{place}.efficiency",
+                    expected="type 'wire'",
+                )
         check_path(said.path)
 
 
@@ -190,6 +238,8 @@ class RopeEntry(Record):
         Unstretched length at the start [m].
     wanted
         Tension at the start [N]; 0 if none is given.
+    largest_drift
+        Of the carried stretch from the path, beyond which a run ends [m].
     """
 
     block: int
@@ -204,6 +254,7 @@ class RopeEntry(Record):
     damping: float
     start_length: float
     wanted: float
+    largest_drift: float
 
 
 class PlaceMarkers(Record):
@@ -249,6 +300,8 @@ class RopeState(Record):
         Of the tension.
     agreement
         Of the recorded tension with the elongation of the path.
+    store
+        Its elastic energy from step to step.
     """
 
     fresh: bool
@@ -265,6 +318,7 @@ class RopeState(Record):
     tension: float
     extremes: Extremes
     agreement: Agreement
+    store: Store
 
 
 class Ropes(Arrays):
@@ -353,14 +407,15 @@ def _length_in_play(kind: Ropes, i: int, hauled: float) -> float:
 
 
 @kernel(inline=True, internal=True)
-def _stiffness(kind: Ropes, i: int, inverse_length: float) -> float:
+def stiffness_of(kind: Ropes, i: int, inverse_length: float) -> float:
+    """Force per elongation [N/m]."""
     k = kind.table[i].stiffness
     return k if k > 0.0 else kind.table[i].axial_stiffness * inverse_length
 
 
-@kernel(internal=True)
-def _find_path(kind: Ropes, i: int, work: Workspace) -> float:
-    """Length of the path from the markers [m]; its derivatives and wraps are kept."""
+@kernel(inline=True, internal=True)
+def put_places(kind: Ropes, i: int, work: Workspace) -> None:
+    """Places of the path from the markers."""
     first = kind.table[i].first
     last = first + kind.table[i].places
     for p in range(first, last):
@@ -369,11 +424,19 @@ def _find_path(kind: Ropes, i: int, work: Workspace) -> float:
             kind.path[p].centre[k] = work.markers[marker].point[k]
             if axis >= 0:
                 kind.path[p].axis[k] = work.markers[axis].point[k]
+
+
+@kernel(internal=True)
+def _find_path(kind: Ropes, i: int, work: Workspace) -> float:
+    """Length of the path from the markers [m]; its derivatives and wraps are kept."""
+    put_places(kind, i, work)
+    first = kind.table[i].first
+    last = first + kind.table[i].places
     return path_length(kind.path[first:last], kind.gradient[first:last], kind.wraps[first:last])
 
 
 @kernel(internal=True)
-def _compare(kind: Ropes, i: int, length: float) -> None:
+def compare_length(kind: Ropes, i: int, length: float) -> None:
     """Take the geometry while the rope is slack and before the first step; measure the drift."""
     state = kind.state[i]
     if state.fresh:
@@ -406,15 +469,15 @@ def fill_rope_rows(kind: Ropes, with_residual: bool, work: Workspace, system: Ro
             if axis >= 0:
                 add_direction_row(system, side, 0, work, axis, (g.axis[0], g.axis[1], g.axis[2]))
         if with_residual:
-            _compare(kind, i, length)
+            compare_length(kind, i, length)
             put_residual(system, block, length - kind.state[i].rest)
 
 
 @kernel(internal=True)
-def _tension(kind: Ropes, i: int, u: float, h: float) -> tuple[float, float, float, float, float]:
+def midpoint_tension(kind: Ropes, i: int, u: float, h: float) -> tuple[float, float, float, float, float]:
     """Elastic tension, tension, its derivative by the rate u; elongations before and after."""
     l0, l1 = kind.state[i].rest, kind.state[i].next_rest
-    k = _stiffness(kind, i, 0.5 / l0 + 0.5 / l1)
+    k = stiffness_of(kind, i, 0.5 / l0 + 0.5 / l1)
     e0 = kind.state[i].stretched - l0
     e1 = e0 - (l1 - l0) + h * u  # in this order: the last term alone changes in the iteration
     elastic, tension, slope = pull(e0, e1, k, kind.table[i].damping, h)
@@ -436,12 +499,12 @@ def set_rope_targets(
         u = state.rate
         hauled, state.hauling = winch_state(kind, i, time + step)
         state.next_rest = _length_in_play(kind, i, hauled)
-        _, tension, slope, _, _ = _tension(kind, i, u, step)
+        _, tension, slope, _, _ = midpoint_tension(kind, i, u, step)
         put_law(system, kind.table[i].block, step, u, tension, slope)
 
 
 @kernel(inline=True, internal=True)
-def _rate(kind: Ropes, i: int, work: Workspace, system: RowArrays) -> float:
+def midpoint_rate(kind: Ropes, i: int, work: Workspace, system: RowArrays) -> float:
     """Rate of the path in the middle of the step [m/s]."""
     first = 2 * kind.table[i].block
     return row_rate(system, first, first + kind.table[i].attachments, work.velocity)
@@ -454,8 +517,8 @@ def relinearise_ropes(kind: Ropes, time: float, step: float, work: Workspace, sy
     for i in range(kind.table.shape[0]):
         if kind.table[i].block < 0:
             continue
-        u = _rate(kind, i, work, system)
-        _, tension, slope, _, _ = _tension(kind, i, u, step)
+        u = midpoint_rate(kind, i, work, system)
+        _, tension, slope, _, _ = midpoint_tension(kind, i, u, step)
         fit_law(system, kind.table[i].block, step, u, tension, slope, work)
 
 
@@ -465,8 +528,8 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
     """Carry the stretch over the step; works of winch and damper."""
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
-        u = _rate(kind, i, work, system)
-        elastic, tension, _, e0, e1 = _tension(kind, i, u, step)
+        u = midpoint_rate(kind, i, work, system)
+        elastic, tension, _, e0, e1 = midpoint_tension(kind, i, u, step)
         l0, l1 = state.rest, state.next_rest
         if l1 != l0:
             squares = max(0.0, e0) ** 2 + max(0.0, e1) ** 2
@@ -482,7 +545,7 @@ def update_ropes(kind: Ropes, time: float, step: float, work: Workspace, system:
 
 
 @kernel(internal=True)
-def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
+def path_rate(kind: Ropes, i: int, work: Workspace) -> float:
     """Rate of the path from the rates of the markers [m/s]."""
     rate = 0.0
     first = kind.table[i].first
@@ -496,13 +559,13 @@ def _path_rate(kind: Ropes, i: int, work: Workspace) -> float:
 
 
 @kernel(internal=True)
-def _end_tension(kind: Ropes, i: int, hauling: float, rate: float) -> float:
+def end_tension(kind: Ropes, i: int, hauling: float, rate: float) -> float:
     """Tension at the end of a step [N] that hauls in at a speed, where the path grows at a rate [m/s]."""
     state = kind.state[i]
     e = state.stretched - state.rest
     if e <= 0.0:
         return 0.0
-    tension = _stiffness(kind, i, 1.0 / state.rest) * e
+    tension = stiffness_of(kind, i, 1.0 / state.rest) * e
     if kind.table[i].damping > 0.0:
         stretching = steady_rate(state.rate, state.growth, rate) if state.paced else rate
         tension = max(0.0, tension + kind.table[i].damping * (stretching + hauling))
@@ -514,12 +577,12 @@ def _tension_now(
     kind: Ropes, i: int, time: float, work: Workspace
 ) -> tuple[float, float, float, float, float]:
     """Of a rope that is a force: elastic tension and tension [N], rate of its path, speed of its winch, length."""
-    length, rate = _find_path(kind, i, work), _path_rate(kind, i, work)
+    length, rate = _find_path(kind, i, work), path_rate(kind, i, work)
     hauled, hauling = winch_state(kind, i, time)
     rest = _length_in_play(kind, i, hauled)
     elastic = tension = 0.0
     if not length <= rest:  # a length that is no number stops the run
-        elastic = _stiffness(kind, i, 1.0 / rest) * (length - rest)
+        elastic = stiffness_of(kind, i, 1.0 / rest) * (length - rest)
         tension = max(0.0, elastic + kind.table[i].damping * (rate + hauling))
     kind.state[i].rest = rest
     return elastic, tension, rate, hauling, length
@@ -549,27 +612,37 @@ def add_ropes(kind: Ropes, time: float, work: Workspace) -> None:
             work.sums.drive_work += 0.5 * kind.table[i].axial_stiffness * (e / rest) ** 2 * hauling
 
 
+@kernel(internal=True)
+def watch_stretch(kind: Ropes, i: int, work: Workspace) -> None:
+    """What a rope stores at the end of the step; whether its path has left the stretch that it carries."""
+    state = kind.state[i]
+    e = max(0.0, state.stretched - state.rest)
+    note_stored(state.store, 0.5 * stiffness_of(kind, i, 1.0 / state.rest) * e * e)
+    check_drift(kind.table[i].block, state.drift, kind.table[i].largest_drift, work)
+
+
 @implement(watch_joints, Ropes)
 @kernel(internal=True)
 def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
-    """Tensions at the end of the step."""
+    """Tensions at the end of the step; paths that have left what is carried end the run."""
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
         if kind.table[i].block < 0:
             continue
-        rate = _rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
-        state.tension = _end_tension(kind, i, state.hauling, rate)
+        rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
+        state.tension = end_tension(kind, i, state.hauling, rate)
         note_value(state.extremes, work.control.interval, state.tension)
+        watch_stretch(kind, i, work)
 
 
 @kernel(internal=True)
-def _compare_tension(kind: Ropes, i: int, time: float, length: float, tension: float) -> None:
+def compare_tension(kind: Ropes, i: int, time: float, length: float, tension: float) -> None:
     """A tension is that of the elongation of the path and, of the damper, of the mean rates of the last two steps."""
     state = kind.state[i]
     e = length - state.rest
     low = high = 0.0
     if e > 0.0:
-        elastic = _stiffness(kind, i, 1.0 / state.rest) * e
+        elastic = stiffness_of(kind, i, 1.0 / state.rest) * e
         damper, change = state.rate + state.hauling, abs(state.growth)
         low = max(0.0, elastic + kind.table[i].damping * (damper - change))
         high = max(0.0, elastic + kind.table[i].damping * (damper + change))
@@ -589,13 +662,14 @@ def record_ropes(
             state.stretched = length
         else:
             length, tension = _find_path(kind, i, work), state.tension
-            _compare(kind, i, length)
+            compare_length(kind, i, length)
             if state.fresh:
-                tension = _end_tension(kind, i, winch_state(kind, i, time)[1], _path_rate(kind, i, work))
+                tension = end_tension(kind, i, winch_state(kind, i, time)[1], path_rate(kind, i, work))
             elif state.paced:
-                _compare_tension(kind, i, time, length, tension)
+                compare_tension(kind, i, time, length, tension)
+            work.sums.drift = max(work.sums.drift, abs(state.drift))
         e = max(0.0, state.stretched - state.rest)
-        work.sums.elastic += 0.5 * _stiffness(kind, i, 1.0 / state.rest) * e * e
+        work.sums.elastic += 0.5 * stiffness_of(kind, i, 1.0 / state.rest) * e * e
         row[column] = tension
         row[column + 1] = length
         row[column + 2] = state.rest

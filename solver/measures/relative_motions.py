@@ -14,7 +14,7 @@ The angle of the whole rotation has the sine ``|(R_32 - R_23, R_13 - R_31, R_21 
 ``(R_11 + R_22 + R_33 - 1) / 2``; the tilt is the angle of both z axes (J. Wittenburg, Dynamics of Multibody Systems,
 2008, chapter 2). The angular velocity is ``a_i . (w_b - w_a)``, with ``w = sum e_i x e_i' / 2`` of the axes of a body.
 
-It acts on nothing and costs nothing in a step: its markers are filled for records only.
+It acts on nothing. Markers are filled once more at the end of every step, for the extremes.
 """
 
 from __future__ import annotations
@@ -27,17 +27,50 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records, records
 from heavylift.numerics.vectors import Vector, add_scaled, cross, dot, scaled, subtract, vector
-from heavylift.solver.interface import RECORD, Workspace, add_forces, record_forces
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.interface import (
+    RECORD,
+    Bodies,
+    Workspace,
+    add_forces,
+    fill_markers,
+    record_forces,
+    watch_motions,
+)
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.connections import MEASURES, Between, PackedForce
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind
+from heavylift.solver.scene.descriptions import XYZ, ChannelKind, interval_extremes
 
 __all__ = ["RelativeMotion", "RelativeMotions", "pack"]
+
+SEEN = (
+    ChannelKind("position", "length", "from the point of a to that of b, axes of a", XYZ),
+    ChannelKind("velocity", "velocity", "rate of that position, as seen from a", XYZ),
+    ChannelKind("distance", "length", "distance of the two points"),
+    ChannelKind(
+        "rotation",
+        "angle",
+        "angles that turn the axes of a to those of b: yaw about z first, then pitch about y, then roll about x; "
+        "within 180 deg, the pitch within 90 deg",
+        ("roll", "pitch", "yaw"),
+    ),
+    ChannelKind("angle", "angle", "angle of the whole rotation of b against a, 0 to 180 deg"),
+    ChannelKind("tilt", "angle", "angle of the z axes of a and b, 0 to 180 deg"),
+    ChannelKind("angular_velocity", "angular velocity", "of b against a, axes of a", XYZ),
+)
+"""What is seen of a motion, in the order of its columns."""
+
+VALUES = 15
+"""Numbers of it."""
+LARGEST, SMALLEST = zip(
+    *(interval_extremes(seen.name, seen.quantity, components=seen.components) for seen in SEEN), strict=True
+)
+"""Channels of extremes over all steps, in the same order."""
 
 
 @MEASURES.describe("relative_motions")
@@ -49,21 +82,7 @@ class RelativeMotion(Between, PackedForce):
     its frame, a shell those with which it has turned at the point.
     """
 
-    CHANNELS: ClassVar = (
-        ChannelKind("position", "length", "from the point of a to that of b, axes of a", XYZ),
-        ChannelKind("velocity", "velocity", "rate of that position, as seen from a", XYZ),
-        ChannelKind("distance", "length", "distance of the two points"),
-        ChannelKind(
-            "rotation",
-            "angle",
-            "angles that turn the axes of a to those of b: yaw about z first, then pitch about y, then roll about x; "
-            "within 180 deg, the pitch within 90 deg",
-            ("roll", "pitch", "yaw"),
-        ),
-        ChannelKind("angle", "angle", "angle of the whole rotation of b against a, 0 to 180 deg"),
-        ChannelKind("tilt", "angle", "angle of the z axes of a and b, 0 to 180 deg"),
-        ChannelKind("angular_velocity", "angular velocity", "of b against a, axes of a", XYZ),
-    )
+    CHANNELS: ClassVar = (*SEEN, *LARGEST, *SMALLEST)
     """What it records, in the order of its columns."""
 
 
@@ -78,9 +97,23 @@ class RelativeMotionEntry(Record):
 
 
 class RelativeMotions(Arrays):
-    """All relative motions of a scene."""
+    """All relative motions of a scene.
+
+    Attributes
+    ----------
+    table
+        The motions.
+    extremes
+        Of the `VALUES` of each, one after the other.
+    values
+        What is seen of one of them, in the order of its columns; scratch, shape (VALUES,).
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("extremes",)
 
     table: Records[RelativeMotionEntry]
+    extremes: Records[Extremes]
+    values: Floats1
 
 
 def pack(motions: Sequence[RelativeMotion], columns: Sequence[int], book: MarkerBook) -> RelativeMotions:
@@ -91,7 +124,8 @@ def pack(motions: Sequence[RelativeMotion], columns: Sequence[int], book: Marker
         points = [book.point(body, point, RECORD) for body, point in sides]
         axes = [[book.direction(body, axis, RECORD, at=point) for axis in np.eye(3)] for body, point in sides]
         rows.append((*points, axes[0][0], axes[1][0], column))
-    return RelativeMotions(records(RelativeMotionEntry, rows))
+    extremes = records(Extremes, VALUES * len(rows))
+    return RelativeMotions(records(RelativeMotionEntry, rows), extremes, np.zeros(VALUES))
 
 
 @implement(add_forces, RelativeMotions)
@@ -117,32 +151,56 @@ def _spin(work: Workspace, axes: int) -> Vector:
     return spin
 
 
+@kernel(internal=True)
+def _look(kind: RelativeMotions, i: int, work: Workspace) -> None:
+    """Position, velocity, distance, rotation, angles, angular velocity from the markers."""
+    entry, values = kind.table[i], kind.values
+    a, b = work.markers[entry.a], work.markers[entry.b]
+    r, rate = subtract(b.point, a.point), subtract(b.velocity, a.velocity)
+    spin = _spin(work, entry.axes_a)
+    seen = subtract(rate, cross(spin, r))
+    turning = subtract(_spin(work, entry.axes_b), spin)
+    b1, b2, b3 = _unit(work, entry.axes_b), _unit(work, entry.axes_b + 1), _unit(work, entry.axes_b + 2)
+    for k in range(3):
+        axis = _unit(work, entry.axes_a + k)
+        values[k] = dot(axis, r)
+        values[3 + k] = dot(axis, seen)
+        values[12 + k] = dot(axis, turning)
+    a1, a2, a3 = _unit(work, entry.axes_a), _unit(work, entry.axes_a + 1), _unit(work, entry.axes_a + 2)
+    values[6] = math.sqrt(dot(r, r))
+    values[7] = math.atan2(dot(a3, b2), dot(a3, b3))
+    values[8] = math.atan2(-dot(a3, b1), math.hypot(dot(a1, b1), dot(a2, b1)))
+    values[9] = math.atan2(dot(a2, b1), dot(a1, b1))
+    x, y = dot(a3, b2) - dot(a2, b3), dot(a1, b3) - dot(a3, b1)
+    z = dot(a2, b1) - dot(a1, b2)
+    trace = dot(a1, b1) + dot(a2, b2) + dot(a3, b3)
+    values[10] = math.atan2(0.5 * math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0))
+    values[11] = math.atan2(math.hypot(dot(a1, b3), dot(a2, b3)), dot(a3, b3))
+
+
+@implement(watch_motions, RelativeMotions)
+@kernel(internal=True)
+def watch_relative_motions(kind: RelativeMotions, bodies: Bodies, work: Workspace) -> None:
+    """Extremes at the ends of steps."""
+    fill_markers(bodies, False, RECORD, work)
+    for i in range(kind.table.shape[0]):
+        _look(kind, i, work)
+        for k in range(VALUES):
+            note_value(kind.extremes[VALUES * i + k], work.control.interval, kind.values[k])
+
+
 @implement(record_forces, RelativeMotions)
 @kernel(internal=True)
 def record_relative_motions(
     kind: RelativeMotions, time: float, work: Workspace, row: NDArray[np.float64]
 ) -> None:
-    """Position, velocity, rotation, angular velocity."""
+    """What is seen, then the largest and smallest values of all of it."""
+    interval = work.control.interval
     for i in range(kind.table.shape[0]):
-        entry, c = kind.table[i], kind.table[i].column
-        a, b = work.markers[entry.a], work.markers[entry.b]
-        r, rate = subtract(b.point, a.point), subtract(b.velocity, a.velocity)
-        spin = _spin(work, entry.axes_a)
-        seen = subtract(rate, cross(spin, r))
-        turning = subtract(_spin(work, entry.axes_b), spin)
-        b1, b2, b3 = _unit(work, entry.axes_b), _unit(work, entry.axes_b + 1), _unit(work, entry.axes_b + 2)
-        for k in range(3):
-            axis = _unit(work, entry.axes_a + k)
-            row[c + k] = dot(axis, r)
-            row[c + 3 + k] = dot(axis, seen)
-            row[c + 12 + k] = dot(axis, turning)
-        a1, a2, a3 = _unit(work, entry.axes_a), _unit(work, entry.axes_a + 1), _unit(work, entry.axes_a + 2)
-        row[c + 6] = math.sqrt(dot(r, r))
-        row[c + 7] = math.atan2(dot(a3, b2), dot(a3, b3))
-        row[c + 8] = math.atan2(-dot(a3, b1), math.hypot(dot(a1, b1), dot(a2, b1)))
-        row[c + 9] = math.atan2(dot(a2, b1), dot(a1, b1))
-        x, y = dot(a3, b2) - dot(a2, b3), dot(a1, b3) - dot(a3, b1)
-        z = dot(a2, b1) - dot(a1, b2)
-        trace = dot(a1, b1) + dot(a2, b2) + dot(a3, b3)
-        row[c + 10] = math.atan2(0.5 * math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0))
-        row[c + 11] = math.atan2(math.hypot(dot(a1, b3), dot(a2, b3)), dot(a3, b3))
+        column = kind.table[i].column
+        _look(kind, i, work)
+        for k in range(VALUES):
+            value, extremes = kind.values[k], kind.extremes[VALUES * i + k]
+            row[column + k] = value
+            row[column + VALUES + k] = largest_of(extremes, interval, value)
+            row[column + 2 * VALUES + k] = smallest_of(extremes, interval, value)

@@ -94,15 +94,29 @@ def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, st
     if not system.laws:
         solve_rows(system, work.velocity)
         return
+    softness = _softness(system)
     for _ in range(LAW_ITERATIONS):
         solve_rows(system, work.velocity)
         work.control.changed = 0
         relinearise(joints, time, step, work, system)
         if work.control.changed == 0:
             return
-        assemble(system)
-        factor_rows(system)
+        before, softness = softness, _softness(system)
+        if softness != before:  # else only forces that are given have changed
+            assemble(system)
+            factor_rows(system)
     work.status.outcome = NOT_CONVERGED
+
+
+@kernel(internal=True)
+def _softness(system: RowSystem) -> float:
+    """A sum that tells whether a softness has changed: a factor that is not the last one costs a round, no more."""
+    total = 0.0
+    for node in range(system.attachments.shape[0] // 2):
+        row = system.rows[node]
+        for r in range(len(system.shape[1])):
+            total = 1.7 * total + row.softness[r]
+    return total
 
 
 @implement(solve_again, RowSystem)
@@ -315,7 +329,7 @@ def record_row_system(
     time: float,
     row: NDArray[np.float64],
 ) -> None:
-    """Largest violation of a rigid row, and smallest pivot of the last projection."""
+    """Largest violation of a rigid row, smallest pivot of the last projection, largest drift of a law."""
     lanes = len(system.shape[1])
     fill_rows(joints, True, work, system)
     set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
@@ -330,3 +344,4 @@ def record_row_system(
     if system.monitor >= 0:
         row[system.monitor] = violation
         row[system.monitor + 1] = smallest_pivot(system)
+        row[system.monitor + 2] = work.sums.drift

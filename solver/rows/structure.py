@@ -207,7 +207,7 @@ class RowSystem(RowArrays):
     blocks
         Blocks of the factor and of its scratch, flat.
     monitor
-        Record column of the largest violation; the smallest pivot follows it.
+        Record column of the largest violation; smallest pivot and largest drift of a law follow it.
     laws
         Whether some rows (ropes, stops, friction) are fitted to the velocities by iteration.
     """

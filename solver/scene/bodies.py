@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from heavylift.numerics.quantity import (
     WorldDirection,
 )
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
+from heavylift.solver.scene.speed_profiles import check_speeds
 
 if TYPE_CHECKING:
     from heavylift.modal.reduced import ReducedBody
@@ -81,6 +82,11 @@ BODIES: Family[Any] = Family("body", "heavylift.solver.scene")
 """Bodies that are said in numbers alone, by their types in a case file."""
 
 ANGLE_OR_LENGTH = ByCoordinate(Quantity("angle"), Quantity("length"))
+SPEED = ByCoordinate(Quantity("angular velocity"), Quantity("velocity"))
+ACCELERATION = ByCoordinate(
+    Quantity("angular acceleration", minimum=0.0), Quantity("acceleration", minimum=0.0)
+)
+JERK = ByCoordinate(Quantity("angular jerk", minimum=0.0), Quantity("jerk", minimum=0.0))
 
 
 @MOTIONS.part
@@ -99,22 +105,44 @@ class Harmonic:
 @MOTIONS.part
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A function of time: a smooth curve through a table, plus harmonics; at rest before and after the table."""
+    """A function of time: a smooth curve through a table, or speeds, plus harmonics.
 
-    # a C2 spline, held at its ends
+    A table is at rest before and after its times; speeds begin from 0 at the start.
+    """
+
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
     """Times of the table [s], increasing."""
     values: Annotated[NDArray[np.float64], ANGLE_OR_LENGTH, Shape((None,))] = field(default_factory=no_rows)
     """Values of the table."""
     harmonics: tuple[Harmonic, ...] = ()
     """Sine functions that are added."""
+    interpolation: Literal["smooth", "monotone"] = "smooth"
+    """Of the table: `smooth` has no jumps of the acceleration and may leave the values of two neighbours, which the run
+    tells; `monotone` never leaves them, and has none of the speed only."""
+    speeds: Annotated[NDArray[np.float64], SPEED, Shape((None,))] = field(default_factory=no_rows)
+    """In place of `values`: linear between the times, held before the first and after the last; with `acceleration`
+    targets, to which a drive that stands at first begins to change at the times."""
+    acceleration: Annotated[float | None, ACCELERATION] = None
+    """Of all changes of the speed."""
+    jerk: Annotated[float | None, JERK] = None
+    """Of all changes of the acceleration, which jumps without."""
 
     @staticmethod
     def check(said: Any) -> None:
-        """Something is a function."""
-        check_table("times", said.times, "values", said.values, shortest=2)
+        """Something is a function, by values or by speeds."""
+        if len(said.speeds):
+            if len(said.values):
+                raise InputError("both 'values' and 'speeds'", key="speeds", expected="one of them")
+            check_table("times", said.times, "speeds", said.speeds)
+        else:
+            check_table("times", said.times, "values", said.values, shortest=2)
         if not len(said.times) and not said.harmonics:
-            raise InputError("an empty profile", expected="'times' and 'values', or 'harmonics'")
+            raise InputError("an empty profile", expected="'times' and 'values' or 'speeds', or 'harmonics'")
+        if said.interpolation == "monotone" and not len(said.values):
+            raise InputError(
+                "'monotone' without 'values'", key="interpolation", expected="'times' and 'values'"
+            )
+        check_speeds(said)
 
 
 @MOTIONS.describe("free")

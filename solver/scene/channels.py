@@ -45,6 +45,11 @@ MONITOR_CHANNELS = (
         "number",
         "smallest pivot of the joint equations, relative to the characteristic inverse mass",
     ),
+    ChannelKind(
+        "carried_drift",
+        "number",
+        "largest distance of an elongation that a rope, tabulated spring or stop carries from the geometry, m or rad",
+    ),
 )
 """Of the rows of joints."""
 SCENARIO_CHANNELS = (

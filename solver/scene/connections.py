@@ -48,6 +48,7 @@ __all__ = [
     "REACTION_MOMENT",
     "ROPES",
     "ROPE_CHANNELS",
+    "SHEAVE_CHANNELS",
     "TRAVEL_CHANNELS",
     "AlongJoint",
     "Between",
@@ -63,6 +64,7 @@ __all__ = [
     "axes_about",
     "check_path",
     "frame_in_body",
+    "rubbing_places",
 ]
 
 
@@ -99,7 +101,7 @@ LOAD_CHANNELS: Mapping[str, ChannelKind] = {
 }
 """Of what acts along a joint, by its coordinate."""
 ROPE_CHANNELS = (
-    ChannelKind("tension", "force", "tension of the rope"),
+    ChannelKind("tension", "force", "tension of the rope, the largest of its segments"),
     ChannelKind("length", "length", "length of the rope along its path"),
     ChannelKind("rest_length", "length", "unstretched length of the rope"),
     ChannelKind(
@@ -112,6 +114,22 @@ ROPE_CHANNELS = (
         "segment_tension", "force", "tension of each segment of the rope, from its first end on", None
     ),
 )
+SHEAVE_CHANNELS = (
+    ChannelKind(
+        "sheave_speed",
+        "velocity",
+        "speed at which the rope runs over each place with an efficiency, towards its last end",
+        None,
+    ),
+    ChannelKind(
+        "sheave_state",
+        "number",
+        "of each place with an efficiency: 0 if the rope sticks there, 1 or -1 if it slides, towards its last or its"
+        " first end",
+        None,
+    ),
+)
+"""Of wire ropes, behind those of all ropes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -385,6 +403,9 @@ class RopePoint:
     axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=_upwards)
     """Of the pulley, in the coordinates of the geometry of the body; of the ground in the world. The rope runs about
     the pulley in the sense of a turn about this axis."""
+    efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
+    """Of a pulley or an eye, the smaller over the larger tension of the rope on its two sides while it runs; at rest
+    any ratio from this to its inverse holds it. 0.98 of sheaves on roller bearings, 0.96 on plain ones."""
 
     @staticmethod
     def check(said: Any) -> None:
@@ -415,6 +436,8 @@ class Winch:
     )
     """In place of `speeds`, unstretched lengths of the rope [m]: it begins and ends at rest, its speed has no jumps,
     and its length between two times is between those at them."""
+    end: Literal["first", "last"] = "first"
+    """End of the path with the drum: where sheaves have an efficiency, the rope runs over them from or to there."""
 
     @staticmethod
     def check(said: Any) -> None:
@@ -449,6 +472,11 @@ class Winch:
         all_times[::2], all_times[1::2] = times, times[:-1] + 0.5 * steps
         all_speeds[::2], all_speeds[1::2] = at, middle
         return all_times, all_speeds
+
+
+def rubbing_places(rope: Any) -> list[int]:
+    """Numbers in the path of a rope, from 1 on, of the places with an efficiency below 1."""
+    return [number + 1 for number, stop in enumerate(getattr(rope, "path", ())) if stop.efficiency < 1.0]
 
 
 def check_path(path: Sequence[Any]) -> None:

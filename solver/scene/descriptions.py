@@ -78,19 +78,25 @@ __all__ = [
     "recorded_channels",
 ]
 
+LONGEST_WORD = 100
+"""Characters of a word that may be the name of a file."""
+
 T = TypeVar("T")
 U = TypeVar("U")
 XYZ = ("x", "y", "z")
 
 
 def interval_extremes(
-    name: str, quantity: str, seen: str = "at the ends of all steps"
+    name: str,
+    quantity: str,
+    seen: str = "at the ends of all steps",
+    components: tuple[str, ...] | None = (),
 ) -> tuple[ChannelKind, ...]:
     """Channels of the largest and smallest value since the last record of what a channel shows of an instant."""
     words = f"value of `{name}` since the last record, {seen} and at this record"
     return (
-        ChannelKind(f"{name}_max", quantity, f"largest {words}"),
-        ChannelKind(f"{name}_min", quantity, f"smallest {words}"),
+        ChannelKind(f"{name}_max", quantity, f"largest {words}", components),
+        ChannelKind(f"{name}_min", quantity, f"smallest {words}", components),
     )
 
 
@@ -261,7 +267,7 @@ class Family(Generic[T]):
 
     def get(self, word: str) -> type[T] | None:
         """Description that a word stands for; None if there is none."""
-        if word not in self._members and word.isidentifier():
+        if word not in self._members and word.isidentifier() and len(word) <= LONGEST_WORD:
             for folder in self._folders:
                 if (file := folder / f"{word}.py").is_file():
                     _read(file, f"{self.package}.{word}")

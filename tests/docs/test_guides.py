@@ -19,10 +19,20 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_case, run_case
 from heavylift.pipeline.assemble.early_checks import scene_errors
 from heavylift.pipeline.case.schema import case_schema
+from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.checks.quantities import evaluate_checks
 
 DOCS = ROOT / "docs"
-GUIDES = ("getting-started.md", "rigging.md", "editor.md", "benchmarks.md", "inside.md", "python.md")
+GUIDES = (
+    "getting-started.md",
+    "rigging.md",
+    "equipment.md",
+    "criteria.md",
+    "editor.md",
+    "benchmarks.md",
+    "inside.md",
+    "python.md",
+)
 
 
 class Block(NamedTuple):
@@ -145,15 +155,19 @@ def validator():
     return jsonschema.Draft202012Validator(case_schema())
 
 
-def rigging() -> list[str]:
-    """Pieces of the case of the page on rigging."""
-    return [block.text for block in blocks(DOCS / "rigging.md") if block.language == "toml"]
+def pieces(page: str) -> list[str]:
+    """Pieces of the case of a page."""
+    return [block.text for block in blocks(DOCS / page) if block.language == "toml"]
 
 
-@pytest.mark.parametrize("count", range(1, len(rigging()) + 1))
-def test_each_piece_of_rigging_fits_what_stands_before_it(count, tmp_path):
+CASE_PAGES = ("rigging.md", "equipment.md")
+COUNTED = [(page, count + 1) for page in CASE_PAGES for count in range(len(pieces(page)))]
+
+
+@pytest.mark.parametrize(("page", "count"), COUNTED)
+def test_each_piece_of_a_case_fits_what_stands_before_it(page, count, tmp_path):
     """Valid by the JSON Schema, by the checks of the case, and put together."""
-    text = "\n".join(rigging()[:count])
+    text = "\n".join(pieces(page)[:count])
     text += "" if "[simulate]" in text else f"\n{REST}"
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
     assert [error.message for error in validator().iter_errors(tomllib.loads(text))] == []
@@ -162,13 +176,25 @@ def test_each_piece_of_rigging_fits_what_stands_before_it(count, tmp_path):
 
 @pytest.mark.slow
 def test_the_case_of_rigging_runs_and_passes(tmp_path):
-    (tmp_path / "case.toml").write_text("\n".join(rigging()), encoding="utf-8")
+    (tmp_path / "case.toml").write_text("\n".join(pieces("rigging.md")), encoding="utf-8")
     case = load_case(tmp_path)
     assert run_case(case).outcome is Outcome.COMPLETED
     checks = evaluate_checks(case, case.output_folder)
     assert [check.id for check in checks if not check.passed] == []
     assert len(checks) == 8
     assert next(check.where for check in checks if check.id == "slings") == "sling_left_1 at 10.3 s"
+    judged = evaluate_criteria(case, case.output_folder)
+    assert [one.name for one in judged if not one.passed] == []
+    assert len({one.name for one in judged}) == 10
+
+
+def test_the_case_of_equipment_runs_and_passes(tmp_path):
+    (tmp_path / "case.toml").write_text("\n".join(pieces("equipment.md")), encoding="utf-8")
+    case = load_case(tmp_path)
+    assert run_case(case, stages=("simulate",)).outcome is Outcome.COMPLETED
+    checks = evaluate_checks(case, case.output_folder)
+    assert [check.id for check in checks if not check.passed] == []
+    assert len(checks) == 5
 
 
 def test_the_page_on_editors_shows_what_taplo_reads():

@@ -38,7 +38,7 @@ def database():
 
 
 @pytest.fixture
-def folder(tmp_path, database):
+def folder(tmp_path, database, numbers_of_no_hull):
     from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
 
     made = tmp_path / "barge"

@@ -7,8 +7,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.abaqus_deck import read_abaqus_deck
-from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_files, deck_number, material_of
+from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_number, material_of
 from heavylift.preprocess.finite_elements.geometry import read_deck, read_mesh
+from heavylift.preprocess.finite_elements.named_files import mesh_files
 from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
 CUBE = """\
@@ -440,7 +441,7 @@ def test_files_are_included_and_none_from_outside(tmp_path):
     path = deck(folder, text)
     body = read_deck(path, folder.parent).body()
     same_as_cube(body)
-    names = {file.name for file in deck_files(path, folder.parent)}
+    names = {file.name for file in mesh_files(path, folder.parent)}
     assert names == {"body.inp", "nodes.inc", "cells.inc"}
     with pytest.raises(
         InputError, match=r"body.inp: line 1: includes '../nodes.inc', which leaves the folder"
@@ -516,3 +517,24 @@ def test_nonstructural_mass_and_a_section_of_no_set_are_said(tmp_path):
     assert "left out: *SOLID SECTION of line 19, material 'Steel': it has no ELSET" in body.notes
     assert body.material is None
     assert not any("do not exist" in note for note in body.notes)
+
+
+@pytest.mark.parametrize(
+    ("card", "words"),
+    [
+        ("*SURFACE, NAME=S\nBody, S1\n", r"\*SURFACE: in instance 'I', which has no mesh of its own"),
+        (
+            "*SOLID SECTION, ELSET=Body, MATERIAL=Steel\n",
+            r"\*SOLID SECTION: in instance 'I', which has no mesh",
+        ),
+    ],
+)
+def test_what_an_instance_without_a_mesh_cannot_have(tmp_path, card, words):
+    """It was dropped, so a material or a group of the deck was missing without a word."""
+    text = f"*PART, NAME=P\n{CUBE}{BRICK}*END PART\n*ASSEMBLY, NAME=A\n"
+    text += f"*INSTANCE, NAME=I, PART=P\n{card}*END INSTANCE\n*END ASSEMBLY\n{STEEL.partition('*SOLID')[0]}"
+    with pytest.raises(InputError, match=r"line 16: " + words + r".*expected it in \*PART 'P'"):
+        read_deck(deck(tmp_path, text))
+    # one with a mesh of its own has them too
+    own = text.replace(card, CUBE + BRICK + card)
+    assert read_deck(deck(tmp_path, own)).element_sets

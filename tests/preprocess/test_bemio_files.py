@@ -14,6 +14,9 @@ OMEGA, DEGREES = np.array([0.2, 0.9, 1.6, 2.2]), np.array([0.0, 60.0, 180.0])
 CENTRES = np.array([[0.0, 0.0, -0.7], [30.0, 0.0, -2.0]])
 
 
+pytestmark = pytest.mark.usefixtures("numbers_of_no_hull")
+
+
 @pytest.fixture(scope="module")
 def truth():
     rng = np.random.default_rng(5)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_files
+from heavylift.preprocess.finite_elements.deck import DeckMaterial
 from heavylift.preprocess.finite_elements.geometry import load_geometry, read_deck, read_mesh
+from heavylift.preprocess.finite_elements.named_files import mesh_files
 from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
 TET = 0.5 * REFERENCE_NODES["tet10"]
@@ -200,7 +201,7 @@ def test_files_are_included_and_none_from_outside(tmp_path):
     (folder / "nodes.inc").write_text(grids(free, HEX))
     path = deck(folder, "include 'nodes.inc'\n" + free("CHEXA", 1, 3, *range(1, 9)))
     assert read_mesh(path).volume == pytest.approx(1.0)
-    assert [file.name for file in deck_files(path, folder)] == ["body.bdf", "nodes.inc"]
+    assert [file.name for file in mesh_files(path, folder)] == ["body.bdf", "nodes.inc"]
     (tmp_path / "secret.inc").write_text(grids(free, HEX))
     with pytest.raises(InputError, match=r"line 1: includes '../secret.inc', which leaves the folder"):
         read_mesh(deck(folder, "INCLUDE '../secret.inc'\n"))
@@ -237,6 +238,7 @@ def test_factor_on_masses_of_case_control(tmp_path, line):
         ("GRID,8,2,0.,1.,1.\n", r"line 14: GRID: node 8 is defined twice"),
         ("GRID,8,0,0.,1.,1.\nGRID,8,,0.,1.,1.,5\n", r"line 15: GRID: node 8 is defined twice"),
         ("MAT1,7,7.+4,,0.3,7.85-9\n", r"line 14: MAT1: material 7 is defined twice"),
+        ("PSOLID,3,7\nPSOLID,3,8\n", r"line 15: PSOLID: property 3 is defined twice, of material 7 and 8"),
         ("BEGIN SUPER=2\n", r"line 14: BEGIN SUPER=2: a superelement"),
         ("BEGIN BULK SUPER = 2\n", r"line 14: BEGIN BULK SUPER = 2: a superelement"),
         ("PARAM,WTMASS,2.\nPARAM,WTMASS,3.\n", r"line 15: PARAM: WTMASS is 2 and 3"),

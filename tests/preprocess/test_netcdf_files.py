@@ -12,6 +12,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_digest, read_netcdf, write_netcdf
 
+pytestmark = pytest.mark.usefixtures("numbers_of_no_hull")
+
 ARRAYS = (
     "omega", "headings", "added_mass", "damping", "added_mass_infinite", "excitation", "reference_points",
     "drift", "volumes", "centres_of_buoyancy", "hydrostatic_stiffness",

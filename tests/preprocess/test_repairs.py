@@ -275,3 +275,24 @@ def test_capytaine_without_diffraction(tmp_path: Path, barges: HydrodynamicDatab
     again = read_netcdf(tmp_path / "again.nc")
     assert again.repairs == database.repairs
     np.testing.assert_array_equal(again.added_mass_infinite, database.added_mass_infinite)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("leave_out", (np.nan,)),
+        ("leave_out", (1.0, -1.0)),
+        ("leave_out", (np.inf,)),
+        ("tolerance", np.nan),
+        ("tolerance", -0.1),
+        ("tolerance", 1.0),
+        ("frequency_range", (np.nan, 1.0)),
+        ("frequency_range", (1.0, np.nan)),
+        ("frequency_range", (2.0, 1.0)),
+        ("frequency_range", (-1.0, 1.0)),
+    ],
+)
+def test_repairs_that_are_none(key, value):
+    """What is not a number compares with nothing: every frequency would be kept, every deviation tolerated."""
+    with pytest.raises(InputError, match=f"Repair: {key}: "):
+        Repair(**{key: value})

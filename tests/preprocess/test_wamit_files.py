@@ -49,6 +49,9 @@ class Truth:
             self.stiffness[b, 3, 5], self.stiffness[b, 4, 5] = 2e4, -3e4
 
 
+pytestmark = pytest.mark.usefixtures("numbers_of_no_hull")
+
+
 def _wave_number(omega):
     k = omega**2 / GRAVITY
     for _ in range(200):

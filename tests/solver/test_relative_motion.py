@@ -78,3 +78,21 @@ def test_the_other_integrators_record_it():
     times, found = histories(balls(), integrator="accurate", tolerance=1e-10)
     np.testing.assert_allclose(found["seen.position"], expected(times)[0], atol=1e-7)
     np.testing.assert_allclose(found["seen.velocity"], expected(times)[1], atol=1e-7)
+
+
+@pytest.mark.parametrize("every", [7, 50])
+def test_extremes_are_those_of_all_steps_between_records(every):
+    """Bit for bit those of a run that records every step, interval by interval; records alone miss them."""
+    dense, sparse = Simulation(balls(), step=STEP), Simulation(balls(), step=STEP, record_every=every)
+    start = dense.record()
+    count = 4 * every
+    all_steps, some = np.vstack([start, dense.advance(count)[1]]), sparse.advance(count)[1]
+    columns = {c.name: slice(c.column, c.column + len(c.components)) for c in sparse.channels}
+    missed = 0
+    for name in [name for name in columns if f"{name}_max" in columns]:
+        at = columns[name]
+        seen = all_steps[1:, at].reshape(4, every, -1)
+        np.testing.assert_array_equal(some[:, columns[f"{name}_max"]], seen.max(axis=1))
+        np.testing.assert_array_equal(some[:, columns[f"{name}_min"]], seen.min(axis=1))
+        missed += int((some[:, at].max(axis=0) < seen.max(axis=(0, 1))).sum())
+    assert missed > 0

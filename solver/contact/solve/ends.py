@@ -17,7 +17,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.contact import layout as told
 from heavylift.solver.contact.counts import contact_count, owner_of
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
-from heavylift.solver.contact.laws.normal_force import normal_force
+from heavylift.solver.contact.laws.normal_force import normal_force, stored_energy
 from heavylift.solver.contact.laws.restitution import bound_restitution
 from heavylift.solver.contact.search.search_end import judge_searches
 from heavylift.solver.contact.solve.delassus import contact_rates
@@ -32,7 +32,7 @@ from heavylift.solver.contact.solve.stage import (
 )
 from heavylift.solver.contact.system_interface import follow
 from heavylift.solver.contact.triangles.interface import place_surfaces, watch_pairs
-from heavylift.solver.extremes import note_value
+from heavylift.solver.extremes import note_stored, note_value
 from heavylift.solver.interface import (
     Bodies,
     Joints,
@@ -248,6 +248,9 @@ def close_contact_step(
             note_value(state.forces, interval, state.normal_force)
         if state.located:  # what is far from touching has no gap that is known
             note_value(state.gaps, interval, state.gap)
+        if contacts.table[c].law == COMPLIANT:
+            values, law = contacts.values[c], contacts.table[c].force_law
+            note_stored(state.store, stored_energy(law, values.stiffness, values.exponent, -state.gap))
     watch_pairs(contacts.meshes, contacts, interval)
     _book_losses(contacts)
     count_rough(contacts)

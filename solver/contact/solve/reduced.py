@@ -1,4 +1,4 @@
-"""Contacts between rigid bodies are solved on the velocities of those bodies: many contacts, few unknowns.
+"""Contacts between rigid bodies and hulls are solved on the velocities of those: many contacts, few unknowns.
 
 ``y = y0 + B N^T p`` on the velocities y of the bodies that are touched, where ``B = A^-1 - X S^-1 X^T`` is what they
 feel of each other through joints and ropes. The matrix of the contacts themselves is never formed.
@@ -25,7 +25,7 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
     for j in range(reduced.problem.counts.size):
         reduced.columns[reduced.velocities[j]] = -1
     size = 0
-    lanes = len(contacts.shape[1])
+    lanes, half = len(contacts.shape[1]), contacts.panels.shape[0] // 2
     for j in range(count):
         c = contacts.present[j]
         for side in range(2):
@@ -49,13 +49,19 @@ def assemble_reduced(contacts: ContactRows, systems: Systems, count: int) -> Non
     column = contacts.column
     for j in range(size):
         dof = reduced.velocities[j]
-        if contacts.inverse_mass[dof] == 0.0:  # its motion is prescribed
+        first = reduced.units[dof - j % 6]
+        if first < 0 and contacts.inverse_mass[dof] == 0.0:  # its motion is prescribed
             for i in range(size):
                 reduced.matrix[i, j] = 0.0
             continue
         for i in range(column.shape[0]):
             column[i] = 0.0
-        column[dof] = contacts.inverse_mass[dof]
+        if first < 0:
+            column[dof] = contacts.inverse_mass[dof]
+        else:
+            at = half + contacts.attachments[first + j % 6 // 3].panel + j % 3
+            for k in range(6):
+                column[dof - j % 6 + k] = contacts.panels[at + k * lanes]
         respond(systems, column)
         for i in range(size):
             reduced.matrix[i, j] = column[reduced.velocities[i]]

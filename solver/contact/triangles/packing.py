@@ -28,7 +28,7 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.laws.packing import force_law, put_law
 from heavylift.solver.contact.moving_points import count_moving, count_slots, most_of
-from heavylift.solver.contact.packed_collisions import PackedCollisions
+from heavylift.solver.contact.packed_collisions import PackedCollisions, moves_rigidly
 from heavylift.solver.contact.triangles.clearance import make_clearances
 from heavylift.solver.contact.triangles.facet_kind import FacetSurface, FacetSurfaces
 from heavylift.solver.contact.triangles.kind import (
@@ -38,7 +38,7 @@ from heavylift.solver.contact.triangles.kind import (
     SurfacePair,
     SurfacePairs,
 )
-from heavylift.solver.rows.structure import DIAGONAL, PRESCRIBED, Attachment
+from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import BilateralLaw, RigidLaw
 from heavylift.solver.scene.meshes import MeshBody
@@ -200,8 +200,8 @@ def pack_collisions(
         poses=placed,
         placed=np.zeros((len(moved) + count + 1, PLACED_WIDTH)),
         most=most,
-        # hulls are no free bodies: their inverse mass is that of the water too
-        all_rigid=not deforming and bool(np.isin(sides["holder"], (DIAGONAL, PRESCRIBED)).all()),
+        all_rigid=not deforming and all(moves_rigidly(side) for side in sides),
+        sides=[side for side in sides if side.width],
         widest=max(6, int(sides["width"].max())),
     )
 

@@ -184,6 +184,16 @@ def test_shares_of_all_slings(checked):
             "quantity",
             "combines N with m",
         ),
+        (
+            {"quantity": "channel.difference(eye.position, eye.position.x).x.max"},
+            "quantity",
+            "combines 'eye.position', of components x, y, z, with 'eye.position.x', of one number",
+        ),
+        (
+            {"quantity": "channel.difference(eye.position.x, eye.position).max"},
+            "quantity",
+            "combines 'eye.position.x', of one number, with 'eye.position', of components x, y, z",
+        ),
         ({"quantity": "channel.difference(sling_1.tension).max"}, "quantity", "has 1 terms"),
         (
             {"quantity": "channel.diference(sling_1.tension, sling_2.tension).max"},

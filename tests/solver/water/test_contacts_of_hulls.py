@@ -424,3 +424,45 @@ def check_momentum(found: Found, A: Array, masses: dict[str, float]) -> None:
     given = np.append(0.0, np.cumsum(0.5 * np.diff(times) * (force[1:] + force[:-1])))
     scale = BOX * G
     np.testing.assert_allclose(momentum - momentum[0], given, atol=5e-6 * scale)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_many_contacts_on_a_hull_are_solved_on_its_velocities(friction: float) -> None:
+    """Six boxes slide on the deck of a barge with a list: as with a database that it shares with another one.
+
+    A shared database, here without coupling, has its contacts solved on the matrix of the contacts themselves.
+    """
+    A = added_mass(0.0)
+    start = np.array([np.cos(0.1), np.sin(0.1), 0.0, 0.0])
+    turned = rotation_matrix(start)
+    barge = floating("a", np.zeros(3), orientation=start, angular_velocity=np.array([-0.2, 0.03, 0.0]))
+    boxes = [
+        RigidBody(
+            f"box_{i}",
+            0.02 * MASS,
+            0.02 * MASS * np.diag([1.0, 1.0, 0.7]),
+            position=turned @ [4.0 * (i % 3) - 4.0, 4.0 * (i // 3) - 2.0, DECK + 1.0 + 1e-3 * i],
+            orientation=start,
+        )
+        for i in range(6)
+    ]
+    touching = {
+        "surfaces": surfaces(a=skin(), **{box.name: box_surface(2.0) for box in boxes}),
+        "collisions": tuple(
+            Collision(name=f"on_{box.name}", surfaces=("a", box.name), friction=friction, law=RigidLaw())
+            for box in boxes
+        ),
+    }
+    far = floating("b", AWAY)
+    alone, shared = (
+        Found(afloat(A, barge, far, *boxes, together=together, **touching), 0.02, 3.0)
+        for together in (False, True)
+    )
+    systems = [found.simulation._layout.systems[1] for found in (alone, shared)]
+    assert [bool(rows.counts.all_rigid) for rows in systems] == [True, False]
+    assert np.linalg.norm(alone["box_5.position"][-1] - turned @ boxes[5].position) > 0.5
+    assert sum(alone[f"on_{box.name}.contacts"][-1] for box in boxes) >= 18
+    for name in ("a.position", "a.orientation", *(f"{box.name}.position" for box in boxes)):
+        np.testing.assert_allclose(alone[name][:50], shared[name][:50], rtol=0.0, atol=1e-8)
+        if friction == 0.0:  # else later on, which of four corners bears and rubs is not unique
+            np.testing.assert_allclose(alone[name], shared[name], rtol=0.0, atol=1e-6)

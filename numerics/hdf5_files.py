@@ -1,0 +1,165 @@
+"""HDF5 files that others have written, or that a disk has damaged: read, or refused in one line.
+
+The library that reads them is in C: a damaged file can let it read for ever, or end the process. So a file from outside
+is read first by a process of its own, with limits of time and memory; that costs a tenth of a second. What the library
+says of the rest comes as errors of many types.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import subprocess
+import sys
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from heavylift.numerics.memory import amount_of_bytes, available_memory
+from heavylift.numerics.outcome import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    import h5py
+
+__all__ = ["check_hdf5", "opened_hdf5", "told_of_file"]
+
+SECONDS = 20.0
+"""For a file from outside, and a second for each `BYTES_A_SECOND` of it besides."""
+BYTES_A_SECOND = 20e6
+
+SURVEY = """
+import json, sys
+sys.path[:] = json.loads(sys.argv[3])
+import contextlib
+import h5py
+with contextlib.suppress(ImportError, OSError, ValueError):
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (int(float(sys.argv[2])) + 2**31,) * 2)
+found = {"bytes": 0.0, "largest": ["", 0.0]}
+limit = float(sys.argv[2])
+def fails(name, error):
+    print(json.dumps({"key": name, "problem": f"{type(error).__name__}: {error}"}))
+    sys.exit(0)
+def look(name, item):
+    try:
+        for key in item.attrs:
+            item.attrs[key]
+        if isinstance(item, h5py.Dataset):
+            size = float(item.dtype.itemsize)
+            for length in item.shape or ():
+                size *= length
+            found["bytes"] += size
+            if size > found["largest"][1]:
+                found["largest"] = [name, size]
+            if found["bytes"] <= limit:
+                item[()]
+    except Exception as error:
+        fails(name, error)
+name = "/"
+try:
+    with h5py.File(sys.argv[1], "r") as file:
+        look("/", file)
+        file.visititems(look)
+except Exception as error:
+    fails("", error)
+print(json.dumps(found))
+"""
+"""Reads all that is in a file, once, and says as JSON how much that is, or what cannot be read."""
+
+
+def check_hdf5(path: Path, expected: str) -> None:
+    """Refuse a file whose reading fails, ends the process that reads it, or takes more memory or time than there is.
+
+    Parameters
+    ----------
+    path
+        A file that is there.
+    expected
+        What it should be, for the error.
+
+    Raises
+    ------
+    InputError
+        With the name of the data set, as far as it is known.
+    """
+    status = path.stat()
+    problem = _survey(str(path), status.st_size, status.st_mtime_ns)
+    if problem is not None:
+        raise InputError(problem[1], source=path, key=problem[0], expected=expected)
+
+
+@cache
+def _survey(path: str, size: int, _changed: int) -> tuple[str, str] | None:
+    """Key and problem of a file; None if it can be read."""
+    limit, seconds = available_memory(), SECONDS + size / BYTES_A_SECOND
+    command = [sys.executable, "-I", "-c", SURVEY, path, str(limit), json.dumps(sys.path)]
+    try:
+        ended = subprocess.run(  # noqa: S603  Python itself, with a program of ours
+            command, capture_output=True, text=True, errors="replace", timeout=seconds, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return "", f"is damaged: it cannot be read within {seconds:.0f} s"
+    if ended.returncode < 0:
+        return "", "is damaged: the library that reads it crashes"
+    try:
+        found = json.loads(ended.stdout)
+    except ValueError:  # the process could not begin, or was short of memory
+        words = (ended.stderr.strip().splitlines() or ["it says nothing"])[-1]
+        return "", f"is damaged: it cannot be read: {words}"
+    if "problem" in found:
+        return found["key"], f"is damaged: {found['problem']}"
+    if found["bytes"] > limit:
+        name, largest = found["largest"]
+        return name, f"has {amount_of_bytes(largest)} of {amount_of_bytes(found['bytes'])} in the file"
+    return None
+
+
+@contextlib.contextmanager
+def opened_hdf5(path: Path, expected: str, *, foreign: bool = False) -> Iterator[h5py.File]:
+    """Open an HDF5 file for reading, and say of all that fails where it stands.
+
+    Parameters
+    ----------
+    path, expected
+        As of `check_hdf5`.
+    foreign
+        Whether the file comes from outside, and is looked through first.
+
+    Raises
+    ------
+    InputError
+        The file does not exist or is damaged, or what is read of it is something else than was expected.
+    """
+    import h5py
+
+    if foreign:
+        check_hdf5(path, expected)
+    with told_of_file(path, expected), h5py.File(path, "r") as file:
+        yield file
+
+
+@contextlib.contextmanager
+def told_of_file(path: Path, expected: str) -> Iterator[None]:
+    """Say of whatever a library raises while a file is read that the file is at fault."""
+    try:
+        yield
+    except InputError:
+        raise
+    except FileNotFoundError:
+        raise InputError("does not exist", source=path, expected=expected) from None
+    except MemoryError as error:
+        raise InputError(
+            f"has more in it than there is memory: {error}", source=path, expected=expected
+        ) from error
+    except Exception as error:  # errors of any type, as the library feels
+        raise InputError(f"is damaged: {_words(error)}", source=path, expected=expected) from error
+
+
+def _words(error: Any) -> str:
+    """What a library says, without the name of the function in C that says it."""
+    text = " ".join(str(error.args[0] if error.args else error).split())
+    for begin in ("Unable to synchronously open file ", "Unable to open file "):
+        text = text.removeprefix(begin)
+    return text.strip("()'\" ") or type(error).__name__

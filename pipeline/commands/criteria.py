@@ -1,0 +1,108 @@
+"""Criteria of a case: run what they need, evaluate them, say what they use."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from heavylift.numerics.outcome import InputError, Outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.log import Log
+
+__all__ = ["JudgedCase", "criteria_document", "criteria_table", "judge_case"]
+
+_WIDTH = 110
+
+
+@dataclass(frozen=True)
+class JudgedCase:
+    """How a case stands against its criteria.
+
+    Attributes
+    ----------
+    case
+        Its name.
+    outcome
+        How its stages ended; `Outcome.CHECK_FAILED` if they completed and a criterion failed.
+    results
+        Lines of the table, if it got to its criteria.
+    message
+        Why not, if it did not.
+    """
+
+    case: str
+    outcome: Outcome
+    results: tuple[CriterionResult, ...] = ()
+    message: str = ""
+
+
+def judge_case(
+    path: Path, *, out: Path | None, overrides: Sequence[str], force: bool, log: Log
+) -> JudgedCase:
+    """Run what the criteria of a case need, and evaluate them.
+
+    Raises
+    ------
+    InputErrors
+        If the case is wrong, has no criteria, or one of them cannot be evaluated.
+    """
+    from heavylift.pipeline.checks.criteria import evaluate_criteria
+    from heavylift.pipeline.commands.verify import needed_stages
+    from heavylift.pipeline.stages.stages import load_changed_case, run_case
+
+    case = load_changed_case(path, overrides)
+    if not case.criteria:
+        raise InputError("no criteria", source=case.file, expected="[[criteria]] with name and type")
+    stages: tuple[str, ...] = ("mesh", "modes", "simulate")
+    if case.simulate is None:
+        stages = needed_stages([text for one in case.criteria if (text := getattr(one, "quantity", ""))])
+    report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
+    if report.outcome is not Outcome.COMPLETED:
+        return JudgedCase(case.name, report.outcome, message=report.message)
+    results = tuple(evaluate_criteria(case, report.folder.root))
+    passed = all(result.passed for result in results)
+    return JudgedCase(case.name, Outcome.COMPLETED if passed else Outcome.CHECK_FAILED, results)
+
+
+def criteria_document(judged: JudgedCase) -> dict[str, Any]:
+    """The document that ``criteria --json`` prints."""
+    document: dict[str, Any] = {
+        "case": judged.case,
+        "outcome": judged.outcome.name.lower(),
+        "criteria": [result.row() for result in judged.results],
+    }
+    return {**document, "message": judged.message} if judged.message else document
+
+
+def criteria_table(judged: JudgedCase) -> list[str]:
+    """Lines of a table for a person: two a result, and one of its sources and factors."""
+    from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words, used_words
+
+    outcome = "a criterion failed" if judged.outcome is Outcome.CHECK_FAILED else judged.outcome.text
+    lines = [f"{judged.case}: {outcome}"]
+    if judged.message:
+        lines += [f"  {line}" for line in judged.message.splitlines()]
+    width = max((len(result.name) for result in judged.results), default=0)
+    for result in judged.results:
+        value, limit, margin = criterion_cells(result)
+        used = used_words(result) or "-"
+        lines.append(
+            f"  {result.name:{width}}  {value:>12} {limit:>14}  used {used:>8}  margin {margin:>11}  "
+            f"{result_words(result)}"
+        )
+        words = [
+            result.what,
+            governing_words(result),
+            f"of {result.seen}" if result.seen else "",
+            result.note,
+        ]
+        factors = ", ".join(factor.text for factor in result.factors)
+        for text in ("; ".join(filter(None, words)), "; ".join(filter(None, (result.source, factors)))):
+            lines += textwrap.wrap(text, _WIDTH, initial_indent="    ", subsequent_indent="      ")
+    return lines

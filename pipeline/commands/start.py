@@ -1,0 +1,216 @@
+"""The process of the ``heavylift`` command: how it begins, and how it ends whatever happens.
+
+Nothing is imported here that takes time, so that a signal while modules load finds someone who answers it. What no
+command has answered ends here: in one line, with an exit code, and, if the program is at fault, with a file that tells
+where.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import errno
+import gc
+import os
+import signal
+import sys
+import time
+import warnings
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from types import FrameType, TracebackType
+
+__all__ = ["Terminated", "main"]
+
+YOUNG = 500_000
+"""Objects made between two searches for cycles: a start makes fewer, and all of them stay."""
+
+ASKED_AGAIN = 0.05
+"""Seconds until a signal that came during an import is looked at again."""
+
+CLOSED_PIPE = 141
+"""Exit code of a command whose only product nobody reads any more, as a shell says it of SIGPIPE."""
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, outside the time loop."""
+
+
+def main() -> None:
+    """Entry point of the ``heavylift`` command."""
+    code = 0
+    try:
+        # the time loop and others that end well at their next step take the signal over
+        with contextlib.suppress(ValueError):  # not in the main thread
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):
+                signal.signal(number, _stop)
+            sys.unraisablehook = _swallowed
+        _open_streams()
+        # numbers that overflow are looked for where they matter; what NumPy says of them is no word for a user
+        warnings.filterwarnings("ignore", category=RuntimeWarning)
+        gc.set_threshold(YOUNG, 2, 2)
+        atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
+        from heavylift.pipeline.commands.cli import app
+
+        app()
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 0 if end.code is None else 2
+        if isinstance(end.code, str):
+            _say(end.code)
+        if isinstance(end.__context__, BrokenPipeError):  # of what prints the help
+            code = CLOSED_PIPE
+        elif isinstance(end.__context__, KeyboardInterrupt):  # of a command that no other answers for
+            code = _told(end.__context__)
+    except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
+        code = CLOSED_PIPE
+    except BaseException as error:  # noqa: BLE001  the last place where it can be told
+        code = _told(error)
+    # a signal from here on would find nobody: the process is over but for what Python tidies up
+    with contextlib.suppress(ValueError):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):
+            signal.signal(number, signal.SIG_IGN)
+    sys.exit(_closed(code))
+
+
+_WAITING: list[int] = []
+"""Signal that waits for the end of an import."""
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    """End what is being done; an import first comes to its end.
+
+    Some libraries, VTK among them, are left half loaded by an exception while they load, and end the process then.
+    """
+    if number != signal.SIGALRM:
+        _WAITING[:] = [number]
+    if not _WAITING:
+        return
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            signal.setitimer(signal.ITIMER_REAL, ASKED_AGAIN)
+            return
+        frame = frame.f_back
+    number = _WAITING.pop()
+    raise Terminated if number == signal.SIGTERM else KeyboardInterrupt
+
+
+def _swallowed(what: sys.UnraisableHookArgs) -> None:
+    """Ask again where Python cannot raise, as while it throws an object away; the rest is told as ever."""
+    if isinstance(what.exc_value, KeyboardInterrupt):
+        _WAITING[:] = [signal.SIGTERM if isinstance(what.exc_value, Terminated) else signal.SIGINT]
+        signal.setitimer(signal.ITIMER_REAL, ASKED_AGAIN)
+    else:
+        sys.__unraisablehook__(what)
+
+
+def _open_streams() -> None:
+    """Streams that take what is said.
+
+    Where a descriptor was closed before the process began, the next file that is opened would get its number, and
+    whatever libraries print would be written into that file. Names of folders need not be UTF-8.
+    """
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _closed(code: int) -> int:
+    """The exit code, once all that was said is out; a document that is lost is no success."""
+    from heavylift.pipeline.log import flush_output, lost_output
+
+    flush_output()
+    if code == 0 and lost_output() is not None:
+        from heavylift.numerics.outcome import Outcome
+
+        return int(Outcome.DISK_FULL)
+    return code
+
+
+def _told(error: BaseException) -> int:
+    """Say what no command has answered in a line; returns the exit code."""
+    from heavylift.numerics.outcome import Outcome
+
+    if isinstance(error, KeyboardInterrupt):
+        line, outcome = interruption(error), Outcome.INTERRUPTED
+    elif isinstance(error, MemoryError):
+        line, outcome = out_of_memory(error), Outcome.OUT_OF_MEMORY
+    elif isinstance(error, OSError) and error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}:
+        line, outcome = f"output is lost: {error.strerror}", Outcome.DISK_FULL
+    else:
+        line, outcome = _fault(error), Outcome.FAULT
+    _say(line)
+    if "--json" in sys.argv:
+        import json
+
+        document = {"error": line, "outcome": outcome.name.lower(), "details": []}
+        _say(json.dumps(document, indent=2), sys.stdout)
+    return int(outcome)
+
+
+def interruption(error: KeyboardInterrupt) -> str:
+    """A line about Ctrl-C or SIGTERM outside the time loop."""
+    name = "SIGTERM: stopped" if isinstance(error, Terminated) else "interrupted"
+    return f"{name}; what was written is kept"
+
+
+def out_of_memory(error: MemoryError) -> str:
+    """A line about memory that the machine does not have."""
+    return f"not enough memory{f': {error}' if str(error) else ''}"
+
+
+def _fault(error: BaseException) -> str:
+    """A line about a fault of the program, whose traceback goes to a file."""
+    import traceback
+    from pathlib import Path
+
+    from heavylift.numerics.outcome import in_one_line
+
+    reason = in_one_line(f"{type(error).__name__}: {error}" if str(error) else type(error).__name__)
+    frames = traceback.extract_tb(error.__traceback__)
+    where = f" in {Path(frames[-1].filename).name}, line {frames[-1].lineno}" if frames else ""
+    try:
+        file = _write_traceback(error, error.__traceback__)
+    except OSError:
+        return f"a fault of the program, not of the input: {reason}{where}"
+    return f"a fault of the program, not of the input: {reason}{where}; {file} tells more"
+
+
+def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:
+    """File with all that is known, in the current folder or, if that cannot be written, the one of temporary files."""
+    import platform
+    import tempfile
+    import traceback
+    from importlib import metadata
+    from pathlib import Path
+
+    name = f"heavylift-fault-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.txt"
+    text = [
+        f"heavylift {metadata.version('heavylift')}, Python {platform.python_version()}, {platform.platform()}",
+        f"command: {sys.argv!r}",
+        f"folder: {os.environ.get('PWD', '')!r}",
+        "",
+        *traceback.format_exception(type(error), error, trace),
+    ]
+    content = "\n".join(text).encode("utf-8", "backslashreplace")
+    try:
+        file = Path.cwd() / name
+        file.write_bytes(content)
+    except OSError:  # perhaps the folder is gone
+        file = Path(tempfile.gettempdir()) / name
+        file.write_bytes(content)
+    return file
+
+
+def _say(line: str, stream: object = None) -> None:
+    from heavylift.pipeline.log import say_on
+
+    say_on(stream or sys.stderr, line)  # type: ignore[arg-type]

@@ -1,0 +1,188 @@
+"""Falls of n parts: a rope between sheaves of a crown and those of a hook block, from one winch or two.
+
+All sheaves of the crown turn about one axis, those of the block about another one below it; the rope turns the same way
+over all of them, so that its parts run straight down on one side and up, by one sheave aside, on the other. With the
+modulus EA, the distance H of the axes and the rest of the rope, arcs and lead, l::
+
+    k = n^2 EA / (n H + l),        speed of the rope = n times that of the hook
+
+"Integrated simulation ... (2018)", eq. (219), with the arcs of true tangents. Parts at a distance a from the middle
+hold the block against turning about the vertical: sum T a^2/H. It does not tilt, as it hangs below its sheaves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from annotated_types import Interval
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Absent, BodyPoint, NameOf, Positive, Quantity, Square
+from heavylift.pipeline.equipment.moves import Move, check_moves, speeds_of
+from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, heading, listed
+
+if TYPE_CHECKING:
+    from heavylift.pipeline.equipment.parts import Made, Places
+
+__all__ = ["Falls"]
+
+
+@EQUIPMENT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FallsCrown:
+    """Where a part of the falls is on what carries it."""
+
+    body: Annotated[str, NameOf("side")]
+    """Body, or ``"ground"``."""
+    point: Annotated[NDArray[np.float64], BodyPoint()]
+    """Middle of the axis of the crown, or place of a drum [m], in the coordinates of the geometry of the body; of the
+    ground in the world."""
+
+
+@EQUIPMENT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FallsRope:
+    """The rope of falls."""
+
+    axial_stiffness: Annotated[float, Positive("force")]
+    """EA [N]."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """Tension per rate of elongation [N s/m], while it is taut."""
+
+
+@EQUIPMENT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HookBlock:
+    """The hook block: sheaves about y of its axes, and the hook below them."""
+
+    mass: Annotated[float, Positive("mass")]
+    """Mass [kg]; its centre is half way from the sheaves to the hook."""
+    inertia: Annotated[NDArray[np.float64] | None, Quantity("moment of inertia"), Square(3), Absent()] = None
+    """About its centre of mass [kg m^2]; that of a box as deep as the hook and as wide as the sheaves if absent."""
+    hook_depth: Annotated[float, Positive("length")] = 1.5
+    """Of the hook below the axis of the sheaves [m]: what hangs on it is at ``[0, 0, -hook_depth]``."""
+
+
+@EQUIPMENT.describe("falls")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Falls:
+    """A hook block on a rope of n parts, which a winch hauls in."""
+
+    CHANNELS: ClassVar = ()
+    """None of its own: rope, block and the place of the block below its crown have theirs."""
+
+    name: str
+    crown: FallsCrown
+    """Upper sheaves."""
+    along: Annotated[tuple[float, float, float], Quantity("number")] = (1.0, 0.0, 0.0)
+    """Horizontal direction in the planes of the sheaves at the start, in the world; any length. With a drum its parts
+    run down on the side that is farther from it."""
+    parts: Annotated[int, Interval(ge=2)]
+    """Parts of rope that carry the block: an even number."""
+    sheave_radius: Annotated[float, Positive("length")]
+    """Of all sheaves [m]."""
+    sheave_spacing: Annotated[float | None, Positive("length")] = None
+    """Of sheaves beside each other [m]; a quarter of their radius if absent."""
+    drop: Annotated[float, Positive("length")]
+    """Height of the axis of the crown above that of the block at the start [m]."""
+    block: HookBlock
+    """The hook block."""
+    rope: FallsRope
+    """The rope; it is as long as drawn."""
+    drum: FallsCrown | None = None
+    """First drum; the rope begins at the crown if absent."""
+    other_drum: FallsCrown | None = None
+    """Second drum; the rope ends at the crown if absent. Both haul in together."""
+    moves: tuple[Move, ...] = ()
+    """How the hook is hoisted, upwards if positive: distances and speeds of the hook, one move after the other."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """The rope ends at the crown; the block is below it; moves follow each other."""
+        if said.parts % 2:
+            raise InputError(f"{said.parts} parts", key="parts", expected="an even number")
+        heading(said.along, "along")
+        if said.drop <= 2.0 * said.sheave_radius:
+            raise InputError(
+                f"{said.drop:.6g} m with sheaves of {said.sheave_radius:.6g} m",
+                key="drop",
+                expected=f"more than {2.0 * said.sheave_radius:.6g} m",
+            )
+        check_moves(said.moves, "moves")
+        highest = np.cumsum([move.distance for move in said.moves]).max(initial=0.0)
+        if said.drop - highest <= 2.0 * said.sheave_radius:
+            raise InputError(
+                f"hoisted by {highest:.6g} m, and the block is {said.drop:.6g} m below its crown",
+                key="moves",
+                expected=f"less than {said.drop - 2.0 * said.sheave_radius:.6g} m",
+            )
+
+    @staticmethod
+    def build(said: Any, places: Places, made: Made) -> None:
+        """Write block, rope and the place of the block below its crown."""
+        name, r, count = said.name, said.sheave_radius, said.parts // 2
+        along, angle = heading(said.along, "along")
+        across = np.cross(-DOWN, along)
+        crown = places.world(said.crown.body, said.crown.point)
+        spacing = said.sheave_spacing or 0.25 * r
+        aside = (np.arange(count) - 0.5 * (count - 1)) * spacing
+        depth, mass, width = said.block.hook_depth, said.block.mass, count * spacing
+        box = [mass * (a * a + b * b) / 12.0 for a, b in ((width, depth), (2 * r, depth), (2 * r, width))]
+        place = crown + said.drop * DOWN
+        centre = [0.0, 0.0, -0.5 * depth]
+        inertia = said.block.inertia or box
+        made.rigid(f"{name}_block", mass, inertia, place, angle, key="block", centre_of_mass=centre)
+
+        def on_crown(x: float, y: float) -> dict[str, Any]:
+            point = places.local(said.crown.body, crown + x * along + y * across)
+            return {"body": said.crown.body, "point": listed(point)}
+
+        def sheave(y: float) -> dict[str, Any]:
+            start = places.local(said.crown.body, crown)
+            axis = places.local(said.crown.body, crown + across) - start
+            return on_crown(0.0, y) | {"radius": r, "axis": listed(axis)}
+
+        path = [on_crown(r, float(aside[0]))]
+        if said.drum is not None:
+            path = [_drum(said, "drum", crown, along, places), sheave(float(aside[0]))]
+        for k in range(count):
+            lower = {"body": f"{name}_block", "point": [0.0, float(aside[k]), 0.0]}
+            path.append(lower | {"radius": r, "axis": [0.0, 1.0, 0.0]})
+            if k < count - 1:
+                path.append(sheave(0.5 * float(aside[k] + aside[k + 1])))
+        if said.other_drum is None:
+            path.append(on_crown(-r, float(aside[-1])))
+        else:
+            path += [sheave(float(aside[-1])), _drum(said, "other_drum", crown, -along, places)]
+        rope = {"name": f"{name}_rope", "path": path, "axial_stiffness": said.rope.axial_stiffness}
+        rope["damping"] = said.rope.damping
+        if said.moves:
+            rope["winch"] = speeds_of(said.moves, float(said.parts))
+        made.add("ropes", rope, "rope")
+        middle = places.local(said.crown.body, crown)
+        lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}
+        lead |= {
+            key: listed(places.local(said.crown.body, crown + way) - middle)
+            for key, way in (("axis", DOWN), ("normal", across))
+        }
+        made.add("leads", lead | {"points": [list(said.crown.point), [0.0, 0.0, 0.0]]}, "crown")
+
+
+def _drum(
+    said: Any, key: str, crown: NDArray[np.float64], along: NDArray[np.float64], places: Places
+) -> dict[str, Any]:
+    """Place of a drum, on the side from which its lead comes over the crown."""
+    drum = getattr(said, key)
+    place = places.world(drum.body, drum.point) - crown
+    if place @ along > -said.sheave_radius:
+        raise InputError(
+            f"it is {float(place @ along):.6g} m from the crown along 'along'",
+            key=f"{key}.point",
+            expected=f"less than {-said.sheave_radius:.6g} m: the lead comes over the crown from that side"
+            if key == "drum"
+            else f"less than {-said.sheave_radius:.6g} m the other way: the lead leaves over the crown on that side",
+        )
+    return {"body": drum.body, "point": list(drum.point)}

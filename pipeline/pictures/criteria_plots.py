@@ -1,0 +1,231 @@
+"""Plots of criteria: a load over the curve of its crane, what criteria use over time, how tensions are spread."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from heavylift.pipeline.pictures.plots import (
+    COLOURS,
+    GREY,
+    INK,
+    add_legend,
+    add_title,
+    few_colours,
+    figure_png,
+    plain_text,
+    plot_figure,
+    tidy_axes,
+)
+from heavylift.pipeline.results.signals import envelope, scaled_unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["Band", "crane_plot", "tension_plot", "utilisation_plot"]
+
+_LIMIT = "#b8322a"
+_FEW = 8  # curves with names of their own
+
+
+class Band(NamedTuple):
+    """A phase of an operation: from when to when [s], and its name."""
+
+    begin: float
+    end: float
+    name: str
+
+
+def crane_plot(
+    radii: Sequence[float],
+    capacities: Sequence[float],
+    radius: NDArray[np.float64],
+    load: NDArray[np.float64],
+    *,
+    title: str,
+    governing: tuple[float, float] | None = None,
+) -> bytes:
+    """Load over radius, under the capacity of a crane.
+
+    Parameters
+    ----------
+    radii, capacities
+        Curve of the crane [m], [N].
+    radius, load
+        Of the run [m], [N], shape (nt,).
+    title
+        Heading.
+    governing
+        Radius and load that are nearest to the curve, marked.
+    """
+    figure = plot_figure(4.6)
+    axes = figure.subplots()
+    scale = scaled_unit("N", [np.array(capacities), load])
+    axes.plot(radii, np.array(capacities) / scale.divisor, "-o", color=_LIMIT, lw=1.8, ms=4, label="capacity")
+    axes.fill_between(radii, np.array(capacities) / scale.divisor, color=_LIMIT, alpha=0.06, lw=0)
+    axes.plot(radius, load / scale.divisor, color=COLOURS[0], lw=1.2, label="load over the run")
+    axes.plot(
+        radius[:1],
+        load[:1] / scale.divisor,
+        "o",
+        color="white",
+        mec=COLOURS[0],
+        ms=6,
+        label="start",
+        zorder=3,
+    )
+    if governing is not None:
+        axes.plot(
+            [governing[0]],
+            [governing[1] / scale.divisor],
+            "D",
+            color=COLOURS[1],
+            ms=7,
+            label="governs",
+            zorder=4,
+        )
+    finite = np.isfinite(radius)
+    low = min(radii[0], float(radius[finite].min(initial=radii[0])))
+    high = max(radii[-1], float(radius[finite].max(initial=radii[-1])))
+    axes.set_xlim(low - 0.04 * (high - low), high + 0.04 * (high - low))
+    axes.set_ylim(bottom=0.0)
+    tidy_axes(axes)
+    axes.set_xlabel("radius [m]", color=INK)
+    axes.set_ylabel(f"load [{scale.text}]", color=INK)
+    add_legend(axes)
+    add_title(figure, title)
+    return few_colours(figure_png(figure))
+
+
+def utilisation_plot(
+    histories: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]],
+    *,
+    title: str,
+    bands: Sequence[Band] = (),
+) -> bytes:
+    """What criteria use of their limits over time, the limit at 100 %, phases as bands.
+
+    Parameters
+    ----------
+    histories
+        Times [s] and utilisations, by name; beyond the first eight names the rest is drawn in grey.
+    title
+        Heading.
+    bands
+        Phases of the operation.
+    """
+    figure = plot_figure(4.4 + 0.22 * min(len(histories), _FEW))
+    axes = figure.subplots()
+    every = [times for times, _ in histories.values()]
+    begin, end = min(float(t[0]) for t in every), max(float(t[-1]) for t in every)
+    unit = scaled_unit("s", every)
+    for number, (name, (times, used)) in enumerate(histories.items()):
+        shown = np.where(np.isfinite(used), 100.0 * used, np.nan)
+        t, y = envelope(times, shown) if np.isfinite(shown).all() else (times, shown)
+        few = number < _FEW
+        colour = COLOURS[number % len(COLOURS)] if few else GREY
+        label = name if few else "others" if number == _FEW else None
+        axes.plot(
+            t / unit.divisor, y, color=colour, lw=1.1 if few else 0.6, label=label and plain_text(label)
+        )
+    axes.axhline(100.0, color=_LIMIT, lw=1.4, ls=(0, (5, 3)))
+    axes.set_xlim(begin / unit.divisor, max(end, begin + 1e-12) / unit.divisor)
+    peaks = [100.0 * float(np.nanmax(u[np.isfinite(u)], initial=0.0)) for _, u in histories.values()]
+    axes.set_ylim(0.0, min(max(115.0, 1.15 * max(peaks)), 400.0))
+    _draw_bands(axes, bands, unit.divisor)
+    tidy_axes(axes)
+    axes.set_xlabel(f"time [{unit.text}]", color=INK)
+    axes.set_ylabel("used of the limit [%]", color=INK)
+    axes.legend(
+        loc="upper left",
+        bbox_to_anchor=(0.0, -0.16),
+        ncols=2,
+        frameon=False,
+        fontsize=9.0,
+        labelcolor=INK,
+        handlelength=1.4,
+    )
+    add_title(figure, title)
+    return few_colours(figure_png(figure))
+
+
+def tension_plot(
+    times: NDArray[np.float64],
+    tensions: Mapping[str, NDArray[np.float64]],
+    *,
+    title: str,
+    bands: Sequence[Band] = (),
+) -> bytes:
+    """Tensions of several ropes, the band between the smallest and the largest one, and their mean.
+
+    Parameters
+    ----------
+    times
+        [s], shape (nt,).
+    tensions
+        By name [N], shape (nt,); single curves are drawn of up to eight.
+    title
+        Heading.
+    bands
+        Phases of the operation.
+    """
+    figure = plot_figure(4.1)
+    axes = figure.subplots()
+    values = np.array(list(tensions.values()))
+    scale, unit = scaled_unit("N", [values]), scaled_unit("s", [times])
+    t = times / unit.divisor
+    axes.fill_between(
+        t,
+        values.min(axis=0) / scale.divisor,
+        values.max(axis=0) / scale.divisor,
+        color=COLOURS[0],
+        alpha=0.16,
+        lw=0,
+        label="smallest to largest",
+    )
+    if len(tensions) <= _FEW:
+        for number, (name, one) in enumerate(tensions.items()):
+            axes.plot(
+                t, one / scale.divisor, color=COLOURS[number % len(COLOURS)], lw=0.9, label=plain_text(name)
+            )
+    axes.plot(t, values.mean(axis=0) / scale.divisor, color=INK, lw=1.2, ls=(0, (4, 2)), label="mean")
+    axes.set_xlim(t[0], max(t[-1], t[0] + 1e-12))
+    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    _draw_bands(axes, bands, unit.divisor)
+    tidy_axes(axes)
+    axes.set_xlabel(f"time [{unit.text}]", color=INK)
+    axes.set_ylabel(f"tension [{scale.text}]", color=INK)
+    axes.legend(
+        loc="upper left",
+        bbox_to_anchor=(0.0, -0.16),
+        ncols=5,
+        frameon=False,
+        fontsize=9.0,
+        labelcolor=INK,
+        handlelength=1.4,
+    )
+    add_title(figure, title)
+    return few_colours(figure_png(figure))
+
+
+def _draw_bands(axes: Any, bands: Sequence[Band], divisor: float) -> None:
+    """Every second phase shaded, with its name at the top."""
+    for number, band in enumerate(bands):
+        begin, end = band.begin / divisor, band.end / divisor
+        if number % 2:
+            axes.axvspan(begin, end, color=GREY, alpha=0.10, lw=0, zorder=0)
+        axes.annotate(
+            plain_text(band.name),
+            (0.5 * (begin + end), 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, -3),
+            textcoords="offset points",
+            fontsize=8,
+            color=GREY,
+            ha="center",
+            va="top",
+            clip_on=True,
+        )

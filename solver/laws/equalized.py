@@ -1,0 +1,553 @@
+"""Lines of one force: an equalizer whose moving pulleys have no mass, as one row for all its lines.
+
+Pulley i slides along a guide from its outlet A in the direction d, and a line of the length l leads from it to a lug B.
+With ``w = B - A`` the line reaches the lug at the depth ::
+
+    z = w . d - sqrt(l^2 - p^2),        p^2 = |w|^2 - (w . d)^2
+
+All pulleys are on one rope, so ``sum z = Z``, and each is pulled up by twice its tension, which lines at the angle a to
+the guide balance with ``F_i = 2 T / cos a_i``. That is one row: ``e = sum z - Z``, its force 2 T = K max(0, e), and the
+stretch of lines and rope its compliance ``1/K = sum 1/k_i + 1/k_r`` ("Integrated simulation ... (2018)", section 2.4.7;
+k_i = EA cos^2 a/l as drawn, k_r = 4 EA/L of the rope).
+
+A pulley at a stop leaves that row and its line gets one of its own, ``F cos a = k_i max(0, z - stop)``: at the lower
+stop the line takes whatever comes, at the upper one it goes slack. Rows change between steps, where both say the same,
+so nothing jumps; the energy by which they miss that is booked as lost. Depths are carried with the rates of the rows,
+as the lengths of ropes are (`heavylift.solver.laws.wire_rope`), and forces are discrete gradients of the energy.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Least, Positive, Quantity, Shape
+from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import Vector as VectorField
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.interface import (
+    Workspace,
+    fill_rows,
+    record_joints,
+    relinearise,
+    set_targets,
+    update_rows,
+    watch_joints,
+)
+from heavylift.solver.joints.row_writing import add_direction_row
+from heavylift.solver.kinds import implement
+from heavylift.solver.laws.forces import pull
+from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.ringing import steady_rate
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import ROPES, RopePoint
+from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+
+__all__ = [
+    "EqualizedEntry",
+    "EqualizedLine",
+    "EqualizedLines",
+    "EqualizedState",
+    "LineState",
+    "SharedLines",
+]
+
+SETTLING = 50
+"""Rounds in which stops are found; each but the last sends a pulley to a stop or takes it off."""
+
+
+@ROPES.describe("equalized")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SharedLines:
+    """Lines of one force: an equalizer without the masses of its pulleys, as `[[equalizers]]` writes it."""
+
+    CHANNELS: ClassVar = (
+        ChannelKind("tension", "force", "tension of the rope over all pulleys"),
+        *interval_extremes("tension", "force"),
+        ChannelKind(
+            "segment_tension", "force", "tension of each segment of the rope, from its first end on", None
+        ),
+    )
+    """What it records, in the order of its columns; of segments the lines."""
+
+    name: str
+    path: Annotated[tuple[RopePoint, ...], Least(4)]
+    """An outlet and a lug for each line in turn; all outlets are on one body."""
+    lengths: Annotated[NDArray[np.float64], Positive("length"), Shape((None,))]
+    """Unstretched lengths of the lines [m]."""
+    direction: Annotated[tuple[float, float, float], Quantity("number")] = (0.0, 0.0, -1.0)
+    """Of all guides, in the coordinates of the geometry of that body; any length."""
+    depth: Annotated[float, Positive("length")]
+    """Mean of the depths of all pulleys below their outlets, while nothing stretches [m]."""
+    up: Annotated[float, Positive("length")]
+    """Travel of a pulley from that depth towards its outlet [m]."""
+    down: Annotated[float, Positive("length")]
+    """Travel of a pulley from that depth away from its outlet [m]."""
+    axial_stiffness: Annotated[float, Positive("force")]
+    """EA of the rope over all pulleys [N]."""
+    rope_length: Annotated[float, Positive("length")]
+    """Unstretched length of that rope [m]."""
+    line_stiffness: Annotated[float, Positive("force")]
+    """EA of the lines [N]."""
+    damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """Of each line: tension per rate of elongation [N s/m], while it is taut."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A length a line, eyes alone, one body with all outlets, travel within the depth."""
+        if len(said.path) != 2 * len(said.lengths):
+            raise InputError(
+                f"{len(said.path)} places and {len(said.lengths)} lengths",
+                key="lengths",
+                expected="two places, outlet and lug, a length",
+            )
+        for place, stop in enumerate(said.path):
+            if stop.radius > 0.0:
+                raise InputError("a pulley", key=f"path.{place}.radius", expected="places without 'radius'")
+        if len({stop.body for stop in said.path[::2]}) > 1:
+            raise InputError("outlets on several bodies", key="path", expected="all outlets on one body")
+        if said.up >= said.depth:
+            raise InputError(
+                f"{said.up:.6g} m at a depth of {said.depth:.6g} m",
+                key="up",
+                expected=f"less than {said.depth:.6g} m",
+            )
+
+    @property
+    def segment_count(self) -> int:
+        """How many tensions it records beside that of the rope."""
+        return len(self.path) // 2
+
+    @property
+    def legs(self) -> list[tuple[RopePoint, ...]]:
+        """Pieces of the path as they are drawn."""
+        return [(self.path[k], self.path[k + 1]) for k in range(0, len(self.path), 2)]
+
+
+class EqualizedEntry(Record):
+    """An equalizer.
+
+    Attributes
+    ----------
+    block
+        Number of the first block of the row of all lines.
+    attachments
+        How many sides it has.
+    first, count
+        Its first line, and how many.
+    column
+        First record column.
+    total
+        Z, sum of the depths of the pulleys [m].
+    compliance
+        1/k_r of the rope [m/N].
+    damping
+        Of the row of all lines [N s/m].
+    """
+
+    block: int
+    attachments: int
+    first: int
+    count: int
+    column: int
+    total: float
+    compliance: float
+    damping: float
+
+
+class EqualizedLine(Record):
+    """A line.
+
+    Attributes
+    ----------
+    outlet, lug, guide
+        Markers of two points and a direction.
+    block, attachments
+        Number of the block of its own row, and how many sides that has.
+    own_outlet, own_lug, all_outlet, all_lug
+        Attachments of both ends in its own row and in that of all lines, -1 on the ground.
+    length, stiffness
+        Unstretched [m]; EA cos^2 a/l [N/m].
+    low, high
+        Depths of the pulley at its stops [m].
+    damping
+        Of its own row [N s/m].
+    """
+
+    outlet: int
+    lug: int
+    guide: int
+    block: int
+    attachments: int
+    own_outlet: int
+    own_lug: int
+    all_outlet: int
+    all_lug: int
+    length: float
+    stiffness: float
+    low: float
+    high: float
+    damping: float
+
+
+class LineState(Record):
+    """What a line carries.
+
+    Attributes
+    ----------
+    depth
+        At which it reaches its lug unstretched, as carried [m].
+    drift
+        Geometry less carried depth [m].
+    stop
+        -1 if its pulley is at the upper stop, 1 at the lower one, else 0.
+    rate
+        Of its own row in the last step [m/s].
+    by_lug, by_guide
+        Derivatives of the depth by lug and guide; by the outlet minus that by the lug.
+    cosine
+        Of its angle to the guide.
+    """
+
+    depth: float
+    drift: float
+    stop: int
+    rate: float
+    by_lug: VectorField
+    by_guide: VectorField
+    cosine: float
+
+
+class EqualizedState(Record):
+    """What an equalizer carries.
+
+    Attributes
+    ----------
+    fresh, paced
+        Whether no step has been made yet; whether two have.
+    rate, growth
+        Of the row of all lines in the last step [m/s], and half its difference from that of the step before.
+    loss
+        What dampers and stops took [J].
+    tension
+        Of the rope at the end of the last step [N].
+    extremes
+        Of the tension.
+    """
+
+    fresh: bool
+    paced: bool
+    rate: float
+    growth: float
+    loss: float
+    tension: float
+    extremes: Extremes
+
+
+class EqualizedLines(Arrays):
+    """All equalizers of a scene without masses of pulleys.
+
+    Attributes
+    ----------
+    table, lines
+        The equalizers, and the lines of all of them.
+    state, line
+        What they carry.
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state", "line")
+
+    table: Records[EqualizedEntry]
+    lines: Records[EqualizedLine]
+    state: Records[EqualizedState]
+    line: Records[LineState]
+
+    @property
+    def given(self) -> NDArray[np.int64]:
+        """Numbers of the ropes whose tension at the start is given: none."""
+        return np.zeros(0, dtype=np.int64)
+
+
+@kernel(internal=True)
+def _find_depth(kind: EqualizedLines, k: int, work: Workspace) -> float:
+    """Depth at which a line reaches its lug [m]; its derivatives are kept. No number beyond its length."""
+    entry, state = kind.lines[k], kind.line[k]
+    w0 = work.markers[entry.lug].point[0] - work.markers[entry.outlet].point[0]
+    w1 = work.markers[entry.lug].point[1] - work.markers[entry.outlet].point[1]
+    w2 = work.markers[entry.lug].point[2] - work.markers[entry.outlet].point[2]
+    d0 = work.markers[entry.guide].point[0]
+    d1 = work.markers[entry.guide].point[1]
+    d2 = work.markers[entry.guide].point[2]
+    below = w0 * d0 + w1 * d1 + w2 * d2
+    p0, p1, p2 = w0 - below * d0, w1 - below * d1, w2 - below * d2
+    root = math.sqrt(entry.length * entry.length - (p0 * p0 + p1 * p1 + p2 * p2))
+    state.by_lug[0], state.by_lug[1], state.by_lug[2] = d0 + p0 / root, d1 + p1 / root, d2 + p2 / root
+    turn = 1.0 - below / root
+    state.by_guide[0], state.by_guide[1], state.by_guide[2] = turn * w0, turn * w1, turn * w2
+    state.cosine = root / entry.length
+    return below - root
+
+
+@kernel(inline=True, internal=True)
+def _at_stop(kind: EqualizedLines, k: int) -> float:
+    """Depth of the stop at which a pulley is [m]."""
+    return kind.lines[k].high if kind.line[k].stop > 0 else kind.lines[k].low
+
+
+@kernel(internal=True)
+def _all_lines(kind: EqualizedLines, i: int) -> tuple[float, float]:
+    """Excess e of the depths [m] and stiffness K [N/m] of the row of all lines whose pulleys are at no stop."""
+    entry = kind.table[i]
+    excess, compliance = -entry.total, entry.compliance
+    for k in range(entry.first, entry.first + entry.count):
+        if kind.line[k].stop == 0:
+            excess += kind.line[k].depth
+            compliance += 1.0 / kind.lines[k].stiffness
+        else:
+            excess += _at_stop(kind, k)
+    return excess, 1.0 / compliance
+
+
+@kernel(internal=True)
+def _energy(kind: EqualizedLines, i: int) -> float:
+    """Elastic energy [J]."""
+    excess, stiffness = _all_lines(kind, i)
+    energy = 0.5 * stiffness * max(0.0, excess) ** 2
+    for k in range(kind.table[i].first, kind.table[i].first + kind.table[i].count):
+        if kind.line[k].stop != 0:
+            energy += 0.5 * kind.lines[k].stiffness * max(0.0, kind.line[k].depth - _at_stop(kind, k)) ** 2
+    return energy
+
+
+@kernel(internal=True)
+def _settle(kind: EqualizedLines, i: int) -> None:
+    """Send pulleys to their stops and take them off, until all agree: Newton's method on a broken line."""
+    entry = kind.table[i]
+    for _ in range(SETTLING):
+        excess, stiffness = _all_lines(kind, i)
+        force, changed = stiffness * max(0.0, excess), False
+        for k in range(entry.first, entry.first + entry.count):
+            line, state = kind.lines[k], kind.line[k]
+            stop = state.stop
+            if stop == 0:
+                depth = state.depth - force / line.stiffness
+                stop = 1 if depth > line.high else (-1 if depth < line.low else 0)
+            else:
+                own = line.stiffness * max(0.0, state.depth - _at_stop(kind, k))
+                if (stop > 0 and own < force) or (stop < 0 and own > force):
+                    stop = 0
+            if stop != state.stop:
+                state.stop, changed = stop, True
+        if not changed:
+            return
+
+
+@kernel(internal=True)
+def _compare(kind: EqualizedLines, i: int, k: int, depth: float) -> None:
+    """Take the geometry before the first step and while a line is slack; measure the drift."""
+    state = kind.line[k]
+    if kind.state[i].fresh:
+        state.depth = depth
+    elif state.stop == 0:
+        excess, _ = _all_lines(kind, i)
+        if excess <= 0.0:
+            state.depth = min(depth, state.depth - excess)  # a drift must not make tension
+    elif state.depth <= _at_stop(kind, k):
+        state.depth = min(depth, _at_stop(kind, k))
+    state.drift = depth - state.depth
+
+
+@kernel(inline=True, internal=True)
+def _clear(system: RowArrays, block: int, count: int) -> None:
+    for side in range(2 * block, 2 * block + count):
+        panel = system.attachments[side].panel
+        for k in range(system.attachments[side].width):
+            system.panels[panel + k * system.lanes] = 0.0
+
+
+@kernel(internal=True)
+def _add_line(
+    kind: EqualizedLines, k: int, outlet: int, lug: int, work: Workspace, system: RowArrays
+) -> None:
+    """Add ``dz/dB . (J_B - J_A) + dz/dd . J_d`` to a row with these attachments."""
+    entry, state = kind.lines[k], kind.line[k]
+    g = (state.by_lug[0], state.by_lug[1], state.by_lug[2])
+    if lug >= 0:
+        add_direction_row(system, lug, 0, work, entry.lug, g)
+    if outlet >= 0:
+        add_direction_row(system, outlet, 0, work, entry.outlet, (-g[0], -g[1], -g[2]))
+        turn = (state.by_guide[0], state.by_guide[1], state.by_guide[2])
+        add_direction_row(system, outlet, 0, work, entry.guide, turn)
+
+
+@implement(fill_rows, EqualizedLines)
+@kernel(internal=True)
+def fill_equalized_rows(
+    kind: EqualizedLines, with_residual: bool, work: Workspace, system: RowArrays
+) -> None:
+    """Row of all lines whose pulleys are at no stop, and a row of each line."""
+    for i in range(kind.table.shape[0]):
+        entry = kind.table[i]
+        for k in range(entry.first, entry.first + entry.count):
+            depth = _find_depth(kind, k, work)
+            if with_residual:
+                _compare(kind, i, k, depth)
+        if with_residual and kind.state[i].fresh:
+            _settle(kind, i)
+        _clear(system, entry.block, entry.attachments)
+        for k in range(entry.first, entry.first + entry.count):
+            line = kind.lines[k]
+            _clear(system, line.block, line.attachments)
+            _add_line(kind, k, line.own_outlet, line.own_lug, work, system)
+            if kind.line[k].stop == 0:
+                _add_line(kind, k, line.all_outlet, line.all_lug, work, system)
+            if with_residual:
+                put_residual(system, line.block, kind.line[k].depth - _at_stop(kind, k))
+        if with_residual:
+            put_residual(system, entry.block, _all_lines(kind, i)[0])
+
+
+@kernel(internal=True)
+def _force_of_all(kind: EqualizedLines, i: int, u: float, h: float) -> tuple[float, float, float]:
+    """Elastic force, force, and its derivative by the rate u, mean over a step."""
+    excess, stiffness = _all_lines(kind, i)
+    elastic, force, slope = pull(excess, excess + h * u, stiffness, kind.table[i].damping, h)
+    return elastic, force, h * slope
+
+
+@kernel(internal=True)
+def _force_of_one(kind: EqualizedLines, k: int, u: float, h: float) -> tuple[float, float, float]:
+    """The same of a line whose pulley is at a stop."""
+    line, e = kind.lines[k], kind.line[k].depth - _at_stop(kind, k)
+    elastic, force, slope = pull(e, e + h * u, line.stiffness, line.damping, h)
+    return elastic, force, h * slope
+
+
+@implement(set_targets, EqualizedLines)
+@kernel(internal=True)
+def set_equalized_targets(
+    kind: EqualizedLines, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
+) -> None:
+    """First guess: rates of the last step."""
+    if not at_midpoint:
+        return
+    for i in range(kind.table.shape[0]):
+        entry, u = kind.table[i], kind.state[i].rate
+        _, force, slope = _force_of_all(kind, i, u, step)
+        put_law(system, entry.block, step, u, force, slope)
+        for k in range(entry.first, entry.first + entry.count):
+            u = kind.line[k].rate
+            force = slope = 0.0
+            if kind.line[k].stop != 0:
+                _, force, slope = _force_of_one(kind, k, u, step)
+            put_law(system, kind.lines[k].block, step, u, force, slope)
+
+
+@kernel(inline=True, internal=True)
+def _rate(system: RowArrays, block: int, attachments: int, work: Workspace) -> float:
+    """Rate of a row in the middle of the step [m/s]."""
+    return row_rate(system, 2 * block, 2 * block + attachments, work.velocity)
+
+
+@implement(relinearise, EqualizedLines)
+@kernel(internal=True)
+def relinearise_equalized(
+    kind: EqualizedLines, time: float, step: float, work: Workspace, system: RowArrays
+) -> None:
+    """Fit the forces to the rates found."""
+    for i in range(kind.table.shape[0]):
+        entry = kind.table[i]
+        u = _rate(system, entry.block, entry.attachments, work)
+        _, force, slope = _force_of_all(kind, i, u, step)
+        fit_law(system, entry.block, step, u, force, slope, work)
+        for k in range(entry.first, entry.first + entry.count):
+            if kind.line[k].stop == 0:
+                continue
+            line = kind.lines[k]
+            u = _rate(system, line.block, line.attachments, work)
+            _, force, slope = _force_of_one(kind, k, u, step)
+            fit_law(system, line.block, step, u, force, slope, work)
+
+
+@implement(update_rows, EqualizedLines)
+@kernel(internal=True)
+def update_equalized(
+    kind: EqualizedLines, time: float, step: float, work: Workspace, system: RowArrays
+) -> None:
+    """Carry the depths over the step; what dampers took; stops."""
+    for i in range(kind.table.shape[0]):
+        entry, state = kind.table[i], kind.state[i]
+        u = _rate(system, entry.block, entry.attachments, work)
+        elastic, force, _ = _force_of_all(kind, i, u, step)
+        state.loss += (force - elastic) * step * u
+        for k in range(entry.first, entry.first + entry.count):
+            line, own = kind.lines[k], kind.line[k]
+            rate = _rate(system, line.block, line.attachments, work)
+            if own.stop != 0:
+                elastic, force, _ = _force_of_one(kind, k, rate, step)
+                state.loss += (force - elastic) * step * rate
+            own.depth += step * rate + RETURN * min(0.0, own.drift)
+            own.rate = rate
+        before = _energy(kind, i)
+        _settle(kind, i)
+        state.loss += before - _energy(kind, i)
+        state.growth = step / (step + work.control.last_step) * (u - state.rate)
+        state.rate, state.paced = u, not state.fresh
+        state.fresh = False
+
+
+@kernel(internal=True)
+def _end_force(kind: EqualizedLines, i: int, rate: float) -> float:
+    """Twice the tension of the rope at the end of a step [N], where the row of all lines grows at a rate [m/s]."""
+    state = kind.state[i]
+    excess, stiffness = _all_lines(kind, i)
+    if excess <= 0.0:
+        return 0.0
+    stretching = steady_rate(state.rate, state.growth, rate) if state.paced else rate
+    return max(0.0, stiffness * excess + kind.table[i].damping * stretching)
+
+
+@implement(watch_joints, EqualizedLines)
+@kernel(internal=True)
+def watch_equalized(kind: EqualizedLines, work: Workspace, system: RowArrays) -> None:
+    """Tensions at the end of the step."""
+    for i in range(kind.table.shape[0]):
+        entry, state = kind.table[i], kind.state[i]
+        rate = _rate(system, entry.block, entry.attachments, work) if entry.damping > 0.0 else 0.0
+        state.tension = 0.5 * _end_force(kind, i, rate)
+        note_value(state.extremes, work.control.interval, state.tension)
+
+
+@implement(record_joints, EqualizedLines)
+@kernel(internal=True)
+def record_equalized(
+    kind: EqualizedLines, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Tension of the rope, its extremes, tensions of the lines."""
+    for i in range(kind.table.shape[0]):
+        entry, state = kind.table[i], kind.state[i]
+        for k in range(entry.first, entry.first + entry.count):
+            _compare(kind, i, k, _find_depth(kind, k, work))
+        if state.fresh:
+            _settle(kind, i)
+            state.tension = 0.5 * _end_force(kind, i, 0.0)
+        column, interval = entry.column, work.control.interval
+        row[column] = state.tension
+        row[column + 1] = largest_of(state.extremes, interval, state.tension)
+        row[column + 2] = smallest_of(state.extremes, interval, state.tension)
+        for k in range(entry.first, entry.first + entry.count):
+            line, own = kind.lines[k], kind.line[k]
+            force = 2.0 * state.tension
+            if own.stop != 0:
+                e = own.depth - _at_stop(kind, k)
+                force = max(0.0, line.stiffness * e + line.damping * own.rate) if e > 0.0 else 0.0
+            row[column + 3 + k - entry.first] = force / own.cosine
+        work.sums.elastic += _energy(kind, i)
+        work.sums.dissipated += state.loss

@@ -1,0 +1,132 @@
+"""Equalizers without masses of pulleys become one kind: markers, rows, stiffnesses as drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.solver.interface import FORCES, ROWS
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.packing import start_frames
+from heavylift.solver.laws.equalized import (
+    EqualizedEntry,
+    EqualizedLine,
+    EqualizedLines,
+    EqualizedState,
+    LineState,
+    SharedLines,
+)
+from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.rows.structure import Attachment
+from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.scene import AnyBody
+
+__all__ = ["pack_equalized"]
+
+
+def pack_equalized(
+    members: Sequence[SharedLines],
+    columns: Sequence[int],
+    book: MarkerBook,
+    attachment: Callable[[str], Attachment],
+    scales: Callable[[str], tuple[float, float]],
+    bodies: Sequence[AnyBody],
+    add: Callable[[LawBlock], int],
+    *,
+    integrator: str,
+) -> EqualizedLines:
+    """Make the kind; `add` takes a row and gives its number.
+
+    Raises
+    ------
+    InputError
+        If a line does not reach its lug, or the integrator takes no rows that change at stops.
+    """
+    if integrator == "accurate":
+        raise InputError(
+            "'accurate' with lines of one force, whose rows change at stops",
+            source=members[0].name,
+            key="type",
+            expected="integrator 'dele2', or an equalizer with pulleys",
+        )
+    table: list[tuple[Any, ...]] = []
+    lines: list[tuple[Any, ...]] = []
+    for rope, column in zip(members, columns, strict=True):
+        count, first = rope.segment_count, len(lines)
+        level = FORCES if rope.damping > 0.0 else ROWS
+        held = list(dict.fromkeys(stop.body for stop in rope.path if stop.body != GROUND))
+        block = _row(rope.name, held, attachment, scales, add)
+        direction = np.asarray(rope.direction, dtype=np.float64)
+        direction = direction / np.linalg.norm(direction)
+        for k in range(count):
+            outlet, lug = rope.path[2 * k], rope.path[2 * k + 1]
+            cosine = _start_cosine(rope, k, direction, bodies)
+            pair = list(dict.fromkeys(stop.body for stop in (outlet, lug) if stop.body != GROUND))
+            own = _row(rope.name, pair, attachment, scales, add)
+            markers = (
+                book.point(outlet.body, outlet.point, level),
+                book.point(lug.body, lug.point, level),
+                book.direction(outlet.body, direction, level, at=outlet.point),
+            )
+            ends = [
+                -1 if stop.body == GROUND else 2 * number + names.index(stop.body)
+                for number, names in ((own, pair), (block, held))
+                for stop in (outlet, lug)
+            ]
+            length = float(rope.lengths[k])
+            numbers = (length, rope.line_stiffness * cosine**2 / length)
+            stops = (rope.depth - rope.up, rope.depth + rope.down)
+            lines.append((*markers, own, len(pair), *ends, *numbers, *stops, rope.damping))
+        compliance = rope.rope_length / (4.0 * rope.axial_stiffness)
+        of_all = (count * rope.depth, compliance, rope.damping / count)
+        table.append((block, len(held), first, count, column, *of_all))
+    state = records(EqualizedState, len(table))
+    state["fresh"] = True
+    return EqualizedLines(
+        records(EqualizedEntry, table), records(EqualizedLine, lines), state, records(LineState, len(lines))
+    )
+
+
+def _row(
+    name: str,
+    held: Sequence[str],
+    attachment: Callable[[str], Attachment],
+    scales: Callable[[str], tuple[float, float]],
+    add: Callable[[LawBlock], int],
+) -> int:
+    """Number of a new row on some bodies."""
+    return add(
+        LawBlock(name, tuple(attachment(body) for body in held), sum(scales(body)[0] for body in held))
+    )
+
+
+def _start_cosine(rope: SharedLines, k: int, direction: Any, bodies: Sequence[AnyBody]) -> float:
+    """Cosine of the angle of a line to its guide as drawn."""
+    outlet, lug = (
+        start_frames(
+            FixedJoint(
+                name=rope.name,
+                body_a=GROUND,
+                body_b=stop.body,
+                frame_b=JointFrame(np.asarray(stop.point, dtype=np.float64)),
+            ),
+            bodies,
+        )[1]
+        for stop in rope.path[2 * k : 2 * k + 2]
+    )
+    way = lug.point - outlet.point
+    guide = outlet.axes @ direction
+    aside, length = float(np.linalg.norm(way - (way @ guide) * guide)), float(rope.lengths[k])
+    if not aside < length:
+        raise InputError(
+            f"line {k + 1} is {length:.6g} m long, its lug {aside:.6g} m aside from the guide",
+            source=rope.name,
+            key="lengths",
+            expected="lines that reach their lugs",
+        )
+    return float(np.sqrt(1.0 - (aside / length) ** 2))

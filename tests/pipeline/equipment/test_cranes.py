@@ -1,0 +1,196 @@
+"""Falls and gantry cranes: stiffness, speeds and hook loads against closed forms, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline import load_case, load_results, run_case
+from heavylift.pipeline.equipment.moves import positions_of, speeds_of
+
+G = 9.81
+CASES = Path(__file__).parents[3] / "cases"
+
+FALLS = """
+title = "Falls"
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+[[falls]]
+name = "hook"
+crown = {{ body = "ground", point = [0, 0, 40] }}
+parts = {parts}
+sheave_radius = 0.5
+drop = 40
+block = {{ mass = {mass} }}
+rope = {{ axial_stiffness = 256.5e6 }}
+{more}
+
+[simulate]
+start = "equilibrium"
+step = 0.01
+output_interval = 0.1
+duration = {duration}
+"""
+
+
+def run(folder: Path, text: str):
+    """Results of a case."""
+    folder.mkdir(exist_ok=True)
+    (folder / "case.toml").write_text(text)
+    case = load_case(folder)
+    run_case(case, stages=("mesh", "simulate"))
+    return load_results(case, case.output_folder)
+
+
+@pytest.mark.parametrize("parts", [2, 4, 12, 24])
+def test_stiffness_of_falls(parts, tmp_path):
+    heights, length = [], 0.0
+    for mass in (100e3, 200e3):
+        results = run(tmp_path / "falls", FALLS.format(parts=parts, mass=mass, more="", duration=0.1))
+        heights.append(results["hook_block.position"][0][2])
+        length = float(results["hook_rope.rest_length"].ravel()[0])
+        assert float(results["hook_rope.tension"].ravel()[0]) == pytest.approx(mass * G / parts, rel=1e-5)
+    # n^2 EA/(n H + l), with the arcs as the rest of the rope: half turns about n - 1 sheaves
+    assert length == pytest.approx(parts * 40.0 + (parts - 1) * math.pi * 0.5, rel=1e-5)
+    assert 100e3 * G / (heights[0] - heights[1]) == pytest.approx(parts**2 * 256.5e6 / length, rel=1e-3)
+
+
+def test_a_drum_aside_and_the_speed_of_the_hook(tmp_path):
+    more = """
+drum = { body = "ground", point = [-6, 0, 40] }
+along = [2, 0, 0]
+moves = [{ start = 1, distance = 0.5, speed = 0.05, ramp = 2 }, { start = 13, distance = -0.2, speed = 0.1, ramp = 1 }]
+"""
+    results = run(tmp_path / "drum", FALLS.format(parts=4, mass=100e3, more=more, duration=17))
+    # the lead touches the sheave where its tangent does, and leaves straight down: a wrap of pi/2 + asin(r/6)
+    lead = math.sqrt(36.0 - 0.25) + 0.5 * (0.5 * math.pi + math.asin(0.5 / 6.0))
+    length = results["hook_rope.rest_length"].ravel()
+    assert length[0] == pytest.approx(4 * 40.0 + 3 * 0.5 * math.pi + lead, rel=1e-5)
+    assert length[0] - length[-1] == pytest.approx(4 * 0.3, abs=1e-12)
+    height = results["hook_block.position"][:, 2]
+    assert (height[60] - height[40]) / 2.0 == pytest.approx(0.05, rel=5e-3)
+    assert np.abs(results["hook_lead.lead_angle"]).max() < 1e-3
+
+
+def test_two_drums_haul_in_together(tmp_path):
+    more = """
+drum = { body = "ground", point = [-6, 0, 40] }
+other_drum = { body = "ground", point = [6, 0, 40] }
+"""
+    results = run(tmp_path / "drums", FALLS.format(parts=4, mass=100e3, more=more, duration=0.1))
+    lead = math.sqrt(36.0 - 0.25) + 0.5 * (0.5 * math.pi + math.asin(0.5 / 6.0))
+    length = float(results["hook_rope.rest_length"].ravel()[0])
+    assert length == pytest.approx(4 * 40.0 + 3 * 0.5 * math.pi + 2.0 * lead, rel=1e-5)
+    assert float(results["hook_rope.tension"].ravel()[0]) == pytest.approx(25e3 * G, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        (("parts = 12", "parts = 5"), "falls.0.parts", "5 parts; expected an even number"),
+        (("drop = 40", "drop = 0.8"), "falls.0.drop", "0.8 m with sheaves of 0.5 m"),
+        (
+            ("block =", "moves = [{ start = 0, distance = 39.5, speed = 1 }]\nblock ="),
+            "falls.0.moves",
+            "hoisted by 39.5 m",
+        ),
+        (
+            ("block =", "moves = [{ start = 0, distance = 1, speed = 1 }]\nblock ="),
+            "falls.0.moves.0.distance",
+            "ramps of 5 s to 1 m/s take 5 m",
+        ),
+        (
+            ("block =", 'drum = { body = "ground", point = [6, 0, 40] }\nblock ='),
+            "falls.0.drum.point",
+            "6 m from the crown along 'along'",
+        ),
+        (
+            ('"ground", point = [0, 0, 40]', '"jib", point = [0, 0, 40]'),
+            "falls.0.crown.body",
+            "'jib' does not exist",
+        ),
+    ],
+)
+def test_one_error_with_the_key_of_the_falls(change, key, words, tmp_path):
+    text = FALLS.format(parts=12, mass=1e5, more="", duration=1)
+    assert change[0] in text
+    (tmp_path / "case.toml").write_text(text.replace(*change))
+    with pytest.raises(InputError) as refused:
+        load_case(tmp_path)
+    (line,) = str(refused.value).splitlines()
+    assert f"{key}: " in line
+    assert words in line
+
+
+def test_tables_of_moves():
+    moves = [
+        SimpleNamespace(start=2.0, distance=6.0, speed=0.3, ramp=5.0),
+        SimpleNamespace(start=60.0, distance=-3.0, speed=0.5, ramp=6.0),  # ramps alone
+    ]
+    table = positions_of(moves)
+    times = np.linspace(0.0, 90.0, 9001)
+    speeds = np.interp(times, [2, 7, 22, 27], [0, 0.3, 0.3, 0]) + np.interp(times, [60, 66, 72], [0, -0.5, 0])
+    exact = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))])
+    spline = CubicSpline(table["times"], table["values"], bc_type="clamped")
+    found = spline(np.clip(times, table["times"][0], table["times"][-1]))
+    assert np.abs(found - exact).max() < 1e-4
+    assert np.abs(found - exact)[(times > 32) & (times < 55)].max() < 1e-6
+    assert np.abs(found[times < 1.0]).max() < 1e-6  # nothing moves before its time
+    winch = speeds_of(moves, 12.0)
+    assert np.allclose(np.interp(times, winch["times"], winch["speeds"]), 12.0 * speeds, atol=1e-12)
+
+
+def statics():
+    """Rows of the table of hook loads."""
+    lines = (Path(__file__).parent / "gantry_hook_statics.csv").read_text().splitlines()
+    return [row for row in csv.DictReader(line for line in lines if line[0] != "#") if row["x1"] == "8"]
+
+
+@pytest.mark.parametrize("row", statics(), ids=lambda row: f"{row['cx']},{row['cy']}")
+def test_hook_loads_follow_from_moments(row, tmp_path):
+    text = (CASES / "gantry_lift" / "case.toml").read_text()
+    text = text[: text.index("[simulate]")].replace(
+        'mass = "350 t"', f'mass = "350 t"\ncentre_of_mass = [{row["cx"]}, {row["cy"]}, 0]'
+    )
+    text += '[simulate]\nstart = "equilibrium"\nstep = 0.005\noutput_interval = 0.1\nduration = 0.1\n'
+    results = run(tmp_path / "gantry", text)
+    for hook in (1, 2, 3):
+        lines = [float(results[f"loader_{hook}_line_{i}.tension"].ravel()[0]) for i in range(1, 6)]
+        # falls stretch by centimetres: the block tilts by 1e-3, lines lean
+        assert sum(lines) == pytest.approx(1e3 * float(row[f"F{hook}"]), rel=1e-3)
+        assert lines == pytest.approx([sum(lines) / 5.0] * 5, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        (("parts = 12, moves", "parts = 11, moves"), "gantry_cranes.0.trolleys.0.hoists.0", "11 parts"),
+        (
+            ('distance = "6 m"', 'distance = "90 m"'),
+            "gantry_cranes.0.trolleys.0.moves",
+            "it comes 90 m from the middle",
+        ),
+        (('"25 m"', '"79 m"'), "gantry_cranes.0.trolleys.0.hoists.0.drop", "the hook comes 80.5 m below"),
+        (('start = "62 s"', 'start = "22 s"'), "gantry_cranes.0.trolleys.0.hoists.0", "moves.1.start"),
+        (('start = "62 s"', 'start = "20 s"'), "gantry_cranes.0.trolleys.0.hoists.0", "ends at 24 s"),
+    ],
+)
+def test_errors_of_a_crane_stand_at_its_keys(change, key, words, tmp_path):
+    text = (CASES / "gantry_lift" / "case.toml").read_text()
+    text = text[: text.index("[simulate]")]
+    assert change[0] in text
+    (tmp_path / "case.toml").write_text(text.replace(*change))
+    with pytest.raises(InputError) as refused:
+        load_case(tmp_path)
+    lines = str(refused.value).splitlines()
+    assert f"{key}" in lines[0]
+    assert words in lines[0]

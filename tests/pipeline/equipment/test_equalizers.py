@@ -1,0 +1,354 @@
+"""Equalizers against statics and modes of independent models, their stops, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline import load_case, load_results, run_case
+from heavylift.pipeline.results.sinusoid import fit_sinusoid
+
+WEIGHT = 300e3 * 9.81
+LUGS = (-4.0, -2.0, 0.0, 2.0, 4.0)
+
+FAR = "up = 2.5, down = 2.5"
+
+LIFT = """
+title = "An equalizer"
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+[bodies.box]
+type = "rigid"
+mass = "300 t"
+inertia = [3.125e6, 3.125e6, 5e6]
+frame = {{ motion = "{motion}" }}
+initial = {{ position = [0, 0, {height}] }}
+
+[[equalizers]]
+name = "loader"
+hook = {{ body = "ground", point = [0, 0, 41] }}
+sheave_radius = 0.4
+part_length = 3
+beam = {{ mass = "15 t" }}
+{model}
+travel = {{ {travel} }}
+rope = {{ axial_stiffness = 6e8 }}
+line = {{ axial_stiffness = 6e8 }}
+lines = [
+{lines}
+]
+{more}
+
+[simulate]
+start = "equilibrium"
+step = {step}
+output_interval = {step}
+duration = {duration}
+"""
+
+
+def lift(folder: Path, lengths, *, lugs=LUGS, height=9.2, pulley="1 t", travel="up = 2, down = 2", **more):
+    """A case folder with a lift; lengths None are as drawn."""
+    lines = "\n".join(
+        f'    {{ body = "box", point = [{x}, 0, 2.5]{"" if length is None else f", length = {length}"} }},'
+        for x, length in zip(lugs, lengths, strict=True)
+    )
+    model = 'model = "massless"' if pulley is None else f'pulley = {{ mass = "{pulley}" }}'
+    given = {"motion": "free", "more": "", "step": 0.01, "duration": 0.01} | more
+    folder.mkdir(exist_ok=True)
+    text = LIFT.format(lines=lines, model=model, height=height, travel=travel, **given)
+    (folder / "case.toml").write_text(text)
+    return folder
+
+
+def run(folder: Path):
+    """Results of a case."""
+    case = load_case(folder)
+    run_case(case, stages=("simulate",))
+    return load_results(case, case.output_folder)
+
+
+def at_rest(results, name):
+    return float(results[name].ravel()[0])
+
+
+def statics():
+    """Rows of the table of statics, by configuration."""
+    lines = (Path(__file__).parent / "equalizer_statics.csv").read_text().splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+@pytest.mark.parametrize("row", statics(), ids=lambda row: row["config"])
+def test_rests_as_the_minimum_of_the_energy(row, tmp_path):
+    lengths = [float(row[f"l{i}"]) for i in range(1, 6)]
+    height = 39.5 - 3.0 - sum(lengths) / 5 - 2.5 + 0.02
+    results = run(
+        lift(tmp_path / "lift", lengths, height=height, pulley=f"{row['pulley_kg']} kg", travel=FAR)
+    )
+    for i in range(1, 6):
+        assert at_rest(results, f"loader_line_{i}.tension") == pytest.approx(
+            1e3 * float(row[f"F{i}"]), rel=1e-5
+        )
+        assert results[f"loader_pulley_{i}.position"][0][2] == pytest.approx(float(row[f"z{i}"]), abs=1e-5)
+    assert at_rest(results, "loader_rope.tension") == pytest.approx(1e3 * float(row["rope_T"]), rel=1e-5)
+    assert results["box.position"][0][2] == pytest.approx(float(row["box_z"]), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("signs", "expected"), [((1, -1, 0, 0, 0), 161.514571), ((1, 1, 1, 1, 1), 562.650331)]
+)
+def test_pulleys_swing_on_their_lines_below_a_load_that_is_held(signs, expected, tmp_path):
+    # equalizer_pulley_modes.csv: n - 1 times sqrt(k_l/m), and sqrt((k_l + 4 n k_r)/m); let go from a static push. Lines
+    # are 1 cm too short, so that all stay taut
+    push = "\n".join(
+        f'[[forces]]\nname = "push_{i}"\nbody = "loader_pulley_{i}"\npoint = [0, 0, 0]\n'
+        f"times = [0, 1e-6]\nforces = [[0, 0, {1e3 * sign}], [0, 0, 0]]"
+        for i, sign in enumerate(signs, 1)
+        if sign
+    )
+    lugs = (-3.2, -1.6, 0.0, 1.6, 3.2)
+    given = {"motion": "fixed", "more": push, "step": 5e-5, "duration": 0.08}
+    results = run(lift(tmp_path / "held", [22.99] * 5, lugs=lugs, height=11.0, **given))
+    height = results["loader_pulley_1.position"][:, 2]
+    assert 2.0 * math.pi * fit_sinusoid(results.time, height).frequency == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_line_that_holds_nothing_sends_its_pulley_to_the_upper_stop(tmp_path):
+    folder = lift(
+        tmp_path / "four",
+        [24.0, 24.0, 24.0, 24.0, 60.0],
+        height=9.2,
+        travel="up = 2.9, down = 3, at_stops = true",
+        more="\n".join(
+            f'[[sensors]]\nname = "lug_{i}"\nbody = "box"\npoint = [{x}, 0, 2.5]'
+            for i, x in enumerate(LUGS, 1)
+        ),
+    )
+    file = folder / "case.toml"
+    tilted = 'orientation = { axis = [0, -1, 0], angle = "10 deg" }'
+    file.write_text(file.read_text().replace("[0, 0, 9.2]", f"[0.8, 0, 9.2], {tilted}"))
+    results = run(folder)
+    rope = at_rest(results, "loader_rope.tension")
+    assert at_rest(results, "loader_line_5.tension") == 0.0
+    # a quarter of the load a pulley, T = (F + m g)/2
+    assert rope == pytest.approx(0.5 * (0.25 * WEIGHT + 9810.0), rel=1e-5)
+    # the stop takes 2 T - m g, with its stiffness of 5e7 N/m
+    assert at_rest(results, "loader_guide_5.travel") == pytest.approx(
+        -2.9 - (2.0 * rope - 9810.0) / 5e7, abs=1e-5
+    )
+    # the centroid of the lugs is 1 m aside, 2.5 m above the centre of mass, and comes above it; lines lean a little
+    ends = [results[f"lug_{i}.position"][0] for i in (1, 5)]
+    tilt = math.atan2(ends[0][2] - ends[1][2], ends[1][0] - ends[0][0])
+    assert tilt == pytest.approx(math.atan(1.0 / 2.5), rel=0.03)
+
+
+def test_lines_without_length_are_as_drawn(tmp_path):
+    results = run(lift(tmp_path / "drawn", [None] * 5, height=9.2, lugs=(-3.2, -1.6, 0.0, 1.6, 3.2)))
+    # 39.5 - 3 - 11.7 m of line; the load sinks by the stretch of lines and rope
+    assert at_rest(results, "loader_line_1.rest_length") == pytest.approx(24.8, abs=1e-12)
+    F = 0.2 * WEIGHT
+    sunk = F * 24.8 / 6e8 + 0.5 * (F + 9810.0) / 6e8 * (30.0 + 9.0 * math.pi * 0.4) / 10.0
+    assert results["box.position"][0][2] == pytest.approx(9.2 - sunk, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        (
+            (", 2.5]", ", -1]"),
+            "equalizers.0.lines",
+            "lugs lies 1 m below the centre of mass of 'box'",
+        ),
+        (("up = 2,", "up = 1,"), "equalizers.0.travel.up", "pulley 3 needs 1.2068 m"),
+        (("down = 2", "down = 1.5"), "equalizers.0.travel.down", "pulley 1 needs 1.8"),
+        (("up = 2,", "up = 3,"), "equalizers.0.travel.up", "pulleys would come through the fixed sheaves"),
+        (("[-2.0, 0", "[-4.0, 0"), "equalizers.0.lines.1.point", "the lugs of lines 1 and 2 coincide"),
+        (("9.2]", "7]"), "equalizers.0.lines", "the load is drawn 2.2068 m lower than its lines reach"),
+        (("[4.0, 0,", "[40.0, 0,"), "equalizers.0.lines.4.length", "the lug is 36.8 m aside from the guide"),
+        (("sheave_radius", "along = [1, 0, 1]\nsheave_radius"), "equalizers.0.along", "is not horizontal"),
+        (
+            ('"box", point = [0.0', '"bix", point = [0.0'),
+            "equalizers.0.lines.2.body",
+            "body 'bix' does not exist",
+        ),
+        (
+            ('mass = "15 t"', 'mass = "15 t", inertia = [1, 1, 5]'),
+            "equalizers.0.beam",
+            "body 'loader_beam', inertia",
+        ),
+        (("length = 23.0", "length = 1e308"), "equalizers.0", "no finite place"),
+        (('pulley = { mass = "1 t" }', ""), "equalizers.0.pulley", "is missing"),
+    ],
+)
+def test_one_error_with_the_key_of_the_builder(change, key, words, tmp_path):
+    folder = lift(tmp_path / "wrong", [23.0, 26.0, 26.0, 26.0, 23.0])
+    file = folder / "case.toml"
+    assert change[0] in file.read_text()
+    file.write_text(file.read_text().replace(*change))
+    with pytest.raises(InputError) as refused:
+        load_case(folder)
+    (line,) = str(refused.value).splitlines()
+    assert f"{key}: " in line
+    assert words in line
+
+
+def test_a_name_that_is_taken(tmp_path):
+    folder = lift(tmp_path / "twice", [23.0, 26.0, 26.0, 26.0, 23.0])
+    file = folder / "case.toml"
+    body = (
+        '[bodies.loader_beam]\ntype = "rigid"\nmass = 1\ninertia = [1, 1, 1]\nframe = { motion = "free" }\n'
+    )
+    file.write_text(file.read_text().replace("[bodies.box]", f"{body}[bodies.box]"))
+    with pytest.raises(
+        InputError, match=r"equalizers\.0\.beam: the name 'loader_beam' that it gives is already that of"
+    ):
+        load_case(folder)
+
+
+def test_repeated_equalizers_move_with_their_block(tmp_path):
+    folder = lift(tmp_path / "repeated", [23.0, 26.0, 26.0, 26.0, 23.0])
+    file = folder / "case.toml"
+    text = file.read_text().replace(
+        "[bodies.box]", '[[repeat]]\ncount = 2\nshift = [0, 20, 0]\n\n[repeat.bodies."box_{i}"]'
+    )
+    text = text.replace("[[equalizers]]", "[[repeat.equalizers]]").replace('"box"', '"box_{i}"')
+    file.write_text(text.replace('"loader"', '"loader_{i}"'))
+    case = load_case(folder)
+    assert case.bodies["loader_1_pulley_1"].initial.position[1] == 20.0
+    assert case.place("bodies.loader_1_pulley_1.mass") == "repeat.0.equalizers.0.pulley"
+    file.write_text(file.read_text().replace("up = 2,", "up = 1,"))
+    with pytest.raises(InputError, match=r"repeat.0.equalizers.0.travel.up: .* \(i = 0\)"):
+        load_case(folder)
+
+
+def test_an_extension_pulley_halves_the_force_of_its_line(tmp_path):
+    folder = lift(tmp_path / "extended", [22.0, 24.0, 24.0, 24.0, 22.0], height=9.6)
+    file = folder / "case.toml"
+    text = file.read_text()
+    for x in (-4.0, 4.0):
+        text = text.replace(
+            f"point = [{x}, 0, 2.5]", f"point = [{x}, -1.5, 2.5], other_point = [{x}, 1.5, 2.5]"
+        )
+    text = text.replace(
+        "[simulate]", "[equalizers.extension]\nmass = 100\nradius = 0.3\nsling_length = 5\n[simulate]"
+    )
+    file.write_text(text)
+    results = run(folder)
+    line, sling = (at_rest(results, f"loader_{what}_1.tension") for what in ("line", "sling"))
+    # the halves of the sling lean: from the lug 1.5 m aside up to the tangent of the pulley
+    path = results["loader_extension_1.position"][0]
+    lug = results["box.position"][0] + np.array([-4.0, -1.5, 2.5])
+    d = math.hypot(path[1] - lug[1], path[2] - lug[2])
+    lean = math.atan2(path[1] - lug[1], path[2] - lug[2]) - math.asin(0.3 / d)
+    assert sling == pytest.approx(0.5 * (line - 981.0) / math.cos(lean), rel=2e-3)
+
+
+def both_models(folder: Path, lengths, **given):
+    """Results with pulleys of a gram, and without masses of pulleys; line forces and place of the box."""
+    found = []
+    for pulley in ("1 g", None):
+        results = run(lift(folder, lengths, pulley=pulley, **given))
+        lines = [at_rest(results, f"loader_line_{i}.tension") for i in range(1, 6)] if pulley else None
+        found.append((lines or list(results["loader_rope.segment_tension"][0]), results))
+    return found
+
+
+@pytest.mark.parametrize(("lengths", "height"), [((23, 26, 26, 26, 23), 9.2), ((23, 26, 26, 26, 24), 9.0)])
+def test_without_masses_of_pulleys_lines_carry_the_same(lengths, height, tmp_path):
+    (heavy, with_pulleys), (light, without) = both_models(
+        tmp_path / "lift", lengths, height=height, travel=FAR
+    )
+    assert light == pytest.approx(heavy, rel=1e-5)
+    assert without["box.position"][0] == pytest.approx(with_pulleys["box.position"][0], abs=1e-6)
+    assert at_rest(without, "loader_rope.tension") == pytest.approx(0.1 * WEIGHT, rel=1e-9)
+
+
+def test_without_masses_of_pulleys_two_at_their_stops_take_all(tmp_path):
+    lugs = (-3.2, -1.6, 0.0, 1.6, 3.2)
+    folder = lift(
+        tmp_path / "stopped",
+        (23, 26, 26, 26, 23),
+        lugs=lugs,
+        height=10.0,
+        pulley=None,
+        travel="up = 1, down = 1, at_stops = true",
+    )
+    results = run(folder)
+    assert results["loader_rope.segment_tension"][0] == pytest.approx(
+        [0.5 * WEIGHT, 0.0, 0.0, 0.0, 0.5 * WEIGHT], rel=1e-6
+    )
+    # 39.5 m less 4 m, 23 m with their stretch, and 2.5 m
+    stretch = 0.5 * WEIGHT * 23.0 / 6e8
+    assert results["box.position"][0][2] == pytest.approx(39.5 - 4.0 - 23.0 - stretch - 2.5, abs=1e-6)
+
+
+def test_without_masses_of_pulleys_a_slack_line_is_left_out(tmp_path):
+    travel = "up = 2.9, down = 3, at_stops = true"
+    (heavy, _), (light, _) = both_models(tmp_path / "four", (24, 60, 24, 24, 24), height=10.0, travel=travel)
+    assert light[1] == 0.0
+    assert light == pytest.approx(heavy, rel=1e-5)
+
+
+def swinging(tmp_path: Path, step: float):
+    """A drop on a hook that swings, energy missed and energy lost at stops, relative to the largest that moved."""
+    folder = lift(
+        tmp_path / "drop",
+        (23, 26, 26, 26, 23),
+        height=9.7,
+        pulley=None,
+        travel="up = 1.25, down = 1.85",
+        duration=6.0,
+    )
+    file = folder / "case.toml"
+    text = file.read_text().replace('"equilibrium"', '"project"').replace("step = 0.01", f"step = {step}")
+    text = text.replace("output_interval = 0.01", "output_interval = 0.05")
+    text = text.replace(
+        "position = [0, 0,",
+        "velocity = [0.5, 0.4, 0], angular_velocity = [0.02, 0.05, 0.03], position = [0, 0,",
+    )
+    hook = """[bodies.hook]
+type = "rigid"
+mass = "5 t"
+inertia = [1e4, 1e4, 1e4]
+frame = { motion = "free" }
+initial = { position = [0, 0, 42] }
+
+[[joints]]
+name = "shackle"
+type = "ball"
+between = ["ground", "hook"]
+at = [0, 0, 45]
+
+"""
+    text = text.replace('{ body = "ground", point = [0, 0, 41] }', '{ body = "hook", point = [0, 0, -1] }')
+    file.write_text(text.replace("[[equalizers]]", f"{hook}[[equalizers]]"))
+    results = run(folder)
+    assert results["loader_rope.tension"].min() == 0.0  # it was slack
+    assert np.abs(results["hook.position"][:, 0]).max() > 0.1
+    parts = ("kinetic", "potential", "elastic", "dissipated")
+    energy = sum(results[f"energy.{part}"].ravel() for part in parts)
+    moved = results["energy.kinetic"].max() + results["energy.elastic"].max()
+    return np.abs(energy - energy[0]).max() / moved, results["energy.dissipated"].max() / moved
+
+
+def test_energy_is_kept_through_slack_stops_and_a_hook_that_swings(tmp_path):
+    """The guide turns with the hook, lines lean all ways: every derivative of the row counts in the balance."""
+    missed, lost = np.transpose([swinging(tmp_path, step) for step in (0.01, 0.005)])
+    assert missed[1] < 3e-4
+    assert missed[1] < 0.25 * missed[0]  # of the step, of the third order; a wrong row would stay
+    assert lost.max() < 0.02  # at stops
+
+
+def test_lines_without_masses_of_pulleys_need_steps_that_know_stops(tmp_path):
+    folder = lift(tmp_path / "accurate", (23, 26, 26, 26, 23), pulley=None)
+    file = folder / "case.toml"
+    file.write_text(file.read_text().replace("step = 0.01", 'integrator = "accurate"\ntolerance = 1e-6'))
+    with pytest.raises(InputError, match="'accurate' with lines of one force"):
+        run(folder)

@@ -1,0 +1,181 @@
+"""Sheaves with an efficiency: closed forms of ropes that slide and stick, energy with loss, rest without creep."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from law_scenes import DOWN, G, body, eye, pulley, run, scene, slider, wire
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
+from heavylift.solver.scene.scene import Scene
+from heavylift.solver.simulation import Simulation
+
+TABLE = Path(__file__).parents[3] / "cases" / "pulleys_with_efficiency" / "accelerations.csv"
+
+
+def rubbing(place: RopePoint, efficiency: float) -> RopePoint:
+    return dataclasses.replace(place, efficiency=efficiency)
+
+
+def pulleys(eta: float, **more: Any) -> Scene:
+    path = [
+        eye(GROUND),
+        pulley("pulley_1", (0, 0, 0), 0.25, -1.0),
+        pulley(GROUND, (0.75, 0, 0), 0.25),
+        pulley("pulley_2", (0, 0, 0), 0.25, -1.0),
+        pulley(GROUND, (1.75, 0, 0), 0.25),
+        eye("box"),
+    ]
+    path[1:5] = [rubbing(place, eta) for place in path[1:5]]
+    bodies = [
+        body("pulley_1", 20.0, (0.25, 0, -5)),
+        body("pulley_2", 20.0, (1.25, 0, -5)),
+        body("box", 11.0, (2, 0, -3)),
+    ]
+    return scene(bodies, ropes=[wire(*path, stiffness=1e10, damping=1e6, tension=100.0, **more)])
+
+
+@pytest.mark.parametrize("row", np.loadtxt(TABLE, delimiter=",", skiprows=2), ids=lambda row: f"{row[0]:g}")
+def test_pulleys_follow_the_closed_form(row: np.ndarray) -> None:
+    """Accelerations and tension of section 2.7.3 (1) with friction; what sticks is said; lost energy is booked."""
+    eta, sticks, *accelerations, tension = row
+    result = run(pulleys(eta), 1e-3, 1.0)
+    found = [result[f"{name}.velocity"][-1, 2] for name in ("pulley_1", "pulley_2", "box")]
+    np.testing.assert_allclose(found, accelerations, rtol=1e-6, atol=1e-8)
+    assert result["rope.segment_tension"][-1, 4] == pytest.approx(tension, rel=1e-6)
+    assert result["rope.tension"][-1] == result["rope.segment_tension"][-1].max()
+    assert result.balance < 1e-9 * (result["energy.kinetic"].max() + result["energy.dissipated"][-1])
+    if eta < 1.0:
+        assert result["energy.dissipated"][-1] > 0.0
+        states = result["rope.sheave_state"][-1]
+        assert (0.0 in states[:2]) == bool(sticks)
+        assert np.all(states[2:] == 1.0)
+        ratio = result["rope.segment_tension"][1:, 1:] / result["rope.segment_tension"][1:, :-1]
+        assert ratio.min() > eta * (1.0 - 1e-9)
+        assert ratio.max() < (1.0 + 1e-9) / eta
+
+
+def test_efficiency_of_one_is_no_friction() -> None:
+    """The same bits as a rope that says nothing of it."""
+    with_one = run(pulleys(1.0), 1e-3, 0.2)
+    plain = pulleys(1.0)
+    path = tuple(RopePoint(p.body, p.point, p.radius, p.axis) for p in plain.ropes[0].path)
+    without = run(
+        dataclasses.replace(plain, ropes=(dataclasses.replace(plain.ropes[0], path=path),)), 1e-3, 0.2
+    )
+    np.testing.assert_array_equal(with_one.records, without.records)
+
+
+def atwood(masses: tuple[float, float], eta: float, stiffness: float = 1e10) -> Scene:
+    """Two pulleys on one rope between two fixed ends and over a fixed sheave."""
+    path = [
+        eye(GROUND),
+        rubbing(pulley("a", (0, 0, 0), 0.25, -1.0), eta),
+        rubbing(pulley(GROUND, (0.75, 0, 0), 0.25), eta),
+        rubbing(pulley("b", (0, 0, 0), 0.25, -1.0), eta),
+        eye(GROUND, (1.5, 0, 0)),
+    ]
+    bodies = [body("a", masses[0], (0.25, 0, -5)), body("b", masses[1], (1.25, 0, -5))]
+    rope = wire(*path, stiffness=stiffness, damping=1e5, tension=0.25 * G * sum(masses))
+    return scene(bodies, ropes=[rope])
+
+
+@pytest.mark.parametrize("eta", [0.98, 0.96])
+def test_a_pair_of_pulleys_slides(eta: float) -> None:
+    """``a = g (eta^2 m1 - m2)/(eta^2 m1 + m2)``: two sheaves move, of the third only the rope does."""
+    result = run(atwood((200.0, 100.0), eta), 1e-3, 1.0)
+    expected = G * (eta**2 * 200.0 - 100.0) / (eta**2 * 200.0 + 100.0)
+    assert -result["a.velocity"][-1, 2] == pytest.approx(expected, rel=1e-6)
+    assert result["b.velocity"][-1, 2] == pytest.approx(expected, rel=1e-6)
+    assert result.balance < 1e-9 * result["energy.kinetic"].max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [1.0, 0.98**2 * 1.0001, 0.9999 / 0.98**2])
+def test_a_pair_at_rest_does_not_creep(ratio: float) -> None:
+    """An hour just inside of what friction holds: less than 1e-9 m; just outside it goes."""
+    simulation = Simulation(atwood((200.0, 200.0 * ratio), 0.98, 1e8), 2e-2, "dele2")
+    simulation.advance(500)
+    before = simulation.record()
+    simulation.advance(180_000)
+    after = simulation.record()
+    assert simulation.outcome is Outcome.COMPLETED
+    columns = [c.column + 2 for c in simulation.channels if c.name in {"a.position", "b.position"}]
+    assert np.abs(after[columns] - before[columns]).max() < 1e-9
+
+
+def test_a_pair_goes_beyond_its_friction() -> None:
+    result = run(atwood((200.0, 200.0 * 1.001 / 0.98**2), 0.98, 1e8), 1e-2, 5.0)
+    expected = G * (0.98**2 * 200.2 / 0.98**2 - 200.0) / (0.98**2 * 200.2 / 0.98**2 + 200.0)
+    assert result["a.velocity"][-1, 2] == pytest.approx(5.0 * expected, rel=1e-3)
+
+
+def fall(parts: int, eta: float, speed: float, end: str) -> Scene:
+    """A hook on a guide that hangs in some parts, the last of which goes over a sheave to the winch."""
+    r, height, even = 0.3, 20.0, parts % 2 == 0
+    stops = [eye(GROUND, (0, 0, height)) if even else eye("block")]
+    for i in range(parts):
+        lower = (i % 2 == 0) == even
+        place = (
+            ("block", (r * (2 * i + 1), 0, 0), r, -1.0)
+            if lower
+            else (GROUND, (r * (2 * i + 1), 0, height), r, 1.0)
+        )
+        stops.append(rubbing(pulley(*place), eta))
+    stops.append(eye(GROUND, (2 * r * parts, 0, -5.0)))
+    if end == "first":
+        stops = [dataclasses.replace(s, axis=-s.axis) if s.radius else s for s in reversed(stops)]
+    winch = Winch(np.array([0.0, 1.0]), np.array([0.0, parts * speed]), end=end)
+    rope = wire(*stops, stiffness=1e9, damping=1e6, winch=winch, tension=1e5 * G / parts)
+    return Scene((body("block", 1e5, (0, 0, 0)),), (DOWN,), (), (slider((0, 0, 1)),), (rope,))
+
+
+@pytest.mark.parametrize("parts", [2, 3, 8, 24])
+@pytest.mark.parametrize("K", [1.02, 1.09])
+@pytest.mark.parametrize(("speed", "end"), [(0.05, "first"), (-0.05, "first"), (0.05, "last")])
+def test_lead_line(parts: int, K: float, speed: float, end: str) -> None:
+    """``T/W = K^N (K - 1)/(K^N - 1)`` (Wire Rope Users Manual: 0.309 for 4 parts, 1.09); lowering with 1/K."""
+    result = run(fall(parts, 1.0 / K, speed, end), 1e-2, 4.0)
+    k = K if speed > 0.0 else 1.0 / K
+    lead = result["rope.segment_tension"][-1, 0 if end == "first" else -1]
+    assert lead / (1e5 * G) == pytest.approx(k**parts * (k - 1.0) / (k**parts - 1.0), rel=1e-6)
+    assert np.all(np.abs(result["rope.sheave_state"][-1]) == 1.0)
+    # the work of the winch is that against its own end: what the load gains, and what friction takes
+    assert result["energy.dissipated"][-1] > 0.01 * abs(result["energy.drive_work"][-1])
+    assert result.balance < 2.0 * run(fall(parts, 1.0, speed, end), 1e-2, 4.0).balance
+
+
+def test_a_fall_that_stops_keeps_its_tensions() -> None:
+    """Friction at rest holds what there was: a hook that hangs on after hoisting has the tensions of hoisting."""
+    raised = fall(4, 0.95, 0.05, "first")
+    winch = Winch(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 0.2, 0.2, 0.0]))
+    raised = dataclasses.replace(raised, ropes=(dataclasses.replace(raised.ropes[0], winch=winch),))
+    result = run(raised, 1e-2, 10.0)
+    tension = result["rope.segment_tension"]
+    at_speed, at_rest = tension[150], tension[-1]
+    np.testing.assert_allclose(at_rest / at_rest[0], at_speed / at_speed[0], rtol=5e-2)
+    assert np.abs(result["rope.sheave_speed"][-1]).max() < 1e-9
+
+
+def test_slack_and_taut_again() -> None:
+    """A box that is thrown up lets the rope go slack on its sheaves and falls into it: nothing is lost unbooked."""
+    path = (eye(GROUND, (-0.6, 0, -5.0)), rubbing(pulley(GROUND, (0, 0, 0), 0.3), 0.9), eye("load"))
+    load = body("load", 100.0, (0.3, 0, -4.0), (0, 0, 3.0))
+    result = run(scene([load], ropes=[wire(*path, stiffness=1e6, length=9.96)]), 1e-3, 3.0)
+    assert result["rope.tension"].min() == 0.0
+    assert result["rope.tension"].max() > 2.0 * 100.0 * G
+    assert result.balance < 1e-9 * result["energy.kinetic"].max()
+
+
+@pytest.mark.parametrize(("place", "integrator"), [(0, "dele2"), (1, "accurate")])
+def test_what_an_efficiency_cannot_serve_is_refused(place: int, integrator: str) -> None:
+    path = [eye(GROUND), pulley(GROUND, (1, 0, 5), 0.3), eye("load")]
+    path[place] = rubbing(path[place], 0.9)
+    rope = wire(*path)
+    with pytest.raises(InputError, match=r"efficiency at an end|sticks and slides"):
+        Simulation(scene([body("load", 1.0, (2, 0, 0))], ropes=[rope]), 1e-2, integrator)
