@@ -15,8 +15,8 @@ length with the distance D to be hauled in, in the direction s at most with spee
 (the sum of the distances of speeding up and slowing down, ``s (2 v^2 - v0^2) / (2 a)``, is D). The last row has the
 length that was asked for.
 
-A rope lets go by losing its stiffness: what it had stored, ``EA (s - l)^2 / (2 l)``, counts as dissipated. One that is
-connected gets the length of its path and its slack; what less than no slack stores is work of its winch.
+A rope lets go by losing its stiffness: what the scene stores less then counts as dissipated. One that is connected gets
+the length of its path and its slack; what less than no slack stores is work of its winch.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.integrate.loop import write_record
+from heavylift.solver.integrate.loop import TOTAL_COLUMNS, write_record
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -92,6 +92,9 @@ ENDED = -1
 
 LIMIT = int(Outcome.LIMIT_REACHED)
 TIMEOUT = int(Outcome.TIMED_OUT)
+
+ELASTIC = 1
+"""Place of the elastic energy among the totals of a record."""
 
 SHORTEST = 1e-6
 """Of a step: an event nearer to its start happens there, one nearer to its end at the end."""
@@ -418,24 +421,30 @@ def plan_length(hauled: float, speed: float, target: float, most: float, ramp: f
 
 
 @kernel(internal=True)
+def _put_row(row: WinchRow, time: float, speed: float, hauled: float) -> None:
+    """A row from which on the speed is linear, whatever it was before."""
+    words = row.words
+    for k in range(words.shape[0]):
+        words[k] = 0.0
+    row.time, row.speed, row.hauled = time, speed, hauled
+
+
+@kernel(internal=True)
 def _hold_last(kind: Director, i: int, count: int) -> None:
     """Rows of a winch behind those that say something are as the last of these."""
-    entry, rows = kind.rope_table[i], kind.winches
-    last = rows[entry.winch + count - 1]
-    for k in range(count, entry.winch_rows):
-        row = rows[entry.winch + k]
-        row.time, row.speed, row.hauled = last.time, last.speed, last.hauled
+    first, rows = kind.rope_table[i].winch, kind.winches
+    last = rows[first + count - 1]
+    for k in range(count, kind.rope_table[i].winch_rows):
+        _put_row(rows[first + k], last.time, last.speed, last.hauled)
 
 
 @kernel(internal=True)
 def _set_speed(kind: Director, i: int, time: float, target: float, ramp: float) -> None:
     """A winch comes to a speed within a ramp."""
     hauled, speed = winch_state(kind.ropes, i, time)
-    row = kind.winches[kind.rope_table[i].winch]
-    row.time, row.speed, row.hauled = time, speed, hauled
-    row = kind.winches[kind.rope_table[i].winch + 1]
-    row.time, row.speed = time + ramp, target
-    row.hauled = hauled + 0.5 * (speed + target) * ramp
+    first = kind.rope_table[i].winch
+    _put_row(kind.winches[first], time, speed, hauled)
+    _put_row(kind.winches[first + 1], time + ramp, target, hauled + 0.5 * (speed + target) * ramp)
     _hold_last(kind, i, 2)
 
 
@@ -443,28 +452,29 @@ def _set_speed(kind: Director, i: int, time: float, target: float, ramp: float) 
 def _set_length(kind: Director, i: int, time: float, length: float, most: float, ramp: float) -> None:
     """A winch goes to a length."""
     hauled, speed = winch_state(kind.ropes, i, time)
-    entry, plan = kind.rope_table[i], kind.row  # the record in it has been looked at
-    count = plan_length(hauled, speed, entry.start_length - length, most, ramp, plan)
+    first, plan = kind.rope_table[i].winch, kind.row  # the record in it has been looked at
+    count = plan_length(hauled, speed, kind.rope_table[i].start_length - length, most, ramp, plan)
     for k in range(count):
-        row = kind.winches[entry.winch + k]
-        row.time, row.speed, row.hauled = time + plan[k], plan[4 + k], plan[8 + k]
+        _put_row(kind.winches[first + k], time + plan[k], plan[4 + k], plan[8 + k])
     _hold_last(kind, i, count)
 
 
+@kernel(inline=True, internal=True)
+def _stored(kind: Director) -> float:
+    """Elastic energy of the last record [J]."""
+    return kind.row[kind.row.shape[0] - TOTAL_COLUMNS + ELASTIC]
+
+
 @kernel(internal=True)
-def _release(kind: Director, i: int) -> float:
-    """A rope lets go; the energy that it loses [J]."""
+def _let_go(kind: Director, i: int) -> None:
+    """A rope does nothing from now on."""
     entry, state = kind.rope_table[i], kind.ropes.state[i]
-    e = max(0.0, state.stretched - state.rest)
-    lost = 0.5 * entry.axial_stiffness / state.rest * e * e
-    state.loss += lost
-    state.tension = 0.0
     entry.axial_stiffness = entry.damping = 0.0
-    return lost
+    state.tension = 0.0
 
 
 @kernel(internal=True)
-def _connect(kind: Director, i: int, time: float, slack: float) -> float:
+def _hold(kind: Director, i: int, time: float, slack: float) -> float:
     """A rope holds from now on; its unstretched length [m], negative if it would be too short for its path."""
     entry, state = kind.rope_table[i], kind.ropes.state[i]
     path = kind.row[entry.column + 1]
@@ -477,8 +487,6 @@ def _connect(kind: Director, i: int, time: float, slack: float) -> float:
     state.stretched, state.rest, state.next_rest = path, rest, rest
     state.rate = state.growth = state.drift = 0.0
     state.fresh, state.paced = True, False
-    e = max(0.0, path - rest)
-    state.winch_work += 0.5 * entry.axial_stiffness / rest * e * e
     return rest
 
 
@@ -503,14 +511,22 @@ def _begin_phase(
         action = kind.actions[a]
         value = action.value
         if action.action == RELEASE:
-            value = _release(kind, action.rope)
+            _measure(kind, forces, bodies, joints, systems, work, time)
+            value = _stored(kind)
+            _let_go(kind, action.rope)
+            _measure(kind, forces, bodies, joints, systems, work, time)
+            value -= _stored(kind)
+            kind.ropes.state[action.rope].loss += value
         elif action.action == CONNECT:
             _measure(kind, forces, bodies, joints, systems, work, time)
-            value = _connect(kind, action.rope, time, action.value)
+            before = _stored(kind)
+            value = _hold(kind, action.rope, time, action.value)
             if value <= 0.0:
                 _note(kind, time, NOT_CONNECTED, action.rope, -value)
                 state.outcome = LIMIT
                 return
+            _measure(kind, forces, bodies, joints, systems, work, time)
+            kind.ropes.state[action.rope].winch_work += _stored(kind) - before
         elif action.action == WINCH_SPEED:
             _set_speed(kind, action.rope, time, value, action.ramp)
         elif action.action == WINCH_LENGTH:

@@ -113,9 +113,8 @@ def small_motions(stand: Stand) -> NDArray[np.float64]:
     K = (stand.counts * stand.stiffness * J.T) @ J - np.diag([0.0, 1.0, 1.0]) * stand.weight * stand.height
     M = np.zeros((3, 3))
     M[0, 0], M[1:, 1:] = stand.mass, stand.inertia[:2, :2]
-    lower: NDArray[np.float64] = np.linalg.inv(np.linalg.cholesky(M))
-    squares: NDArray[np.float64] = np.linalg.eigvalsh(lower @ K @ lower.T)
-    return squares
+    lower = np.linalg.inv(np.linalg.cholesky(M))
+    return np.asarray(np.linalg.eigvalsh(lower @ K @ lower.T), dtype=np.float64)
 
 
 def growth_rate(stand: Stand) -> float:
