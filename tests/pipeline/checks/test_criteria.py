@@ -769,6 +769,29 @@ def test_a_symmetric_lift_from_run_to_exit_code(folder):
     assert table[1].endswith("FAILED")
 
 
+def test_the_criteria_of_the_hoist_by_hand(tmp_path):
+    """From the reference of the case, integrated apart from the solver; 3 digits of each line."""
+    source = Path(__file__).parents[3] / "cases" / "hoist"
+    verdict = judge_case(source, out=tmp_path / "out", overrides=[], force=False, log=Log(quiet=True))
+    assert verdict.outcome is Outcome.COMPLETED
+    load, radius, off, side, daf, rope, slack, share, rise = verdict.results
+    tension = np.loadtxt(source / "tension.csv", delimiter=",", skiprows=1, usecols=1)
+    position = np.loadtxt(source / "reference.csv", delimiter=",", skiprows=1, usecols=(1, 3))
+    largest, smallest, g = tension.max(), tension.min(), 9.81
+    assert load.value == pytest.approx(2.0 * largest + 40e3 * g, rel=1e-3)
+    assert load.limit == pytest.approx((1600e3 - 0.6 * 400e3) * g, rel=1e-12)
+    assert radius.value == pytest.approx(36.0)
+    # both parts lead to the middle of the sheave, up to the square of its radius over the length
+    assert off.value == pytest.approx(np.arctan2(abs(position[:, 0]), -position[:, 1]).max(), rel=1e-3)
+    assert side.value == pytest.approx(0.0, abs=1e-12)
+    assert daf.value == pytest.approx(2.0 * largest / (1000e3 * g), rel=1e-3)
+    assert daf.limit == 1.10  # inshore, 300 to 1000 t
+    assert rope.limit == pytest.approx(25e6 / (1.3 * 1.3 * 1.25 * 1.5), rel=1e-12)
+    assert slack.value == pytest.approx(smallest, rel=1e-3)
+    assert share.value == pytest.approx(1.0 - smallest / tension.mean(), abs=1e-3)
+    assert rise.value == pytest.approx((position[-1, 1] - position[0, 1]) / 20.0, rel=1e-3)
+
+
 def test_a_case_without_criteria_is_told(folder):
     with pytest.raises(InputError, match="no criteria"):
         judge_case(folder, out=folder / "out", overrides=[], force=False, log=Log(quiet=True))
