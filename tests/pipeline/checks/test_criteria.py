@@ -187,6 +187,11 @@ def test_extremes_of_all_steps_count_and_those_before_the_time_do_not(judged):
     text += criterion(**(SLING | {"name": "before", "after": "4.9 s", "until": "5 s"}))
     found = judged(text, {"sees_every_step": True, "steps": 5000}, sling_1__tension_max=extremes)
     assert [row.value for row in found] == [15e3, 1e4, 15e3]
+    assert [row.seen for row in found] == [
+        "101 records",
+        "51 records",
+        "2 records",
+    ]  # two of three have no extremes
     assert found[0].time == pytest.approx(5.0)
 
 
