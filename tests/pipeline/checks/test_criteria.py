@@ -265,6 +265,24 @@ def test_the_crane_governs_where_load_over_capacity_is_largest(judged):
     assert double.margin == pytest.approx(-8e3)
 
 
+def test_a_load_between_two_records_has_the_smaller_capacity_of_both(judged):
+    """The crane comes in by 0.1 m a record from 39 m; at 32 m, 7 s, the interval before began at 32.1 m: 7.16 t."""
+    motion = np.column_stack([39.0 - TIMES, 0.0 * TIMES, 0.0 * TIMES])
+    peak = np.where(np.isclose(TIMES, 7.0), 8e4, 1.0)
+    reach = Raw(
+        '{ centre = { body = "ground", point = [0, 0, 0] }, tip = { body = "load", point = [0, 0, 0] } }'
+    )
+    load, _ = judged(
+        criterion(**(CRANE | {"reach": reach, "load": "sling_1.tension"})),
+        {"sees_every_step": True, "steps": 5000},
+        load__position=motion,
+        sling_1__tension=ONES,
+        sling_1__tension_max=peak,
+    )
+    assert (load.value, load.limit) == (pytest.approx(8e4), pytest.approx(71.6e3))
+    assert (load.time, load.seen, load.passed) == (pytest.approx(7.0), "5,000 steps", False)
+
+
 def test_a_radius_outside_the_curve_is_a_failure_with_a_name(judged):
     """From 38 m out at 0.5 m/s: 40 m at 4 s, 43 m in the end."""
     motion = np.column_stack([0.0 * TIMES, 38.0 + 0.5 * TIMES, 0.0 * TIMES])
