@@ -118,3 +118,14 @@ def test_controls_know_no_friction_and_no_explicit_steps() -> None:
         Simulation(rubbing, 1e-2)
     with pytest.raises(InputError, match="answers to its tension"):
         Simulation(lift(Winch(brake=1e3)), 1e-2, "accurate")
+
+
+@pytest.mark.parametrize(
+    "made", [lift(Winch(brake=15e3), -3.0), lift(keeping(12e3, speed=0.5))], ids=["brake", "keeps"]
+)
+def test_a_run_goes_on_where_it_was(made: Scene) -> None:
+    """A checkpoint has what was paid out: the same bits."""
+    first, second = (Simulation(made, 1e-3, "dele2") for _ in range(2))
+    first.advance(150)
+    second.restore(first.state())
+    np.testing.assert_array_equal(first.advance(100)[1], second.advance(100)[1])
