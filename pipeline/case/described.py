@@ -378,6 +378,7 @@ _NAMES: Mapping[str, Any] = {
     "hull": KnownHull,
     "joint": Annotated[str, AfterValidator(_turns_or_slides)],
     "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
+    "rope": str,  # what it follows is known where all ropes are
 }
 """By what a name is the name of."""
 

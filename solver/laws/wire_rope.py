@@ -67,12 +67,15 @@ from heavylift.solver.laws.rows import (
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import (
+    CONTROL_CHANNELS,
     ROPE_CHANNELS,
     ROPES,
     SHEAVE_CHANNELS,
     RopePoint,
     Winch,
     check_path,
+    controlled,
+    rubbing_places,
 )
 
 __all__ = [
@@ -91,6 +94,7 @@ __all__ = [
     "midpoint_tension",
     "path_rate",
     "put_places",
+    "record_ropes",
     "relinearise_ropes",
     "set_rope_targets",
     "start_length",
@@ -109,7 +113,7 @@ LARGEST_STRAIN = 0.02
 class Rope:
     """A wire rope through any number of points, with one tension all along but for sheaves with an efficiency."""
 
-    CHANNELS: ClassVar = (*ROPE_CHANNELS, *SHEAVE_CHANNELS)
+    CHANNELS: ClassVar = (*ROPE_CHANNELS, *SHEAVE_CHANNELS, *CONTROL_CHANNELS)
     """What it records, in the order of its columns: behind the extremes one a segment, then one a place that rubs."""
 
     name: str
@@ -152,6 +156,12 @@ class Rope:
                     expected="'efficiency' of places between the ends, over which the rope runs",
                 )
         check_path(said.path)
+        if controlled(said) and rubbing_places(said):
+            raise InputError(
+                "a winch that answers to the tension, on a rope over places with an efficiency",
+                key="winch.brake" if said.winch.brake is not None else "winch.tensions",
+                expected="a winch by 'speeds' or 'lengths', or no 'efficiency'",
+            )
 
     def check_start(self, places: Sequence[NDArray[np.float64]]) -> None:
         """Refuse a rope that is much shorter than its path through some places in the world [m], or has none.
