@@ -114,8 +114,7 @@ def small_motions(stand: Stand) -> NDArray[np.float64]:
     M = np.zeros((3, 3))
     M[0, 0], M[1:, 1:] = stand.mass, stand.inertia[:2, :2]
     lower = np.linalg.inv(np.linalg.cholesky(M))
-    squares: NDArray[np.float64] = np.linalg.eigvalsh(lower @ K @ lower.T)
-    return squares
+    return np.asarray(np.linalg.eigvalsh(lower @ K @ lower.T), dtype=np.float64)
 
 
 def growth_rate(stand: Stand) -> float:
