@@ -13,6 +13,7 @@ from heavylift.pipeline.pictures.contacts import ContactParts
 from heavylift.pipeline.pictures.drawings import deformation_scale
 from heavylift.pipeline.pictures.mooring_lines import draw_line
 from heavylift.pipeline.pictures.render import Lines, Patch, Points
+from heavylift.pipeline.pictures.roads import deck_strips, wheel_axes, wheel_centres
 from heavylift.pipeline.pictures.shapes import box_corners, clip_lines, coil, inertia_box, pad
 from heavylift.pipeline.pictures.triangles import clip_triangles, drawn_triangles
 from heavylift.pipeline.results.rope_lines import rope_tangents
@@ -181,6 +182,8 @@ class Others:
             for part in scene.surfaces
             if part.surface is not None
         ]
+        self._solids += deck_strips(scene.decks)
+        self._vehicles = [vehicle for vehicle in scene.transporters if vehicle.wheel_radius > 0.0]
         drawn = {part.body for part in scene.surfaces}
         for hull in () if scene.sea is None else scene.sea.hulls:
             if isinstance(hull.restoring, TriangleSurface) and hull.body not in drawn:
@@ -205,7 +208,8 @@ class Others:
             )
         self._factor = 1.0
         self._box = self._moved_box()
-        self._glass = any(self._encloses(name) for name in self._boxes)
+        ridden = {vehicle.body for vehicle in self._vehicles}
+        self._glass = any(self._encloses(name) or name in ridden for name in self._boxes)
         self._wide = [solid for solid in self._solids if self._is_wide(*solid[:2])]
         self._solids = [solid for solid in self._solids if not self._is_wide(*solid[:2])]
         if not (attached or self._touching or self._fenders or scene.collisions):
@@ -273,6 +277,11 @@ class Others:
                 for centre, radius, axis in zip(centres, radii, axes, strict=True)
                 if radius > 0.0
             ]
+        for vehicle in self._vehicles:
+            origin, R = self._pose(vehicle.body, record)
+            axle, _ = wheel_axes(vehicle)
+            centres = wheel_centres(vehicle, self._channel(f"{vehicle.name}.stroke_of", record))
+            lines += [_circle(origin + R @ centre, vehicle.wheel_radius, R @ axle) for centre in centres]
         marks = []
         for places, colour, size in (
             ([joint[0] for joint in self._joints], _JOINT, 8.0),

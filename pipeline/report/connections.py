@@ -1,4 +1,4 @@
-"""Joints, ropes and forces of a case in words and numbers for the report."""
+"""Joints, ropes, forces and vehicles of a case in words and numbers for the report."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ __all__ = ["connection_tables"]
 
 
 def connection_tables(case: Case) -> list[Table]:
-    """Tables of the joints, ropes and forces of a case; none of what it has not."""
+    """Tables of the joints, ropes, forces, decks and transporters of a case; none of what it has not."""
     tables = []
     if case.joints:
         columns = ("joint", "type", "between", "place", "axis", "besides")
         tables.append(short_table(columns, [_joint(joint) for joint in case.joints]))
     kinds: dict[str, str] = {joint.name: joint.type for joint in case.joints}
-    return [*tables, *described_table("rope", case.ropes), *described_table("force", case.forces, kinds)]
+    tables += [*described_table("rope", case.ropes), *described_table("force", case.forces, kinds)]
+    return [*tables, *described_table("deck", case.decks), *described_table("transporter", case.transporters)]
 
 
 def _joint(joint: Any) -> tuple[str, ...]:

@@ -238,11 +238,12 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _chosen_channels(case: Case, results: Results) -> tuple[str, ...]:
-    """Modal coordinates, sensors, waves, ropes, lines, what joints do, motion of bodies that move, reactions of others.
+    """Modal coordinates, sensors, vehicles, waves, ropes, lines, what joints do, motion of bodies, reactions of others.
 
     With joints, bodies are shown by their sensors, if there are any, and by how well the joints are closed.
     """
     owners = [f"{sensor.name}.position" for sensor in case.sensors]
+    owners += [f"{row.name}.{kind}" for row in case.transporters for kind in ("roll", "pitch", "wheel_load")]
     modal = [f"{name}.modal_position" for name in case.bodies]
     owners = [*owners, *modal] if case.joints or case.ropes else [*modal, *owners]
     owners += [f"{name}.wave_elevation" for name in list(case.hulls)[:1]]

@@ -152,6 +152,7 @@ def _legend(case: Case, others: Others) -> list[str]:
         *[f"brown: {' and '.join(ropes)}"] * bool(ropes),
         *[f"green: {' and '.join(springs)}"] * bool(springs),
         *["orange: fenders"] * bool(case.fenders),
+        *["grey strips: decks · brown circles: wheels"] * bool(case.transporters),
         *["violet: contours · ochre: what touches · red: force on it"] * bool(case.contacts),
         *[f"dots: {' and '.join(marked)}"] * bool(marked),
     ]
@@ -199,7 +200,14 @@ def scene_others(
 ) -> Others | None:
     """What stands beside the meshes; nothing if the case has no more, or can no longer be put together."""
     attached = (
-        case.joints or case.ropes or case.forces or case.contacts or case.surfaces or case.sea or case.lines
+        case.joints
+        or case.ropes
+        or case.forces
+        or case.contacts
+        or case.surfaces
+        or case.sea
+        or case.lines
+        or case.decks
     )
     if len(case.bodies) == len(runs) and not attached:
         return None

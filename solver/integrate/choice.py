@@ -63,7 +63,11 @@ def check_integrator(scene: Scene, name: str) -> None:
         reason = _phases(scene) or _not_smooth(scene)
     elif name == "thesis":
         reason = _phases(scene) or _rope(scene) or _law(scene) or _floating(scene)
-        driven = [joint.name for joint in scene.joints if getattr(joint, "drive", None) is not None]
+        driven = [
+            joint.name
+            for joint in scene.joints
+            if getattr(joint, "drive", None) is not None or getattr(joint, "speed", 0.0) != 0.0
+        ]
         if not reason and driven:
             reason = f"joint {driven[0]!r} is driven"
         flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
 from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.planar import Planar
 from heavylift.solver.joints.screw import Screw
@@ -24,6 +25,7 @@ TURNS = 4.0 * np.pi  # a drive may go round more than once
 PROFILE = Profile(np.array([0.0, 2.0]), TURNS + np.array([0.3, 1.1]), (Harmonic(0.2, 0.7, 0.4),))
 LENGTH = 0.8
 LEAD = -0.8
+SPEED = 0.7
 SLIDE_AXIS = np.array([2.0, 0.5, -1.0])
 
 
@@ -103,6 +105,11 @@ RESIDUALS: dict[str, Residual] = {
     "driven_hinge": lambda a, b, t: [*_hinge(a, b, t), _turned(angle(a, b) - profile(t))],
     "driven_slider": lambda a, b, t: [*_slider(a, b, t), travel(a, b, np.eye(3)[2]) - profile(t)],
     "fixed": lambda a, b, t: [*_hinge(a, b, t), a.axes[:, 0] @ b.axes[:, 1]],
+    "guide": lambda a, b, t: [
+        travel(a, b, np.eye(3)[0]) - profile(t) - SPEED * t,
+        travel(a, b, np.eye(3)[1]),
+        a.axes[:, 1] @ b.axes[:, 0],
+    ],
     "hinge": _hinge,
     "planar": lambda a, b, _: [travel(a, b, np.eye(3)[2]), *_axis(a, b)],
     "screw": lambda a, b, t: [*_slider(a, b, t)[:2], *_axis(a, b), _thread(a, b)],
@@ -119,6 +126,7 @@ CLOSED: dict[str, tuple[np.ndarray, np.ndarray]] = {
     "driven_hinge": (np.zeros(3), np.array([0.0, 0.0, profile(0.0)])),
     "driven_slider": (np.array([0.0, 0.0, profile(0.0)]), np.zeros(3)),
     "fixed": (np.zeros(3), np.zeros(3)),
+    "guide": (np.array([profile(0.0), 0.0, 0.3]), np.array([0.0, 0.4, 0.0])),
     "hinge": (np.zeros(3), np.array([0.0, 0.0, -0.9])),
     "planar": (np.array([0.4, -0.6, 0.0]), np.array([0.0, 0.0, 0.5])),
     "screw": (np.array([0.0, 0.0, 0.9 * LEAD / (2.0 * np.pi)]), np.array([0.0, 0.0, 0.9])),
@@ -138,6 +146,7 @@ def make_joint(name: str, body_a: str, body_b: str, frame_a: JointFrame, frame_b
         "driven_hinge": lambda **k: Hinge(drive=PROFILE, **k),
         "driven_slider": lambda **k: Slider(drive=PROFILE, **k),
         "fixed": FixedJoint,
+        "guide": lambda **k: Guide(speed=SPEED, drive=PROFILE, **k),
         "hinge": Hinge,
         "planar": Planar,
         "screw": lambda **k: Screw(lead=LEAD, **k),

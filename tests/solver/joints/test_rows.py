@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from joint_scenes import CLOSED, RESIDUALS, SLIDE_AXIS, Pose, angle, make_joint, profile, travel, turn
+from joint_scenes import CLOSED, RESIDUALS, SLIDE_AXIS, SPEED, Pose, angle, make_joint, profile, travel, turn
 from scipy.spatial.transform import Rotation
 
 from heavylift.solver.integrate.loop import start_scene
@@ -33,6 +33,7 @@ COUNTS = {
     "driven_hinge": 6,
     "driven_slider": 6,
     "fixed": 6,
+    "guide": 3,
     "hinge": 5,
     "planar": 3,
     "screw": 5,
@@ -84,6 +85,8 @@ class Model:
             rotation = np.array([0.0, 0.0, profile(TIME)])
         if name == "driven_slider":
             point = np.array([0.0, 0.0, profile(TIME)])
+        if name == "guide":
+            point = np.array([profile(TIME) + SPEED * TIME, *point[1:]])
         a, _ = self.frames(name, np.zeros(12), 0.0)
         R = a.axes @ turn(rotation) @ joint.frame_b.axes.T
         self.state[1].position[:] = a.point + a.axes @ point - R @ joint.frame_b.point
@@ -240,7 +243,9 @@ def test_angles_and_travels_with_their_rates(model: Model, seed: int) -> None:
         name, _, quantity = channel.name.partition(".")
         if quantity not in ("angle", "travel"):
             continue
-        direction = SLIDE_AXIS / np.linalg.norm(SLIDE_AXIS) if name == "slider_hinge" else np.eye(3)[2]
+        direction = {"slider_hinge": SLIDE_AXIS / np.linalg.norm(SLIDE_AXIS), "guide": np.eye(3)[0]}.get(
+            name, np.eye(3)[2]
+        )
 
         def value(
             time: float, name: str = name, quantity: str = quantity, e: np.ndarray = direction
@@ -254,7 +259,7 @@ def test_angles_and_travels_with_their_rates(model: Model, seed: int) -> None:
         rate = (value(-2 * h) - 8 * value(-h) + 8 * value(h) - value(2 * h)) / (12 * h)
         assert record[channel.column + 1] == pytest.approx(rate, abs=1e-8)
         seen += 1
-    assert seen == 10
+    assert seen == 11
 
 
 def test_driven_angle_counts_the_turns_of_its_profile(model: Model) -> None:

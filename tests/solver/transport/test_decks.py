@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vehicles import MASS, OIL, TYRE, G, block, histories, scene, vehicle, yard
+from vehicles import MASS, OIL, TYRE, G, block, bump, histories, scene, vehicle, yard
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.joints.guide import Guide
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.scene import RigidBody
 from heavylift.solver.simulation import Simulation
@@ -180,3 +181,37 @@ def test_strokes_over_a_kink_are_those_of_a_line_through_the_middles_of_groups()
     strokes = found["spmt.stroke_of"][-1] + loads / TYRE
     for side in ([0, 1, 2, 6, 7, 8], [3, 4, 5, 9, 10, 11]):
         np.testing.assert_allclose(strokes[side], road - line, atol=1e-4)
+
+
+def test_a_cant_unloads_a_side_where_the_compliance_says() -> None:
+    """R12 in four groups: a side of it is empty at ``atan(b/h) (1 - W h/K)``, not at ``atan(b/h)``; slowly tilted."""
+    lever = MASS * G * 3.579190751 / (12.0 * 0.725**2 * OIL * TYRE / (OIL + TYRE))
+    static = np.arctan(0.725 / 3.579190751)
+    assert np.degrees(static) == pytest.approx(11.45, abs=5e-3)
+    limit = static * (1.0 - lever)
+    tilt = Profile(times=np.array([0.0, 60.0]), values=np.array([0.0, 0.97 * limit]))
+    body = RigidBody(
+        "tilted", 1e6, np.eye(3) * 1e8, motion=Driven(axis=np.array([1.0, 0.0, 0.0]), angle=tilt)
+    )
+    guide = Guide(name="guide", body_a="tilted", body_b="block")
+    transporter = vehicle(bogie_mass=0.0, tyre_damping=1.5e5, line_damping=2e4)
+    made = scene(transporter, (yard(body="tilted"),), bodies=(body, block()), joints=(guide,))
+    run, _, found = histories(made, 1e-2, 70.0, 100)
+    assert run.outcome is Outcome.COMPLETED
+    # of the vehicle against the deck, the foot moves by h tan(cant) / (1 - W h / K); small angles within 1 %
+    share = found["spmt.least_share"][-1]
+    assert share == pytest.approx(0.25 * (1.0 - 0.97), abs=0.25 * 0.015)
+
+
+def test_a_driven_vehicle_follows_its_guide_over_a_bump() -> None:
+    """Position of the driven point within 1e-6 m of speed times time; energy balance with the drive."""
+    guide = Guide(name="guide", body_a="ground", body_b="block", speed=0.5)
+    decks = (yard(), bump(4.5, 2.0, (0.2, 1.5), "smooth"))
+    made = scene(vehicle(), decks, body=block(velocity=np.array([0.5, 0.0, 0.0])), joints=(guide,))
+    _, times, found = histories(made, 5e-3, 20.0, 20)
+    np.testing.assert_allclose(found["guide.travel"], 0.5 * times, atol=1e-6)
+    np.testing.assert_allclose(found["block.position"][:, :2] - np.outer(0.5 * times, [1, 0]), 0.0, atol=1e-6)
+    assert found["spmt.roll"].max() > 0.01
+    names = ("kinetic", "potential", "elastic", "dissipated")
+    total = np.sum([found[f"energy.{name}"] for name in names], axis=0) - found["energy.drive_work"]
+    np.testing.assert_allclose(total, total[0], atol=1e-3 * np.ptp(found["energy.drive_work"]))

@@ -16,14 +16,17 @@ from vehicles import (
     G,
     T,
     block,
+    bump,
     groups_of,
     histories,
     scene,
     vehicle,
+    yard,
 )
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.joints.guide import Guide
+from heavylift.solver.scene.transport import BogieGroup, OilPump
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.stand import Stand, even_loads, growth_rate, small_motions
 
@@ -117,8 +120,6 @@ def test_a_body_beside_its_groups_is_refused() -> None:
 
 def test_a_pump_lifts_the_body_by_what_it_pumps() -> None:
     """All groups lifted by 50 mm: heave 50 mm, loads as before."""
-    from heavylift.solver.scene.transport import OilPump
-
     pump = OilPump(times=np.array([0.0, 20.0]), lifts=np.array([0.0, 0.05]))
     groups = tuple(replace(group, pump=pump) for group in groups_of(4))
     _, _, found = histories(
@@ -141,3 +142,57 @@ def test_gas_is_softer_than_oil() -> None:
     k = 1.0 / (length / (1.4 * load) + 1.0 / TYRE)
     expected = 1e-4 / np.sqrt(12 * k / MASS) * np.sin(np.sqrt(12 * k / MASS) * times)
     np.testing.assert_allclose(heave, expected, atol=2e-3 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("pipe", [0.0, 2.0e4])
+def test_a_search_for_equilibrium_finds_what_the_oil_carries(pipe) -> None:
+    """Groups that push with a tenth more than the weight at the start: the body is lifted by 0.1 f / k."""
+    load = MASS * G / 12
+    groups = tuple(replace(group, load=1.1 * load) for group in groups_of(4))
+    made = scene(
+        vehicle(groups=groups, line_damping=pipe), joints=(Guide(name="g", body_a="ground", body_b="block"),)
+    )
+    run = Simulation(made, step=5e-3, integrator="dele2", start="equilibrium", record_every=10)
+    _, records = run.advance(200)
+    heave = next(c.column for c in run.channels if c.name == "spmt.heave")
+    # the start of the heave is where the body was drawn
+    np.testing.assert_allclose(records[:, heave], 0.1 * load / K, rtol=1e-6)
+
+
+def test_a_run_goes_on_where_a_state_was_kept() -> None:
+    """Bit for bit, with pipes, over a bump."""
+    made = scene(
+        vehicle(line_damping=2.0e4, tyre_damping=1.5e4, travel_speed=1.0),
+        (yard(), bump(4.5, 2.0, (0.2, 1.5))),
+    )
+    run = Simulation(made, step=5e-3, integrator="dele2", record_every=10)
+    run.advance(400)
+    kept = run.state()
+    expected = run.advance(200)[1]
+    other = Simulation(made, step=5e-3, integrator="dele2", record_every=10)
+    other.restore(kept)
+    np.testing.assert_array_equal(other.advance(200)[1], expected)
+
+
+def test_bogies_without_mass_need_the_default_integrator() -> None:
+    """The others are refused by name."""
+    for integrator in ("accurate", "thesis"):
+        with pytest.raises(InputError, match="transporter 'spmt' rides on bogies without mass"):
+            Simulation(scene(vehicle()), step=5e-3, integrator=integrator)
+
+
+@pytest.mark.parametrize(
+    ("vehicle_groups", "mass", "height", "inertia", "frequencies"),
+    [
+        ("R24", 346.0e3, 5.746820809, (6706311.503, 14016791.503), (0.635, 1.340, 2.006)),
+    ],
+)
+def test_two_transporters_in_four_groups_have_the_published_frequencies(
+    vehicle_groups, mass, height, inertia, frequencies
+) -> None:
+    """Two side by side, front and rear halves of each a group."""
+    middles = np.array([(x, y, -height) for x in (2.1, -2.1) for y in (3.0, -3.0)])
+    given = Stand(
+        vehicle_groups, middles, np.full(4, 6), np.full(4, K), mass * G, mass, np.diag([*inertia, 1.5e7])
+    )
+    np.testing.assert_allclose(np.sqrt(small_motions(given)) / (2.0 * np.pi), frequencies, atol=6e-4)

@@ -1,0 +1,40 @@
+"""Strips of decks and wheels in pictures stand where they are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heavylift.pipeline.pictures.roads import deck_strips, wheel_centres
+from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.transport.decks import Deck
+from heavylift.solver.transport.transporters import Transporter
+
+
+def test_a_strip_has_the_area_of_its_profile_by_its_width() -> None:
+    """A step and a slope, along y of a body, upwards its x."""
+    deck = Deck(
+        name="d",
+        body="barge",
+        origin=np.array([1.0, 2.0, 3.0]),
+        direction=np.array([0.0, 1.0, 0.0]),
+        normal=np.array([1.0, 0.0, 0.0]),
+        sides=np.array([-2.0, 1.0]),
+        stations=np.array([0.0, 3.0, 3.0, 7.0]),
+        heights=np.array([0.0, 0.0, 1.0, 4.0]),
+    )
+    ((body, points, triangles),) = deck_strips([deck])
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    assert body == "barge"
+    assert area == pytest.approx(3.0 * (3.0 + 1.0 + 5.0))
+    np.testing.assert_allclose(points.min(axis=0), [1.0, 2.0, 3.0 - 2.0])
+    np.testing.assert_allclose(points.max(axis=0), [5.0, 9.0, 3.0 + 1.0])
+
+
+def test_a_wheel_stands_on_its_place_by_its_radius_and_stroke() -> None:
+    """Upwards across the direction in which it goes."""
+    group = BogieGroup("g", np.array([[1.0, 2.0, 0.0], [-1.0, 2.0, 0.0]]), oil_stiffness=1.0)
+    vehicle = Transporter(name="v", body="b", groups=(group,), wheel_radius=0.4, tyre_stiffness=1.0)
+    centres = wheel_centres(vehicle, np.array([0.0, 0.1]))
+    np.testing.assert_allclose(centres, [[1.0, 2.0, 0.4], [-1.0, 2.0, 0.5]])
