@@ -277,7 +277,7 @@ def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:
     scenario
         Phases.
     ropes
-        Of the scene: of each its ``name``; a wire rope has an ``axial_stiffness``.
+        Of the scene, or sections of a case file.
 
     Raises
     ------
@@ -332,9 +332,10 @@ def _check_action(action: Action, known: dict[str, Any], loose: set[str], key: s
         return
     word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
     rope = _rope(action.rope, known, f"{key}.{word}")
-    if not hasattr(rope, "axial_stiffness"):
+    described = getattr(rope, "DESCRIBED", type(rope))  # of a case file, or an object
+    if described.WORD != "wire":
         raise InputError(
-            f"{action.rope!r} is a rope of type 'spring'",
+            f"{action.rope!r} is a rope of type {described.WORD!r}",
             key=f"{key}.{word}",
             expected="a rope of type 'wire'",
         )
