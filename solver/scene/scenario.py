@@ -25,6 +25,7 @@ __all__ = [
     "WinchLength",
     "WinchSpeed",
     "check_scenario",
+    "loose_ropes",
 ]
 
 
@@ -267,6 +268,18 @@ class Scenario:
             waited = [condition.signal for condition in phase.until if condition.signal is not None]
             found |= dict.fromkeys([*waited, *(limit.signal for limit in phase.limits)])
         return tuple(found)
+
+
+def loose_ropes(scenario: Scenario, phase: int) -> set[str]:
+    """Names of ropes that are not connected in a phase, by its number from 1; one more than there are is the end."""
+    loose = set(scenario.prepared)
+    for done in scenario.phases[:phase]:
+        for action in done.actions:
+            if isinstance(action, Release):
+                loose.add(action.rope)
+            elif isinstance(action, Connect):
+                loose.discard(action.rope)
+    return loose
 
 
 def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:

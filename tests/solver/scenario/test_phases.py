@@ -26,6 +26,7 @@ from heavylift.solver.scene.scenario import (
     Term,
     WinchLength,
     WinchSpeed,
+    loose_ropes,
 )
 from heavylift.solver.simulation import Simulation
 
@@ -412,6 +413,12 @@ def test_refused(phases: tuple[Phase, ...], prepared: tuple[str, ...], words: st
     with pytest.raises(InputError) as error:
         Simulation(hanging(*phases, prepared=prepared), 0.01).record()
     assert words in str(error.value)
+
+
+def test_which_ropes_hang_loose() -> None:
+    phases = (Phase("a", (Connect("x"),)), Phase("b", (Release("y"), Note("."))), Phase("c", (Release("x"),)))
+    operation = Scenario(phases, prepared=("x",))
+    assert [loose_ropes(operation, n) for n in range(5)] == [{"x"}, set(), {"y"}, {"x", "y"}, {"x", "y"}]
 
 
 def test_other_integrators_have_no_scenarios() -> None:
