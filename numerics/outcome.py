@@ -34,6 +34,7 @@ class Outcome(IntEnum):
     LIMIT_REACHED = 16
     TIMED_OUT = 17
     PHASES_LEFT = 18
+    OFF_ROAD = 19
     FAULT = 70
     OUT_OF_MEMORY = 71
 
@@ -62,6 +63,7 @@ _TEXTS = {
     Outcome.LIMIT_REACHED: "stopped: a limit of the scenario is reached",
     Outcome.TIMED_OUT: "stopped: a phase of the scenario takes too long",
     Outcome.PHASES_LEFT: "phases of the scenario are left",
+    Outcome.OFF_ROAD: "stopped: a wheel has left the road",
     Outcome.FAULT: "stopped by a fault of the program",
     Outcome.OUT_OF_MEMORY: "stopped: there is not enough memory",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",

@@ -173,7 +173,7 @@ class NameOf:
     ----------
     what
         ``"body"``; ``"side"``, a body or the ground; ``"hull"``; ``"joint"``, one with an angle or a travel;
-        ``"fluid"``, a wind or a current.
+        ``"fluid"``, a wind or a current; ``"rope"``.
     """
 
     what: str

@@ -289,8 +289,8 @@ def _overshoots(scene: Scene) -> list[str]:
     drives = [(f"the drive of {joint.name!r}", getattr(joint, "drive", None)) for joint in scene.joints]
     for body in scene.bodies:
         if isinstance(body.motion, Driven):
-            names = (f"the drive {key} of {body.name!r}" for key in ("x", "y", "z", "angle"))
-            drives += zip(names, body.motion.profiles, strict=True)
+            named = (f"the drive {key} of {body.name!r}" for key in ("x", "y", "z", "angle"))
+            drives += zip(named, body.motion.profiles, strict=True)
     sentences = []
     for words, profile in drives:
         if profile is None:
@@ -311,7 +311,7 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
         times += list(np.ravel(getattr(force, "times", ())))
     for rope in scene.ropes:
         winch = getattr(rope, "winch", None)
-        times += [] if winch is None else list(winch.times)
+        times += [] if winch is None or not len(winch.times) else list(winch.plan[:, 0])
     for body in scene.bodies:
         if isinstance(body, MeshBody):
             times += [time for load in body.loads for time in np.ravel(load.times)]

@@ -264,4 +264,4 @@ def _has_laws(scene: Scene) -> bool:
         getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
         for joint in scene.joints
     )
-    return bool(scene.ropes) or not plain or cornered
+    return bool(scene.ropes or scene.transporters) or not plain or cornered

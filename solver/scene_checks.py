@@ -50,6 +50,7 @@ def check_scene(scene: Scene) -> None:
     for joint in scene.joints:
         _check_joint(joint)
     described: list[Any] = [*scene.bodies, *scene.forces, *scene.joints, *scene.ropes]
+    described += [*scene.decks, *scene.transporters]
     if scene.sea is not None:
         described += [
             *scene.sea.fields,
@@ -73,7 +74,8 @@ def _check_names(scene: Scene) -> None:
     ]  # the others need no name of their own
     touching: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
     at_sea = _named_at_sea(scene)
-    for thing in (*scene.bodies, *scene.sensors, *scene.joints, *scene.ropes, *recorded, *touching, *at_sea):
+    connecting = (*scene.joints, *scene.ropes, *scene.transporters)
+    for thing in (*scene.bodies, *scene.sensors, *connecting, *recorded, *touching, *at_sea):
         if thing.name in seen or thing.name in RESERVED:
             raise InputError(
                 f"the name {thing.name!r} is taken", source="scene", expected="a name of its own for each"
@@ -81,7 +83,7 @@ def _check_names(scene: Scene) -> None:
         seen.add(thing.name)
     names = {body.name for body in scene.bodies}
     joints = {joint.name for joint in scene.joints}
-    users: list[Any] = [*scene.sensors, *scene.joints, *scene.ropes, *named]
+    users: list[Any] = [*scene.sensors, *connecting, *scene.decks, *named]
     if scene.sea is not None:
         users += [*scene.sea.loads, *scene.sea.lines, *scene.sea.fenders]
     for user in users:
@@ -117,7 +119,7 @@ def _bodies_of(thing: Any) -> list[tuple[str, bool]]:
         return [(point.body, True) for point in thing.path]
     if hasattr(thing, "body_a"):
         return [(thing.body_a, True), (thing.body_b, True)]
-    return [(thing.body, False)] if hasattr(thing, "body") else []
+    return [(thing.body, getattr(thing, "MAY_BE_GROUND", False))] if hasattr(thing, "body") else []
 
 
 def _check_joint(joint: Joint) -> None:

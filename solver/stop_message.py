@@ -50,6 +50,7 @@ def stop_message(layout: Layout, when: str) -> str:
         Outcome.NOT_CONVERGED: ("a smaller step, or softer stops and ropes", "joint"),
         Outcome.TOO_MANY_CONTACTS: ("a larger 'most_contacts' or 'patch_size'", "collision"),
         Outcome.OUTSIDE_DATABASE: ("a database that covers the motion", "body"),
+        Outcome.OFF_ROAD: ("a longer or wider deck, ramps at its edges, or a shorter run", "transporter"),
         Outcome.LINE_OVERSTRETCHED: ("a longer or stronger line, or a larger 'strain_limit'", "line"),
     }[outcome]
     reason = ""
@@ -60,8 +61,10 @@ def stop_message(layout: Layout, when: str) -> str:
         reason = f": {happened}" if happened else ""
     if outcome is Outcome.NOT_CLOSED:
         parted = _parted(layout, int(status.block))
-        if parted:
+        if parted[0]:
             part, reason, remedy = parted
+    if outcome is Outcome.OFF_ROAD:
+        reason = _where_off_road(layout)
     of_mesh = status.block < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
@@ -70,6 +73,10 @@ def stop_message(layout: Layout, when: str) -> str:
         if contact >= 0:
             part = "contact"
             reason, remedy = _contact_remedy(layout, contact)
+    rope = _hauled_in(layout) if outcome in {Outcome.NOT_CLOSED, Outcome.NOT_FINITE} else ""
+    if rope:
+        reason = f": rope {rope!r} is hauled in whole by its winch"
+        remedy = "a winch that stops before, or a longer rope"
     names = {"body": layout.body_names, "line": layout.line_names}.get(part, layout.block_names)
     number = int(status.body if part in {"body", "line"} else status.block)
     element = f", element {-1 - int(status.block)}" if of_mesh else ""
@@ -87,6 +94,34 @@ def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
                 reason = f": positions have left the elongation that makes its force, by {state['drift']:.3g}{unit}"
                 return word, reason, "a smaller step: a third of a period of what hangs on it is too long"
     return "", "", ""
+
+
+def _where_off_road(layout: Layout) -> str:
+    """Which bogie has no road, or meets what it cannot climb, and where."""
+    from heavylift.solver.transport.transporters import WALL
+
+    for kind in layout.joints:
+        if "bogie_state" not in kind._fields:
+            continue
+        number = int(np.flatnonzero(kind.bogie_state["failure"])[0])
+        state = kind.bogie_state[number]
+        vehicle = next(v for v in kind.vehicles if v.first_bogie <= number < v.first_bogie + v.bogies)
+        happened = "meets a step that it cannot climb" if state.failure == WALL else "has no deck below it"
+        return (
+            f": bogie {number - int(vehicle.first_bogie) + 1} {happened}, at station {state.station:.6g} m and offset "
+            f"{state.offset:.6g} m of deck {int(state.deck) + 1}"
+        )
+    return ""
+
+
+def _hauled_in(layout: Layout) -> str:
+    """Name of a rope of which nothing is left; empty if there is none."""
+    for kind in layout.joints:
+        if "winches" in kind._fields:
+            for entry, state in zip(kind.table, kind.state, strict=True):
+                if entry.block >= 0 and not state.fresh and not state.next_rest > 0.0:
+                    return layout.block_names[entry.block]
+    return ""
 
 
 def _first_contact(layout: Layout) -> int:

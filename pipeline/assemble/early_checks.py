@@ -35,7 +35,18 @@ if TYPE_CHECKING:
 
 __all__ = ["scene_errors"]
 
-DESCRIBED = ("forces", "sensors", "relative_motions", "leads", "ropes", "tanks", "fluid_loads", "fenders")
+DESCRIBED = (
+    "forces",
+    "sensors",
+    "relative_motions",
+    "leads",
+    "ropes",
+    "tanks",
+    "fluid_loads",
+    "fenders",
+    "decks",
+    "transporters",
+)
 """Lists of tables that `heavylift.pipeline.assemble.described.assemble` takes as they are."""
 
 NEAR, EDGE = 0.02, 4.0
@@ -278,6 +289,8 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
     ]
     forces += known("relative_motions", made["relative_motions"])
     forces += known("leads", made["leads"])
+    decks, transporters = known("decks", made["decks"]), known("transporters", made["transporters"])
+    road_known = len(decks) == len(case.decks)
     from heavylift.solver.layout import pack_scene
 
     with scene.part("case"), in_case(case):
@@ -288,6 +301,8 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
                 tuple(known("sensors", made["sensors"])),
                 joints=tuple(held),
                 ropes=tuple(known("ropes", made["ropes"])),
+                decks=tuple(decks),
+                transporters=tuple(transporters) if road_known else (),
             ),
             "dele2",
             0.0,

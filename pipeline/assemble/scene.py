@@ -123,6 +123,8 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         tuple(assemble_list(case, "sensors", sides)),
         joints=joints,
         ropes=tuple(assemble_list(case, "ropes", sides)),
+        decks=tuple(assemble_list(case, "decks", sides)),
+        transporters=tuple(assemble_list(case, "transporters", sides)),
         contours=_contours(case, bodies, sides, folder),
         contacts=contacts,
         surfaces=_surfaces(case, sides, folder),

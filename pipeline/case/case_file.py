@@ -124,7 +124,10 @@ class Case(SceneTables, _CaseHeading):
                 problem = self._missing_for(one)
                 if problem:
                     reject(f"{member!r} needs {problem}", "a quantity that the case has", key=key)
-                whole = one.family in {"channel", "frequency", "angular_frequency"} and not one.component
+                whole = (
+                    one.family in {"channel", "frequency", "angular_frequency", "growth"}
+                    and not one.component
+                )
                 components = single_components(one.item, self._names) if whole else None
                 if components is not None and len(components) > 1:
                     expected = f"one of its components: {', '.join(components)}; or {', '.join(ACROSS)}"

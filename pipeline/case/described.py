@@ -228,7 +228,7 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     if isinstance(quantity, (WorldDirection, BodyDirection)):
         return Direction
     if isinstance(quantity, BodyPoint):
-        return LengthVector
+        return LengthVector if field.mark(Shape) is None else GenericAlias(tuple, (LengthVector, ...))
     if isinstance(quantity, NameOf):
         return _NAMES[quantity.what]
     square = field.mark(Square)
@@ -378,6 +378,7 @@ _NAMES: Mapping[str, Any] = {
     "hull": KnownHull,
     "joint": Annotated[str, AfterValidator(_turns_or_slides)],
     "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
+    "rope": str,  # what it follows is known where all ropes are
 }
 """By what a name is the name of."""
 

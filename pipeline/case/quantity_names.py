@@ -24,6 +24,8 @@
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
 ``angular_frequency.OWNER.KIND[.COMPONENT]``   the same in rad/s
+``growth.OWNER.KIND[.COMPONENT]``              rate a of the growth ``exp(a t)`` of a channel, fitted to the last
+                                               half of the records, e.g. ``growth.trailer.pitch``
 ``deviation.NAME``                             largest distance of a channel from the reference history
                                                NAME, divided by its scale if it has one;
                                                ``deviation.NAME.rms``: root mean square over its times
@@ -141,8 +143,8 @@ class QuantityName(NamedTuple):
 
     text: str
     family: str
-    """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``deviation``,
-    ``lines``, ``hydrostatics`` or ``errors``."""
+    """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``growth``,
+    ``deviation``, ``lines``, ``hydrostatics`` or ``errors``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene, combinations and groups."""
     item: str
@@ -190,8 +192,8 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             return _group(text, members, names)
     if parts[0] == "channel":
         return _channel(text, parts, names)
-    if parts[0] in {"frequency", "angular_frequency"}:
-        return _frequency(text, parts, names)
+    if parts[0] in {"frequency", "angular_frequency", "growth"}:
+        return _fitted(text, parts, names)
     if parts[0] == "stress":
         return _stress(text, parts, names)
     if parts[0] == "deviation":
@@ -211,6 +213,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             "stress",
             "frequency",
             "angular_frequency",
+            "growth",
             "deviation",
             "lines",
             "hydrostatics",
@@ -230,7 +233,7 @@ def _members(text: str, parts: list[str], names: Declared) -> tuple[tuple[str, s
         "lines": sorted(names.lines),
         "hydrostatics": sorted(names.hulls),
     }
-    owners |= dict.fromkeys(("frequency", "angular_frequency", "stress"), owners["channel"])
+    owners |= dict.fromkeys(("frequency", "angular_frequency", "growth", "stress"), owners["channel"])
     owners |= dict.fromkeys(("mesh", "modes", "static", "ringdown"), flexible)
     if family not in owners or not rest:
         return ()
@@ -360,7 +363,7 @@ def _channel(text: str, parts: list[str], names: Declared | None) -> QuantityNam
     return QuantityName(text, "channel", owner, name, component, parts[-1], kind)
 
 
-def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+def _fitted(text: str, parts: list[str], names: Declared | None) -> QuantityName:
     if len(parts) < (2 if "(" in text else 3) or "" in parts:
         raise InputError(
             f"quantity {text!r} is unknown",
@@ -369,7 +372,8 @@ def _frequency(text: str, parts: list[str], names: Declared | None) -> QuantityN
     owner, name, component = _channel_parts(parts[1:])
     channel_kind(name, text, names)
     _check_component(name, component, text, names)
-    kind = KINDS["frequency" if parts[0] == "frequency" else "angular velocity"]
+    of = {"frequency": "frequency", "angular_frequency": "angular velocity", "growth": "rate"}
+    kind = KINDS[of[parts[0]]]
     return QuantityName(text, parts[0], owner, name, component, "", kind)
 
 

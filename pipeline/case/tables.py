@@ -39,6 +39,7 @@ from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
 from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import SENSORS
 from heavylift.solver.scene.sea import AT_SEA
+from heavylift.solver.scene.transport import TRANSPORT
 from heavylift.solver.scene.wind_loads import FLUID_LOADS, WindField
 
 __all__ = ["TABLES", "SceneTables", "Table", "declared", "lengths"]
@@ -100,6 +101,12 @@ def _move_hook(entry: dict[str, Any], move: Vector) -> None:
 def _move_crane(entry: dict[str, Any], move: Vector) -> None:
     """Move a crane."""
     entry["position"] = _moved(entry.get("position", [0.0, 0.0, 0.0]), move)
+
+
+def _move_deck(entry: dict[str, Any], move: Vector) -> None:
+    """Move a deck of the ground."""
+    if entry.get("body", GROUND) == GROUND:
+        entry["origin"] = _moved(entry.get("origin", [0.0, 0.0, 0.0]), move)
 
 
 def _move_surface(entry: dict[str, Any], move: Vector) -> None:
@@ -173,6 +180,10 @@ def _on_ground(entry: Any, _case: Any) -> bool:
 
 def _rope_on_ground(rope: Any, _case: Any) -> bool:
     return any(stop.body == GROUND for stop in rope.path)
+
+
+def _on_ground_deck(_transporter: Any, case: Any) -> bool:
+    return any(deck.body == GROUND for deck in case.decks)
 
 
 def _on_contour_of_ground(contact: Any, case: Any) -> bool:
@@ -389,6 +400,16 @@ class SceneTables(Section):
         Table("Fenders", "fender", move=_move_sides, is_outer=_on_ground),
     ] = ()
     """One-sided springs between bodies."""
+    decks: Annotated[
+        tuple[Annotated[Any, Chosen(TRANSPORT, word="decks")], ...],
+        Table("Decks", "deck", "apart", move=_move_deck),
+    ] = ()
+    """Pieces of a road."""
+    transporters: Annotated[
+        tuple[Annotated[Any, Chosen(TRANSPORT, word="transporters")], ...],
+        Table("Transporters", "transporter", is_outer=_on_ground_deck),
+    ] = ()
+    """Bodies on bogies that roll over all decks."""
     sensors: Annotated[
         tuple[Annotated[Any, Chosen(SENSORS, word="sensors")], ...], Table("Sensors", "sensor")
     ] = ()

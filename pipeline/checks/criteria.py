@@ -272,8 +272,11 @@ class _Run:
     def seen(self, names: Sequence[str], side: str) -> str:
         """Of how many steps or records extremes are; records if they differ."""
         words = [self.quantities.seen(f"{name}.{side}").partition(" of ")[2] for name in names]
-        words = [word for word in words if word]
-        return min(words, key=lambda word: "steps" in word, default=self.records)
+        least = min((word for word in words if word), key=lambda word: "steps" in word, default=self.records)
+        if self.inside.all() or "steps" not in least:
+            return least if self.inside.all() else self.records
+        near = " where it was near enough to be searched" * ("near enough" in least)
+        return f"the steps of {self.records}{near}"
 
     @property
     def records(self) -> str:
@@ -693,7 +696,8 @@ def _crane(run: _Run, c: CraneCriterion) -> list[CriterionResult]:
     low, high = c.curve.radius[0], c.curve.radius[-1]
     capacity = rules.capacity_at(c.curve.radius, [run.newtons(one) for one in c.curve.capacity], radius)
     if "steps" in forces.seen:  # the load is the largest since the record before: so is the radius
-        capacity[1:] = np.fmin(capacity[1:], capacity[:-1])
+        both = np.fmin(capacity[1:], capacity[:-1])
+        capacity[1:] = np.where(run.entered[1:], capacity[1:], both)
     clauses = (rules.clause("static and dynamic hook load"),)
     within = ~np.isnan(capacity)
     judged = np.where(within, load, -np.inf)

@@ -166,6 +166,7 @@ class Quantities:
             "stress": self._stress,
             "frequency": self._frequency,
             "angular_frequency": lambda name: 2.0 * math.pi * self._frequency(name),
+            "growth": self._growth,
             "deviation": self._deviation,
             "lines": self._lines,
             "hydrostatics": self._hydrostatics,
@@ -277,6 +278,22 @@ class Quantities:
             components = self.results.components(name.item)
             raise self._missing(name, f"{name.text}.COMPONENT, one of: {', '.join(components[:_SHOWN])}")
         return self._fitted_frequency(name, history, damped=False)
+
+    def _growth(self, name: QuantityName) -> float:
+        """Slope of the logarithm of a channel over the last half of the records [1/s], by least squares."""
+        history = self._history(name)
+        if history.ndim > 1:
+            components = self.results.components(name.item)
+            raise self._missing(name, f"{name.text}.COMPONENT, one of: {', '.join(components[:_SHOWN])}")
+        half = len(history) // 2
+        times, values = self.results.time[half:], history[half:]
+        if len(values) < 2 or not np.all(values * values[0] > 0.0):
+            raise InputError(
+                f"{name.text}: the channel passes zero, or has fewer than two records, in the last half of the run",
+                source=self._case.file,
+                expected="a channel that grows or decays without a change of sign",
+            )
+        return float(np.polyfit(times - times[0], np.log(np.abs(values)), 1)[0])
 
     def _fitted_frequency(self, name: QuantityName, values: NDArray[np.float64], *, damped: bool) -> float:
         """Frequency [Hz] of one sinusoid about a mean; a message of the fit is told of the quantity."""

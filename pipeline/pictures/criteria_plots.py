@@ -65,7 +65,6 @@ def crane_plot(
     axes = figure.subplots()
     scale = scaled_unit("N", [np.array(capacities), load])
     axes.plot(radii, np.array(capacities) / scale.divisor, "-o", color=_LIMIT, lw=1.8, ms=4, label="capacity")
-    axes.fill_between(radii, np.array(capacities) / scale.divisor, color=_LIMIT, alpha=0.06, lw=0)
     axes.plot(radius, load / scale.divisor, color=COLOURS[0], lw=1.2, label="load over the run")
     axes.plot(
         radius[:1],

@@ -203,6 +203,7 @@ REPORTED = {
     Outcome.LIMIT_REACHED,
     Outcome.TIMED_OUT,
     Outcome.PHASES_LEFT,
+    Outcome.OFF_ROAD,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 

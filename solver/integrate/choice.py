@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.coordinates import inverse_scales
-from heavylift.solver.scene.connections import GROUND, Between, rubbing_places
+from heavylift.solver.scene.connections import GROUND, Between, controlled, rubbing_places
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 from heavylift.solver.scene.scene import FlexibleBody, Scene
 
@@ -89,9 +89,13 @@ def _rope(scene: Scene) -> str:
 
 
 def _rubbing(scene: Scene) -> str:
-    """The first rope with friction in a sheave, as words; empty if none."""
-    names = [rope.name for rope in scene.ropes if rubbing_places(rope)]
-    return f"rope {names[0]!r} sticks and slides on its sheaves" if names else ""
+    """The first rope with friction in a sheave or a winch that answers to its tension, as words; empty if none."""
+    for rope in scene.ropes:
+        if rubbing_places(rope):
+            return f"rope {rope.name!r} sticks and slides on its sheaves"
+        if controlled(rope):
+            return f"the winch of rope {rope.name!r} answers to its tension"
+    return ""
 
 
 def _law(scene: Scene) -> str:
@@ -99,6 +103,8 @@ def _law(scene: Scene) -> str:
     if scene.touches:
         first: Any = (*scene.contacts, *scene.collisions)[0]
         return f"contact {first.name!r} opens and closes"
+    if scene.transporters:
+        return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
     for joint in scene.joints:
         if getattr(joint, "limits", None) is not None:
             return f"joint {joint.name!r} has stops"

@@ -31,7 +31,7 @@ from heavylift.solver.joints.registry import largest_opening
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
-from heavylift.solver.scene.connections import GROUND, Joint, Limits, rubbing_places
+from heavylift.solver.scene.connections import GROUND, Joint, Limits, controlled, rubbing_places
 
 if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
@@ -62,8 +62,12 @@ class PackedLaws:
 
 
 def law_owners(scene: Scene) -> list[Any]:
-    """Ropes, springs and motors: what has channels of its own, in their order."""
-    return [*scene.ropes, *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor)))]
+    """Ropes, transporters, springs and motors: what has channels of its own, in their order."""
+    return [
+        *scene.ropes,
+        *scene.transporters,
+        *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor))),
+    ]
 
 
 def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
@@ -81,7 +85,9 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
         "segment_tension": tuple(str(i + 1) for i in range(parts)),
         "sheave_speed": rubbing,
         "sheave_state": rubbing,
+        **{name: (name,) if controlled(owner) else () for name in ("paid_out", "paying_speed")},
     }
+    chosen = getattr(owner, "components", chosen)
     kinds = [kind for kind in owner.CHANNELS if kind.columns(chosen)]
     return add_channels(owner.name, kinds, channels, column, chosen)
 
@@ -185,6 +191,7 @@ def pack_laws(
             attachment,
             scales,
             scene.bodies,
+            {rope.name: rope for rope in scene.ropes},
             as_forces=integrator == "accurate",
         )
         made.joints.append(kind)
@@ -194,14 +201,28 @@ def pack_laws(
             made.forces.append(kind)
         else:
             made.fitted = True
+    if scene.transporters:
+        from heavylift.solver.transport.packing import pack_transporters
+
+        vehicles, blocks = pack_transporters(
+            scene,
+            [columns[vehicle.name] for vehicle in scene.transporters],
+            first_block + packing.block_count,
+            book,
+            attachment,
+            scales,
+        )
+        made.joints.append(vehicles)
+        made.blocks += blocks
+        made.fitted = True
     return made
 
 
 def _rope_groups(scene: Scene) -> list[list[Any]]:
-    """Ropes with one tension, and those with sheaves that rub: a kind each, if there are any."""
-    groups: tuple[list[Any], list[Any]] = [], []
+    """Ropes that are planned, those with sheaves that rub, and those with a control: a kind each, if there are any."""
+    groups: tuple[list[Any], list[Any], list[Any]] = [], [], []
     for rope in scene.ropes:
-        groups[bool(rubbing_places(rope))].append(rope)
+        groups[1 if rubbing_places(rope) else 2 if controlled(rope) else 0].append(rope)
     return [group for group in groups if group]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,7 @@ from heavylift.solver.scene.connections import (
     JointFrame,
     RopePoint,
     axes_about,
+    controlled,
     rubbing_places,
 )
 from heavylift.solver.scene.scene import AnyBody
@@ -53,6 +54,7 @@ def pack_ropes(
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
     bodies: Sequence[AnyBody],
+    leaders: Mapping[str, Any],
     *,
     as_forces: bool,
 ) -> tuple[Ropes, list[LawBlock]]:
@@ -66,7 +68,7 @@ def pack_ropes(
     """
     table: list[tuple[float, ...]] = []
     places: list[tuple[int, int, int]] = []
-    winches: list[tuple[float, float, float]] = []
+    winches: list[tuple[float, ...]] = []
     paths: list[tuple[Any, ...]] = []
     blocks: list[LawBlock] = []
     state: list[tuple[float, ...]] = []
@@ -74,7 +76,7 @@ def pack_ropes(
     for rope, column in zip(ropes, columns, strict=True):
         points = rope.path
         path = start_path(rope, bodies)
-        rows = _winch_rows(rope)
+        rows = _winch_rows(rope, leaders)
         length = _unstretched(rope, path, rows)
         held = list(dict.fromkeys(point.body for point in points if point.body != GROUND))
         level = FORCES if rope.damping > 0.0 or as_forces else ROWS
@@ -122,7 +124,30 @@ def pack_ropes(
     )
     if any(rubbing_places(rope) for rope in ropes):
         return _with_friction(kind, ropes), blocks
+    if any(controlled(rope) for rope in ropes):
+        return _with_control(kind, ropes), blocks
     return kind, blocks
+
+
+def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
+    """The kind of ropes whose winches answer to their tension."""
+    from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
+
+    controls: list[tuple[float, ...]] = []
+    rows: list[tuple[float, float]] = []
+    for rope in ropes:
+        winch, count = rope.winch, len(rope.winch.tensions)
+        speed = winch.speed if count else math.inf
+        brake = math.inf if winch.brake is None else winch.brake
+        controls.append((len(rows), count, winch.dead_band, speed, brake))
+        if count:
+            rows += [(float(t), float(T)) for t, T in zip(winch.times, winch.tensions, strict=True)]
+    return ControlledRopes(
+        **{name: getattr(kind, name) for name in kind._fields},
+        controls=records(WinchControl, controls),
+        control_state=records(ControlState, len(ropes)),
+        tensions=records(TensionRow, rows),
+    )
 
 
 def _with_friction(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
@@ -195,7 +220,7 @@ def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
     return path
 
 
-def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, float, float]]) -> float:
+def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, ...]]) -> float:
     """Length at the start [m]; that of a wire rope is checked."""
     drawn = start_length(path)
     tension, winch = getattr(rope, "tension", None), getattr(rope, "winch", None)
@@ -209,7 +234,7 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float
             )
         return drawn / (1.0 + tension / rope.axial_stiffness)
     if winch is not None and len(winch.lengths):
-        length = float(winch.lengths[0]) + rows[0][2]
+        length = float(winch.lengths[0]) + (rows[0][2] if winch.acceleration is None else 0.0)
     else:
         length = drawn if rope.length is None else float(rope.length)
     if hasattr(rope, "axial_stiffness") and drawn > length * (1.0 + LARGEST_STRAIN):
@@ -223,15 +248,35 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float
     return length
 
 
-def _winch_rows(rope: Any) -> list[tuple[float, float, float]]:
-    """Time, speed and length hauled in since t = 0."""
+def _winch_rows(rope: Any, leaders: Mapping[str, Any]) -> list[tuple[float, ...]]:
+    """Time, speed, length hauled in since t = 0, and jerk; of one that follows those of its leader."""
     winch = getattr(rope, "winch", None)
     if winch is None:
         return []
+    if winch.follow is not None:
+        leader = getattr(leaders.get(winch.follow), "winch", None)
+        if leader is None or not (len(leader.speeds) or len(leader.lengths)):
+            planned = ", ".join(
+                name
+                for name, other in leaders.items()
+                if getattr(other, "winch", None) and (len(other.winch.speeds) or len(other.winch.lengths))
+            )
+            raise _error(
+                rope,
+                f"{winch.follow!r} is no rope with a winch by 'speeds' or 'lengths'",
+                "winch.follow",
+                f"one of: {planned or 'none'}",
+            )
+        own, ratio = _winch_rows(leaders[winch.follow], leaders), winch.ratio
+        return [(time, ratio * speed, ratio * way, ratio * jerk) for time, speed, way, jerk in own]
+    if not (len(winch.speeds) or len(winch.lengths)):
+        return []
+    if winch.acceleration is not None:
+        return [(time, speed, way, jerk) for time, way, speed, _, jerk in winch.plan.tolist()]
     times, speeds = winch.profile
     hauled = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))])
     return [
-        (float(t), float(v), float(x))
+        (float(t), float(v), float(x), 0.0)
         for t, v, x in zip(times, speeds, hauled - _at_zero(times, speeds, hauled), strict=True)
     ]
 

@@ -67,12 +67,15 @@ from heavylift.solver.laws.rows import (
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import (
+    CONTROL_CHANNELS,
     ROPE_CHANNELS,
     ROPES,
     SHEAVE_CHANNELS,
     RopePoint,
     Winch,
     check_path,
+    controlled,
+    rubbing_places,
 )
 
 __all__ = [
@@ -91,6 +94,7 @@ __all__ = [
     "midpoint_tension",
     "path_rate",
     "put_places",
+    "record_ropes",
     "relinearise_ropes",
     "set_rope_targets",
     "start_length",
@@ -109,7 +113,7 @@ LARGEST_STRAIN = 0.02
 class Rope:
     """A wire rope through any number of points, with one tension all along but for sheaves with an efficiency."""
 
-    CHANNELS: ClassVar = (*ROPE_CHANNELS, *SHEAVE_CHANNELS)
+    CHANNELS: ClassVar = (*ROPE_CHANNELS, *SHEAVE_CHANNELS, *CONTROL_CHANNELS)
     """What it records, in the order of its columns: behind the extremes one a segment, then one a place that rubs."""
 
     name: str
@@ -152,6 +156,12 @@ class Rope:
                     expected="'efficiency' of places between the ends, over which the rope runs",
                 )
         check_path(said.path)
+        if controlled(said) and rubbing_places(said):
+            raise InputError(
+                "a winch that answers to the tension, on a rope over places with an efficiency",
+                key="winch.brake" if said.winch.brake is not None else "winch.tensions",
+                expected="a winch by 'speeds' or 'lengths', or no 'efficiency'",
+            )
 
     def check_start(self, places: Sequence[NDArray[np.float64]]) -> None:
         """Refuse a rope that is much shorter than its path through some places in the world [m], or has none.
@@ -266,11 +276,12 @@ class PlaceMarkers(Record):
 
 
 class WinchRow(Record):
-    """Time [s], speed [m/s] and length hauled in since t = 0 [m]."""
+    """Time [s], speed [m/s], length hauled in since t = 0 [m], and jerk up to the next row [m/s3]."""
 
     time: float
     speed: float
     hauled: float
+    jerk: float
 
 
 class RopeState(Record):
@@ -379,7 +390,7 @@ def start_length(path: Records[RopePlace]) -> float:
 
 @kernel(internal=True)
 def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
-    """Length hauled in since t = 0 [m] and speed [m/s]; exact for speeds that are linear in between."""
+    """Length hauled in since t = 0 [m] and speed [m/s]; exact for speeds that are linear or quadratic in between."""
     first, count = kind.table[i].winch, kind.table[i].winch_rows
     if count == 0:
         return 0.0, 0.0
@@ -396,6 +407,10 @@ def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
     a, b = kind.winches[low], kind.winches[high]
     t = time - a.time
     slope = (b.speed - a.speed) / (b.time - a.time)
+    if a.jerk != 0.0:
+        slope -= 0.5 * a.jerk * (b.time - a.time)
+        speed = a.speed + t * (slope + 0.5 * a.jerk * t)
+        return a.hauled + t * (a.speed + t * (0.5 * slope + a.jerk * t / 6.0)), speed
     return a.hauled + t * (a.speed + 0.5 * slope * t), a.speed + slope * t
 
 

@@ -18,7 +18,6 @@ from heavylift.numerics.quantity import (
     Absent,
     BodyDirection,
     BodyPoint,
-    Least,
     NameOf,
     Positive,
     Quantity,
@@ -33,12 +32,14 @@ from heavylift.solver.scene.descriptions import (
     interval_extremes,
     no_rows,
 )
+from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 __all__ = [
     "ANGLE_CHANNELS",
+    "CONTROL_CHANNELS",
     "FORCES",
     "GROUND",
     "JOINTS",
@@ -63,6 +64,7 @@ __all__ = [
     "Winch",
     "axes_about",
     "check_path",
+    "controlled",
     "frame_in_body",
     "rubbing_places",
 ]
@@ -130,6 +132,16 @@ SHEAVE_CHANNELS = (
     ),
 )
 """Of wire ropes, behind those of all ropes."""
+CONTROL_CHANNELS = (
+    ChannelKind(
+        "paid_out",
+        "length",
+        "what a brake or a winch that keeps a tension has paid out beyond its plan",
+        None,
+    ),
+    ChannelKind("paying_speed", "velocity", "speed at which it does, mean of the last step", None),
+)
+"""Of wire ropes with such a winch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -423,9 +435,9 @@ class RopePoint:
 @ROPES.part
 @dataclass(frozen=True, eq=False)
 class Winch:
-    """How a winch hauls in: its speed, or the length of the rope, at some times."""
+    """How a winch hauls in: its speed, the length or the tension of the rope, at some times; or as another one."""
 
-    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,)), Least(1)]
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
     """[s], increasing."""
     speeds: Annotated[NDArray[np.float64], Quantity("velocity"), Shape((None,))] = field(
         default_factory=no_rows
@@ -436,17 +448,81 @@ class Winch:
     )
     """In place of `speeds`, unstretched lengths of the rope [m]: it begins and ends at rest, its speed has no jumps,
     and its length between two times is between those at them."""
+    speed: Annotated[float | None, Positive("velocity")] = None
+    """With `tensions` the largest one. With `lengths` and `acceleration` that of moves from rest to rest, which begin
+    at the times; the first length is that at the start."""
+    acceleration: Annotated[float | None, Positive("acceleration")] = None
+    """Of all changes of the speed: `speeds` are then targets, to which a winch that stands at first begins to change at
+    the times."""
+    jerk: Annotated[float | None, Positive("jerk")] = None
+    """Of all changes of the acceleration, which jumps without."""
+    tensions: Annotated[NDArray[np.float64], Positive("force"), Shape((None,))] = field(
+        default_factory=no_rows
+    )
+    """In place of `speeds`, tensions that it keeps [N], linear between the times: it pays out above them and hauls in
+    below them, at most with `speed`."""
+    dead_band: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 0.05
+    """Part of the tension by which it may be off before the winch moves."""
+    brake: Annotated[float | None, Positive("force")] = None
+    """Tension at which the brake slips [N]: the drum holds, or does what it is told, below it, and pays out at it."""
+    follow: Annotated[str | None, NameOf("rope")] = None
+    """Name of a rope whose winch this one copies, by length."""
+    ratio: Annotated[float, Quantity("number")] = 1.0
+    """Length of this rope per length of the one that it follows; negative pays out while that one hauls in."""
     end: Literal["first", "last"] = "first"
     """End of the path with the drum: where sheaves have an efficiency, the rope runs over them from or to there."""
 
     @staticmethod
     def check(said: Any) -> None:
         """A speed or a length a time."""
-        if (len(said.speeds) == 0) == (len(said.lengths) == 0):
-            problem = "both 'speeds' and 'lengths'" if len(said.speeds) else "neither 'speeds' nor 'lengths'"
-            raise InputError(problem, expected="one of them")
-        values_key = "speeds" if len(said.speeds) else "lengths"
-        check_table("times", said.times, values_key, getattr(said, values_key))
+        given = [key for key in ("speeds", "lengths", "tensions") if len(getattr(said, key))]
+        if said.follow is not None:
+            if given or said.acceleration is not None or said.speed is not None:
+                other = given[0] if given else "acceleration" if said.acceleration is not None else "speed"
+                raise InputError(f"both 'follow' and {other!r}", key=other, expected="one of them")
+        elif said.ratio != 1.0:
+            raise InputError("'ratio' without 'follow'", key="ratio", expected="'follow', a rope to follow")
+        if len(given) > 1:
+            raise InputError(f"both {given[0]!r} and {given[1]!r}", expected="one of them")
+        if not given and said.follow is None and (said.brake is None or len(said.times)):
+            raise InputError("neither 'speeds' nor 'lengths'", expected="one of them")
+        if given:
+            check_table("times", said.times, given[0], getattr(said, given[0]))
+        if given == ["tensions"]:
+            if said.speed is None:
+                raise InputError(
+                    "'tensions' without 'speed'", key="speed", expected="the largest speed of the winch"
+                )
+            for key in ("brake", "acceleration", "jerk"):
+                if getattr(said, key) is not None:
+                    raise InputError(f"both 'tensions' and {key!r}", key=key, expected="one of them")
+            return
+        if (said.speed is not None) != (len(said.lengths) > 0 and said.acceleration is not None):
+            raise InputError(
+                "'speed' is the limit of moves to 'lengths' with an 'acceleration'",
+                key="speed" if said.speed is not None else "acceleration",
+                expected="'lengths', 'speed' and 'acceleration'; 'speeds' and 'acceleration'; or a table alone",
+            )
+        if said.speed is not None:
+            planned_moves(said.times, said.lengths, said.speed, said.acceleration, said.jerk)
+        else:
+            check_speeds(said)
+
+    @property
+    def plan(self) -> NDArray[np.float64]:
+        """Time, length hauled in since t = 0, speed, acceleration and jerk where each piece begins, shape (n, 5)."""
+        if not (len(self.speeds) or len(self.lengths)):
+            return np.column_stack([self.times, np.zeros((len(self.times), 4))])
+        if self.acceleration is None:
+            return speed_pieces(*self.profile)[1:]
+        times, speeds = self.times, self.speeds
+        if self.speed is not None:
+            lengths = [-float(length) for length in self.lengths]
+            moves = planned_moves(list(self.times), lengths, self.speed, self.acceleration, self.jerk)
+            times, speeds = (np.array(values) for values in moves)
+            if not len(times):
+                return np.zeros((1, 5))
+        return speed_pieces(times, speeds, self.acceleration, self.jerk)
 
     @property
     def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -472,6 +548,12 @@ class Winch:
         all_times[::2], all_times[1::2] = times, times[:-1] + 0.5 * steps
         all_speeds[::2], all_speeds[1::2] = at, middle
         return all_times, all_speeds
+
+
+def controlled(rope: Any) -> bool:
+    """Whether the winch of a rope answers to its tension."""
+    winch = getattr(rope, "winch", None)
+    return winch is not None and (len(winch.tensions) > 0 or winch.brake is not None)
 
 
 def rubbing_places(rope: Any) -> list[int]:

@@ -558,7 +558,8 @@ def _check_range(field: DescribedField, value: Any, key: str, coordinate: str) -
 
 def _shape(field: DescribedField) -> tuple[int, ...] | None:
     """Shape of an array; None if it may be any."""
-    if isinstance(field.quantity, (BodyPoint, BodyDirection, WorldDirection)):
+    many = isinstance(field.quantity, BodyPoint) and field.mark(Shape) is not None
+    if isinstance(field.quantity, (BodyPoint, BodyDirection, WorldDirection)) and not many:
         return (3,)
     if square := field.mark(Square):
         return (square.size, square.size)

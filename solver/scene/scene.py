@@ -95,6 +95,8 @@ class Scene:
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()
     ropes: tuple[Any, ...] = ()
+    decks: tuple[Any, ...] = ()
+    transporters: tuple[Any, ...] = ()
     contours: tuple[Contour, ...] = ()
     contacts: tuple[Contact, ...] = ()
     surfaces: tuple[CollisionSurface, ...] = ()

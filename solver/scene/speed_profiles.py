@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 
-__all__ = ["FOREVER", "check_speeds", "overshoot", "profile_cubics", "ramp_phases", "speed_pieces"]
+__all__ = [
+    "FOREVER",
+    "check_speeds",
+    "overshoot",
+    "planned_moves",
+    "profile_cubics",
+    "ramp_phases",
+    "speed_pieces",
+]
 
 FOREVER = 1e7
 """Time behind the last row for which a drive goes on at its last speed [s]."""
@@ -70,6 +78,9 @@ def speed_pieces(
     """
     t, v = (np.asarray(values, dtype=np.float64) for values in (times, speeds))
     rows: list[tuple[float, float, float]] = []  # time, acceleration, jerk
+    reached: dict[
+        int, float
+    ] = {}  # rows that begin with a speed that was said, whatever rounding leaves of it
     if acceleration is None:
         begin = float(v[0])
         slopes = np.diff(v) / np.diff(t)
@@ -80,29 +91,79 @@ def speed_pieces(
         for at, speed in zip(t, v, strict=True):
             now = float(at)
             for duration, start, rate in ramp_phases(float(speed) - before, acceleration, jerk):
+                if (
+                    rows and rows[-1][0] >= now * (1.0 - 1e-12) - 1e-12
+                ):  # the last ramp ends where this one begins
+                    now = rows.pop()[0]
                 rows.append((now, start, rate))
                 now += duration
+            if rows and rows[-1][0] >= now:
+                rows.pop()
+            reached[len(rows)] = float(speed)
             rows.append((now, 0.0, 0.0))
             before = float(speed)
     pieces = np.zeros((len(rows) + 1, 5))
     pieces[0] = rows[0][0] - 1.0, -begin, begin, 0.0, 0.0
     way, speed = 0.0, begin
     for i, (at, start, rate) in enumerate(rows):
+        speed = reached.get(i, speed)
         pieces[i + 1] = at, way, speed, start, rate
         if i + 1 < len(rows):
             s = rows[i + 1][0] - at
             way += s * (speed + s * (start / 2.0 + s * rate / 6.0))
             speed += s * (start + s * rate / 2.0)
-    if acceleration is not None:  # rounding of the phases leaves nothing of the speeds that were said
-        for piece in pieces[1:]:
-            if piece[3] == piece[4] == 0.0:
-                k = int(np.searchsorted(t, piece[0], side="right")) - 1
-                piece[2] = v[max(k, 0)]
     i = max(int(np.searchsorted(pieces[:, 0], 0.0, side="right")) - 1, 0)
     s = -pieces[i, 0]
     at_zero = pieces[i, 1] + s * (pieces[i, 2] + s * (pieces[i, 3] / 2.0 + s * pieces[i, 4] / 6.0))
     pieces[:, 1] -= at_zero
     return pieces
+
+
+def planned_moves(
+    times: Sequence[float], places: Sequence[float], speed: float, acceleration: float, jerk: float | None
+) -> tuple[list[float], list[float]]:
+    """Times and target speeds, for `speed_pieces`, of moves from rest to rest that begin at the times.
+
+    Parameters
+    ----------
+    times, places
+        When each move begins, and where it ends; the first place is where all begins.
+    speed, acceleration, jerk
+        Limits. A short move does not reach its speed: then ``v T(v) = way``, with the time T of a ramp.
+
+    Raises
+    ------
+    InputError
+        If a move is not done when the next one begins.
+    """
+    at: list[float] = []
+    speeds: list[float] = []
+    for i, (time, before, after) in enumerate(zip(times[1:], places[:-1], places[1:], strict=True)):
+        way = after - before
+        if way == 0.0:
+            continue
+        size = abs(way)
+        if jerk is None:
+            peak = math.sqrt(acceleration * size)
+        else:
+            peak = (0.25 * size**2 * jerk) ** (1.0 / 3.0)
+            if peak > acceleration**2 / jerk:
+                half = 0.5 * acceleration**2 / jerk
+                peak = math.sqrt(half**2 + acceleration * size) - half
+        peak = min(speed, peak)
+        ramp = sum(duration for duration, _, _ in ramp_phases(peak, acceleration, jerk))
+        cruise = max(0.0, size / peak - ramp)
+        end = time + 2.0 * ramp + cruise
+        if i + 2 < len(times) and end > times[i + 2] * (1.0 + 1e-12):
+            raise InputError(
+                f"the move to {after:g} at {time:g} s takes {end - time:.6g} s, and the next one begins at"
+                f" {times[i + 2]:g} s",
+                key=f"times.{i + 2}",
+                expected=f"{end:.6g} s or later, or larger limits",
+            )
+        at += [time, time + ramp + cruise]
+        speeds += [math.copysign(peak, way), 0.0]
+    return at, speeds
 
 
 def check_speeds(said: Any) -> None:

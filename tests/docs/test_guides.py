@@ -32,6 +32,7 @@ GUIDES = (
     "benchmarks.md",
     "inside.md",
     "python.md",
+    "transport.md",
 )
 
 
@@ -207,3 +208,21 @@ def test_the_page_on_editors_shows_what_taplo_reads():
     pattern = next(iter(json.loads("{" + setting + "}")["evenBetterToml.schema.associations"]))
     assert re.match(pattern, "/home/me/lift/case.toml")
     assert not re.match(pattern, "/home/me/lift/other.toml")
+
+
+def test_the_road_and_the_transporter_of_the_guide_make_a_scene(tmp_path):
+    """The blocks of `transport.md` with a body on them: it stands, and its first steps are made."""
+    text = "\n".join(b.text for b in blocks(DOCS / "transport.md") if b.language == "toml")
+    body = """
+title = "Guide"
+gravity = { acceleration = [0, 0, -9.81] }
+
+[bodies.block]
+type = "rigid"
+mass = "40 t"
+inertia = [1e5, 1e5, 1e5]
+centre_of_mass = [0, 0, "1.5 m"]
+frame = { motion = "free" }
+"""
+    (tmp_path / "case.toml").write_text(f"{body}\n{text}\n{REST}", encoding="utf-8")
+    assert run_case(load_case(tmp_path)).outcome is Outcome.COMPLETED

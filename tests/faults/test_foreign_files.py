@@ -114,18 +114,18 @@ def test_a_case_file_that_is_a_pipe_or_device(heavylift, tmp_path, command):
     os.mkfifo(tmp_path / "case.toml")
     result = heavylift(command, tmp_path)
     assert result.code == Outcome.BAD_INPUT
-    assert f"{tmp_path / 'case.toml'}: is no file" in result.out + result.error  # verify has it in its table
+    assert f"{tmp_path / 'case.toml'}: is no regular file" in result.out + result.error  # verify has it in its table
     (tmp_path / "case.toml").unlink()
     (tmp_path / "case.toml").symlink_to("/dev/zero")
     result = heavylift(command, tmp_path)
     assert result.code == Outcome.BAD_INPUT
-    assert "is no file" in result.out + result.error
+    assert "is no regular file" in result.out + result.error
 
 
 def test_a_case_file_that_is_far_too_large(heavylift, tmp_path):
     with (tmp_path / "case.toml").open("wb") as stream:
         stream.truncate(2**40)
-    refused(heavylift("run", tmp_path), "case.toml", "1048576 MiB", "at most 32 MiB")
+    refused(heavylift("run", tmp_path), "case.toml", "1,099,511,627,776 bytes", "at most 67,108,864")
 
 
 # ---- inputs ----

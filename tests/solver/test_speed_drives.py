@@ -147,3 +147,11 @@ def test_a_smooth_table_says_that_it_overshoots_and_a_monotone_one_does_not() ->
 def test_contradictions_are_refused(profile: Profile, words: str) -> None:
     with pytest.raises(InputError, match=words):
         check_object(profile, "travel", "drive")
+
+
+def test_a_ramp_may_end_where_the_next_one_begins() -> None:
+    """0.1 m/s^2 for 5 s up and 5 s down without a rest between: 2.5 m, and no jump of the speed."""
+    profile = by_speed([0.0, 5.0], [0.5, 0.0], acceleration=0.1)
+    values = at(profile, np.linspace(0.0, 12.0, 1201))
+    assert np.abs(np.diff(values[:, 1])).max() < 1.001e-3
+    np.testing.assert_allclose(values[[500, 1000, -1], 0], [1.25, 2.5, 2.5], rtol=1e-12)

@@ -66,6 +66,7 @@ class Recorded:
         self.compile_seconds = self.cpu_seconds = 0.0
         self.start_seconds = 0.25
         self.outcome, self.message = Outcome.COMPLETED, ""
+        self.operation, self.ended = None, False
         names = ("kinetic", "elastic", "balance")
         self.channels = [
             SimpleNamespace(name=f"energy.{name}", unit="J", components=(name,), column=i, sentence="")

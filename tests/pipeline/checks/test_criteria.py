@@ -187,6 +187,11 @@ def test_extremes_of_all_steps_count_and_those_before_the_time_do_not(judged):
     text += criterion(**(SLING | {"name": "before", "after": "4.9 s", "until": "5 s"}))
     found = judged(text, {"sees_every_step": True, "steps": 5000}, sling_1__tension_max=extremes)
     assert [row.value for row in found] == [15e3, 1e4, 15e3]
+    assert [row.seen for row in found] == [
+        "101 records",
+        "51 records",
+        "2 records",
+    ]  # two of three have no extremes
     assert found[0].time == pytest.approx(5.0)
 
 
@@ -258,6 +263,24 @@ def test_the_crane_governs_where_load_over_capacity_is_largest(judged):
     assert (radius.value, radius.limit, radius.side, radius.passed) == (pytest.approx(37.0), 40.0, "<=", True)
     assert (double.value, double.passed) == (pytest.approx(6e4), False)
     assert double.margin == pytest.approx(-8e3)
+
+
+def test_a_load_between_two_records_has_the_smaller_capacity_of_both(judged):
+    """The crane comes in by 0.1 m a record from 39 m; at 32 m, 7 s, the interval before began at 32.1 m: 7.16 t."""
+    motion = np.column_stack([39.0 - TIMES, 0.0 * TIMES, 0.0 * TIMES])
+    peak = np.where(np.isclose(TIMES, 7.0), 8e4, 1.0)
+    reach = Raw(
+        '{ centre = { body = "ground", point = [0, 0, 0] }, tip = { body = "load", point = [0, 0, 0] } }'
+    )
+    load, _ = judged(
+        criterion(**(CRANE | {"reach": reach, "load": "sling_1.tension"})),
+        {"sees_every_step": True, "steps": 5000},
+        load__position=motion,
+        sling_1__tension=ONES,
+        sling_1__tension_max=peak,
+    )
+    assert (load.value, load.limit) == (pytest.approx(8e4), pytest.approx(71.6e3))
+    assert (load.time, load.seen, load.passed) == (pytest.approx(7.0), "5,000 steps", False)
 
 
 def test_a_radius_outside_the_curve_is_a_failure_with_a_name(judged):
@@ -767,6 +790,29 @@ def test_a_symmetric_lift_from_run_to_exit_code(folder):
     assert table[0] == "slings: a criterion failed"
     assert table[1].startswith("  slings")
     assert table[1].endswith("FAILED")
+
+
+def test_the_criteria_of_the_hoist_by_hand(tmp_path):
+    """From the reference of the case, integrated apart from the solver; 3 digits of each line."""
+    source = Path(__file__).parents[3] / "cases" / "hoist"
+    verdict = judge_case(source, out=tmp_path / "out", overrides=[], force=False, log=Log(quiet=True))
+    assert verdict.outcome is Outcome.COMPLETED
+    load, radius, off, side, daf, rope, slack, share, rise = verdict.results
+    tension = np.loadtxt(source / "tension.csv", delimiter=",", skiprows=1, usecols=1)
+    position = np.loadtxt(source / "reference.csv", delimiter=",", skiprows=1, usecols=(1, 3))
+    largest, smallest, g = tension.max(), tension.min(), 9.81
+    assert load.value == pytest.approx(2.0 * largest + 40e3 * g, rel=1e-3)
+    assert load.limit == pytest.approx((1600e3 - 0.6 * 400e3) * g, rel=1e-12)
+    assert radius.value == pytest.approx(36.0)
+    # both parts lead to the middle of the sheave, up to the square of its radius over the length
+    assert off.value == pytest.approx(np.arctan2(abs(position[:, 0]), -position[:, 1]).max(), rel=1e-3)
+    assert side.value == pytest.approx(0.0, abs=1e-12)
+    assert daf.value == pytest.approx(2.0 * largest / (1000e3 * g), rel=1e-3)
+    assert daf.limit == 1.10  # inshore, 300 to 1000 t
+    assert rope.limit == pytest.approx(25e6 / (1.3 * 1.3 * 1.25 * 1.5), rel=1e-12)
+    assert slack.value == pytest.approx(smallest, rel=1e-3)
+    assert share.value == pytest.approx(1.0 - smallest / tension.mean(), abs=1e-3)
+    assert rise.value == pytest.approx((position[-1, 1] - position[0, 1]) / 20.0, rel=1e-3)
 
 
 def test_a_case_without_criteria_is_told(folder):

@@ -70,6 +70,30 @@ def test_a_failed_check_is_exit_code_one(heavylift, small_case):
     assert "FAILED" in out
 
 
+def test_criteria_end_with_the_code_of_checks(heavylift, small_case):
+    def judge(maximum, *more):
+        one = f'criteria=[{{name="mass", type="limit", quantity="mesh.beam.mass", maximum="{maximum}"}}]'
+        return heavylift("criteria", small_case, "--set", one, *more)
+
+    code, out, _ = judge("0.5 kg", "--json")
+    assert code == 0
+    document = json.loads(out)
+    assert list(document) == ["case", "outcome", "criteria"]
+    (row,) = document["criteria"]
+    assert (row["name"], row["limit"], row["side"], row["unit"]) == ("mass", 0.5, "<=", "kg")
+    assert row["utilisation"] == pytest.approx(row["value"] / 0.5)
+    code, out, _ = judge("0.1 kg")
+    assert code == 1
+    assert "a criterion failed" in out
+    assert "FAILED" in out
+    code, _, error = judge("0.1 m")
+    assert code == 2
+    assert "criteria.0.maximum: '0.1 m'" in error
+    code, _, error = heavylift("criteria", small_case)
+    assert code == 2
+    assert "no criteria" in error
+
+
 def test_converge_shows_the_order_of_the_integrator(heavylift, small_case):
     code, out, _ = heavylift("converge", small_case, "--json")
     assert code == 0

@@ -113,7 +113,7 @@ def write_bodies(out):
     write_model(stages.model("bar"), model, {})
     write_json(
         stages.manifest("mesh"),
-        {"items": {"bar": {"digest": "d1ge57", "cpu_s": 1.0}}, "versions": {"gmsh": "9.9"}},
+        {"items": {"bar": {"digest": "d1ge57", "size": 1, "cpu_s": 1.0}}, "versions": {"gmsh": "9.9"}},
     )
     return stages, reduced
 

@@ -179,3 +179,12 @@ def test_what_an_efficiency_cannot_serve_is_refused(place: int, integrator: str)
     rope = wire(*path)
     with pytest.raises(InputError, match=r"efficiency at an end|sticks and slides"):
         Simulation(scene([body("load", 1.0, (2, 0, 0))], ropes=[rope]), 1e-2, integrator)
+
+
+@pytest.mark.parametrize("made", [pulleys(0.96), fall(8, 0.95, 0.05, "first")], ids=["pulleys", "fall"])
+def test_a_run_goes_on_where_it_was(made: Scene) -> None:
+    """A checkpoint has all that friction remembers: the same bits."""
+    first, second = (Simulation(made, 1e-3, "dele2") for _ in range(2))
+    first.advance(150)
+    second.restore(first.state())
+    np.testing.assert_array_equal(first.advance(100)[1], second.advance(100)[1])

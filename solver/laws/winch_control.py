@@ -1,0 +1,203 @@
+"""Wire ropes whose winch answers to their tension: one that keeps a tension, and a brake that slips.
+
+Between two tensions the drum does what is planned, or rests. Beyond the upper one it pays out, below the lower one it
+hauls in, just so much that the elastic tension at the end of the step is that limit, but no faster than it can. With
+the path s and the unstretched length l that is planned::
+
+    dl = max(0, s/(1 + T_high/EA) - l) + min(0, s/(1 + T_low/EA) - l),        |dl| <= v h
+
+So the tension is a law of the rate of the path, as of any rope, which is level while the drum gives way: it is fitted
+as they are, and the work is that of the winch. A winch of constant tension has ``T (1 -+ band)``, T a linear table in
+time. A brake has no lower limit, and slips at any speed; what it has slipped stays out.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records
+from heavylift.solver.interface import Workspace, record_joints, relinearise, set_targets, update_rows
+from heavylift.solver.kinds import implement
+from heavylift.solver.laws.rows import fit_law, put_law
+from heavylift.solver.laws.wire_rope import (
+    Ropes,
+    midpoint_rate,
+    midpoint_tension,
+    record_ropes,
+    update_ropes,
+    winch_state,
+)
+from heavylift.solver.rows.structure import RowArrays
+
+__all__ = ["ControlState", "ControlledRopes", "TensionRow", "WinchControl"]
+
+
+class WinchControl(Record):
+    """Control of the winch of a rope.
+
+    Attributes
+    ----------
+    first, count
+        Rows of its table of tensions; none of a brake.
+    band
+        Half width of its dead band, relative to the tension.
+    speed
+        Largest speed [m/s].
+    brake
+        Tension at which the brake slips [N].
+    """
+
+    first: int
+    count: int
+    band: float
+    speed: float
+    brake: float
+
+
+class TensionRow(Record):
+    """Time [s] and tension [N]."""
+
+    time: float
+    tension: float
+
+
+class ControlState(Record):
+    """What a control carries.
+
+    Attributes
+    ----------
+    paid_out
+        Beyond the plan since the start [m].
+    speed
+        Of the last step, positive if it paid out [m/s].
+    planned
+        Unstretched length at the end of the step without anything more [m].
+    low, high
+        Limits of the step [N].
+    """
+
+    paid_out: float
+    speed: float
+    planned: float
+    low: float
+    high: float
+
+
+class ControlledRopes(Ropes):
+    """All ropes of a scene with a winch that answers to the tension.
+
+    Attributes
+    ----------
+    controls, control_state
+        Of each rope.
+    tensions
+        Rows of all tables.
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state", "wraps", "control_state")
+
+    controls: Records[WinchControl]
+    control_state: Records[ControlState]
+    tensions: Records[TensionRow]
+
+
+@kernel(internal=True)
+def _wanted(kind: ControlledRopes, i: int, time: float) -> float:
+    """Tension of the table [N], held at its ends."""
+    first, last = kind.controls[i].first, kind.controls[i].first + kind.controls[i].count - 1
+    if time <= kind.tensions[first].time:
+        return kind.tensions[first].tension
+    for row in range(first, last):
+        a, b = kind.tensions[row], kind.tensions[row + 1]
+        if time < b.time:
+            return a.tension + (b.tension - a.tension) * (time - a.time) / (b.time - a.time)
+    return kind.tensions[last].tension
+
+
+@kernel(internal=True)
+def _tension_with(kind: ControlledRopes, i: int, u: float, h: float, paid: float) -> tuple[float, float]:
+    """Tension and slope if some length more is paid out in the step; that becomes the length at its end."""
+    length = kind.control_state[i].planned + paid
+    kind.state[i].next_rest = length if length > 0.0 else math.nan
+    _, tension, slope, _, _ = midpoint_tension(kind, i, u, h)
+    return tension, slope
+
+
+@kernel(internal=True)
+def _answer(kind: ControlledRopes, i: int, u: float, h: float) -> tuple[float, float]:
+    """Tension of the step and its slope by the rate u; the length at the end of the step."""
+    state, elasticity = kind.control_state[i], kind.table[i].axial_stiffness
+    path = kind.state[i].stretched + h * u
+    longest = path / (1.0 + state.low / elasticity)  # with the lowest tension
+    shortest = path / (1.0 + state.high / elasticity)
+    paid = max(0.0, shortest - state.planned) + min(0.0, longest - state.planned)
+    farthest = kind.controls[i].speed * h
+    if abs(paid) < farthest:
+        tension, slope = _tension_with(kind, i, u, h, paid)
+        return tension, slope if paid == 0.0 else 0.0
+    return _tension_with(kind, i, u, h, math.copysign(farthest, paid))
+
+
+@implement(set_targets, ControlledRopes)
+@kernel(internal=True)
+def set_controlled_targets(
+    kind: ControlledRopes, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
+) -> None:
+    """Limits of the step; first guess: the rate of the last one."""
+    if not at_midpoint:
+        return
+    for i in range(kind.table.shape[0]):
+        control, state, rope = kind.controls[i], kind.control_state[i], kind.state[i]
+        hauled, rope.hauling = winch_state(kind, i, time + step)
+        state.planned = kind.table[i].start_length - hauled + state.paid_out
+        state.low, state.high = -0.5 * kind.table[i].axial_stiffness, control.brake
+        if control.count > 0:
+            wanted = _wanted(kind, i, time + step)
+            state.low, state.high = wanted * (1.0 - control.band), wanted * (1.0 + control.band)
+        tension, slope = _answer(kind, i, rope.rate, step)
+        put_law(system, kind.table[i].block, step, rope.rate, tension, slope)
+
+
+@implement(relinearise, ControlledRopes)
+@kernel(internal=True)
+def relinearise_controlled_ropes(
+    kind: ControlledRopes, time: float, step: float, work: Workspace, system: RowArrays
+) -> None:
+    """Fit the tensions to the rates found."""
+    for i in range(kind.table.shape[0]):
+        u = midpoint_rate(kind, i, work, system)
+        tension, slope = _answer(kind, i, u, step)
+        fit_law(system, kind.table[i].block, step, u, tension, slope, work)
+
+
+@implement(update_rows, ControlledRopes)
+@kernel(internal=True)
+def update_controlled_ropes(
+    kind: ControlledRopes, time: float, step: float, work: Workspace, system: RowArrays
+) -> None:
+    """As a rope, and what the control has paid out."""
+    for i in range(kind.table.shape[0]):
+        state, rope = kind.control_state[i], kind.state[i]
+        paid = rope.next_rest - state.planned
+        state.paid_out += paid
+        state.speed = paid / step
+        rope.hauling -= state.speed
+    update_ropes(kind, time, step, work, system)
+
+
+@implement(record_joints, ControlledRopes)
+@kernel(internal=True)
+def record_controlled_ropes(
+    kind: ControlledRopes, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """As a rope, with what the control has paid out, and how fast."""
+    record_ropes(kind, time, work, system, row)
+    for i in range(kind.table.shape[0]):
+        column = kind.table[i].column + 5 + kind.table[i].places
+        row[column] = kind.control_state[i].paid_out
+        row[column + 1] = kind.control_state[i].speed

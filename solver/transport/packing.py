@@ -1,0 +1,365 @@
+"""Decks and transporters of a scene become one kind: loads at the start, whether they can stand, markers, rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.solver.interface import FORCES
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.packing import start_frames
+from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, dilated_height
+from heavylift.solver.transport.stand import Stand, even_loads, refuse_unstable
+from heavylift.solver.transport.transporters import (
+    GAS_EXPONENT,
+    BogieData,
+    BogieState,
+    DeckData,
+    GroupData,
+    GroupState,
+    PumpRow,
+    Transporter,
+    Transporters,
+    VehicleData,
+    VehicleState,
+)
+
+if TYPE_CHECKING:
+    from heavylift.solver.markers import MarkerBook
+    from heavylift.solver.rows.structure import Attachment
+
+__all__ = ["pack_transporters"]
+
+
+def pack_transporters(
+    scene: Scene,
+    columns: Sequence[int],
+    first_block: int,
+    book: MarkerBook,
+    attachment: Callable[[str], Attachment],
+    scales: Callable[[str], tuple[float, float]],
+) -> tuple[Transporters, list[LawBlock]]:
+    """Make the kind and its rows.
+
+    Parameters
+    ----------
+    scene
+        Checked for names.
+    columns
+        First record column of each transporter.
+    first_block, book, attachment, scales
+        As for ropes.
+
+    Raises
+    ------
+    InputError
+        If a wheel has no road below it at the start, or too much load; a deck is too steep for a wheel; the groups
+        cannot hold the body upright; or no load is told of a body whose weight is not known.
+    """
+    decks: Sequence[Deck] = scene.decks
+    corners, firsts, counts = corner_table(decks)
+    made_decks = [
+        (*_deck_markers(deck, book), first, count, *map(float, deck.sides))
+        for deck, first, count in zip(decks, firsts, counts, strict=True)
+    ]
+    vehicles: list[tuple[Any, ...]] = []
+    groups: list[tuple[Any, ...]] = []
+    bogies: list[tuple[int, int, float]] = []
+    pumps: list[tuple[float, float]] = []
+    sides: list[list[int]] = []
+    starts: list[list[float]] = []
+    stands_on: list[int] = []
+    strokes: list[float] = []
+    blocks: list[LawBlock] = []
+    block = first_block
+    gravity = _gravity(scene)
+    for transporter, column in zip(scene.transporters, columns, strict=True):
+        _check_names(transporter)
+        for deck in decks:
+            deck.check_radius(transporter.wheel_radius)
+        places = _Places(transporter, scene)
+        of_vehicle = [places.on_decks(number, decks, corners) for number in range(len(places.points))]
+        loads = _start_loads(transporter, gravity, places)
+        weight = transporter.bogie_mass * float(np.linalg.norm(gravity))
+        _check_loads(transporter, loads, weight)
+        if weight and any(deck.body != GROUND for deck in decks):
+            raise InputError(
+                f"{transporter.bogie_mass:g} kg on a road with a deck on body "
+                f"{next(deck.body for deck in decks if deck.body != GROUND)!r}",
+                source=transporter.name,
+                key="bogie_mass",
+                expected="no 'bogie_mass' there: the mass of bogies belongs to the body that rides on them",
+            )
+        held = [
+            transporter.body,
+            *dict.fromkeys(d.body for d in decks if d.body not in {GROUND, transporter.body}),
+        ]
+        ends = list(dict.fromkeys(attachment(name) for name in held))
+        first_bogie = len(bogies)
+        vehicles.append(
+            (
+                len(groups),
+                len(transporter.groups),
+                first_bogie,
+                len(places.points),
+                column,
+                *(book.direction(transporter.body, axis, FORCES, at=np.zeros(3)) for axis in places.axes),
+                transporter.wheel_radius,
+                transporter.tyre_stiffness,
+                transporter.line_damping,
+                transporter.tyre_damping,
+                *transporter.stops,
+                weight,
+                transporter.travel_speed is not None,
+                transporter.travel_speed or 0.0,
+                float(places.world[:, 2].mean()),
+            )
+        )
+        stands_on += [deck for deck, _, _ in of_vehicle]
+        starts += [place for _, _, place in of_vehicle]
+        lifts = [lift for _, lift, _ in of_vehicle]
+        for group, load in zip(transporter.groups, loads, strict=True):
+            count = len(group.bogies)
+            rows = (
+                []
+                if group.pump is None
+                else list(zip(group.pump.times, count * group.pump.lifts, strict=True))
+            )
+            groups.append(
+                (
+                    len(vehicles) - 1,
+                    len(bogies),
+                    count,
+                    block,
+                    len(ends),
+                    group.oil_stiffness / count,
+                    group.gas_length * count,
+                    load,
+                    len(pumps),
+                    len(rows),
+                )
+            )
+            pumps += [(float(time), float(lift)) for time, lift in rows]
+            own = slice(len(bogies) - first_bogie, len(bogies) - first_bogie + count)
+            # with the loads of the start every tyre is as it is drawn, and the stroke is what the road lifts
+            strokes.append(sum(lifts[own]) + (float(np.interp(0.0, *np.transpose(rows))) if rows else 0.0))
+            side = 2 * block + ends.index(attachment(transporter.body))
+            bogies += [
+                (book.point(transporter.body, point, FORCES), side, load)
+                for point in np.asarray(group.bogies, dtype=np.float64)
+            ]
+            sides.append(
+                [
+                    -1 if deck.body == GROUND else 2 * block + ends.index(attachment(deck.body))
+                    for deck in decks
+                ]
+            )
+            blocks.append(LawBlock(transporter.name, tuple(ends), sum(scales(name)[0] for name in held)))
+            block += blocks[-1].block_count
+    state, of_bogies = records(GroupState, len(groups)), records(BogieState, len(bogies))
+    state["fresh"] = True
+    state["force"], state["strokes"] = [group[7] for group in groups], strokes
+    of_bogies["deck"], of_bogies["weight"] = stands_on, 1.0
+    kind = Transporters(
+        records(DeckData, made_decks),
+        records(VehicleData, vehicles),
+        records(GroupData, groups),
+        records(BogieData, bogies),
+        records(PumpRow, pumps),
+        corners,
+        np.array(sides, dtype=np.int64).reshape(len(groups), len(decks)),
+        np.array(starts, dtype=np.float64).reshape(len(bogies), 2 * len(decks)),
+        records(VehicleState, len(vehicles)),
+        state,
+        of_bogies,
+    )
+    return kind, blocks
+
+
+def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:
+    """Markers of origin and axes."""
+    origin = np.asarray(deck.origin, dtype=np.float64)
+    axes = (book.direction(deck.body, axis, FORCES, at=origin) for axis in deck.axes())
+    return (book.point(deck.body, origin, FORCES), *axes)
+
+
+def _gravity(scene: Scene) -> NDArray[np.float64]:
+    """Acceleration of gravity [m/s2], world axes."""
+    fields = [np.asarray(f.acceleration, dtype=np.float64) for f in scene.forces if isinstance(f, Gravity)]
+    return np.sum(fields, axis=0) if fields else np.zeros(3)
+
+
+class _Places:
+    """Where the bogies of a transporter and the decks are in the world at the start."""
+
+    def __init__(self, transporter: Transporter, scene: Scene) -> None:
+        self.transporter, self.scene = transporter, scene
+        self.body = next(body for body in scene.bodies if body.name == transporter.body)
+        self.points = np.vstack([group.bogies for group in transporter.groups])
+        self.world = np.array([self._frame(transporter.body, point).point for point in self.points])
+        along = np.asarray(transporter.direction, dtype=np.float64)
+        # along, left and up in the axes of the body, as level as it stands at the start
+        turn = self._frame(transporter.body, np.zeros(3)).axes
+        forward = turn @ (along / np.linalg.norm(along))
+        level = forward - np.array([0.0, 0.0, forward[2]])
+        if not np.linalg.norm(level) > 0.1:
+            raise InputError(
+                f"{along.tolist()} points up or down at the start",
+                source=transporter.name,
+                key="direction",
+                expected="where it goes, near to the horizontal",
+            )
+        level /= np.linalg.norm(level)
+        up = np.array([0.0, 0.0, 1.0])
+        self.level = np.array([level, np.cross(up, level), up])
+        self.axes = self.level @ turn
+        self.turn = turn
+
+    def _frame(self, body: str, point: NDArray[np.float64]) -> JointFrame:
+        stands = FixedJoint(
+            name=self.transporter.name,
+            body_a=GROUND,
+            body_b=body,
+            frame_b=JointFrame(np.asarray(point, dtype=np.float64)),
+        )
+        return start_frames(stands, self.scene.bodies)[1]
+
+    def on_decks(
+        self, number: int, decks: Sequence[Deck], corners: NDArray[np.float64]
+    ) -> tuple[int, float, list[float]]:
+        """Deck under a bogie, what it lifts its wheel [m], and its station and offset on every deck [m]."""
+        found, lift, first = -1, 0.0, 0
+        places: list[float] = []
+        for d, deck in enumerate(decks):
+            frame = self._frame(deck.body, deck.origin)
+            x, y, z = deck.axes() @ frame.axes.T @ (self.world[number] - frame.point)
+            places += [float(x), float(y)]
+            count = len(deck.profile[0])
+            if deck.sides[0] <= y <= deck.sides[1]:
+                height = dilated_height(corners, first, count, self.transporter.wheel_radius, float(x))
+                if height > NO_ROAD and (found < 0 or height - z > lift):
+                    found, lift = d, float(height - z)
+            first += count
+        if found < 0:
+            x, y, z = self.world[number]
+            raise InputError(
+                f"no deck is below bogie {number + 1}, at ({x:.6g}, {y:.6g}, {z:.6g}) m in the world at the start",
+                source=self.transporter.name,
+                key="groups",
+                expected="decks below all wheels, or another start",
+            )
+        low, high = self.transporter.stops
+        if not low <= lift <= high:
+            raise InputError(
+                f"bogie {number + 1} is drawn {abs(lift):.4g} m {'below' if lift > 0.0 else 'above'} deck "
+                f"{decks[found].name!r}, more than its stroke",
+                source=self.transporter.name,
+                key="groups",
+                expected="places of the wheels on the road at the start",
+            )
+        return found, lift, places
+
+    def stand(self, gravity: float) -> Stand:
+        """The body on its groups.
+
+        Raises
+        ------
+        InputError
+            If its weight is not known: it is not rigid.
+        """
+        body, transporter = self.body, self.transporter
+        if not isinstance(body, RigidBody):
+            raise InputError(
+                f"body {body.name!r} is not rigid",
+                source=transporter.name,
+                key="groups",
+                expected="the 'load' of each group, and 'accept_unstable': only of a rigid body it is known whether it "
+                "stands",
+            )
+        centre = self._frame(body.name, np.asarray(body.centre_of_mass, dtype=np.float64)).point
+        oil = np.array([group.oil_stiffness for group in transporter.groups])
+        counts = np.array([len(group.bogies) for group in transporter.groups])
+        ends = np.cumsum(counts)
+        middles = np.array([self.world[e - n : e].mean(axis=0) for e, n in zip(ends, counts, strict=True)])
+        turn = self.level @ self.turn
+        return Stand(
+            transporter.name,
+            (middles - centre) @ self.level.T,
+            counts,
+            oil,
+            body.mass * gravity,
+            body.mass,
+            turn @ np.asarray(body.inertia, dtype=np.float64) @ turn.T,
+        )
+
+
+def _start_loads(
+    transporter: Transporter, gravity: NDArray[np.float64], places: _Places
+) -> NDArray[np.float64]:
+    """Force of a bogie of each group at the start [N]; refuses what does not stand."""
+    told = np.array([group.load for group in transporter.groups], dtype=np.float64)
+    if np.all(np.isfinite(told)) and transporter.accept_unstable:
+        return told
+    down = float(-gravity[2])
+    if not down > 0.0 or float(np.abs(gravity[:2]).max()) > 1e-9 * down:
+        raise InputError(
+            f"gravity {gravity.tolist()}",
+            source=transporter.name,
+            key="gravity",
+            expected="gravity along -z: a transporter stands by its weight",
+        )
+    stand = places.stand(down)
+    if not np.all(np.isfinite(told)):
+        if np.any(np.isfinite(told)):
+            missing = transporter.groups[int(np.argmin(np.isfinite(told)))].name
+            raise InputError(
+                f"group {missing!r} has none",
+                source=transporter.name,
+                key="load",
+                expected="a 'load' of all, or none",
+            )
+        told = even_loads(stand)
+    tyre = transporter.tyre_stiffness
+    oil = np.array(
+        [
+            group.oil_stiffness or GAS_EXPONENT * load / group.gas_length
+            for group, load in zip(transporter.groups, told, strict=True)
+        ]
+    )
+    if not transporter.accept_unstable:
+        refuse_unstable(replace(stand, stiffness=oil * tyre / (oil + tyre)))
+    return told
+
+
+def _check_names(transporter: Transporter) -> None:
+    """Groups have names of their own."""
+    names = [group.name for group in transporter.groups]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(
+            f"two groups {twice!r}",
+            source=transporter.name,
+            key="groups",
+            expected="a name of its own for each",
+        )
+
+
+def _check_loads(transporter: Transporter, loads: NDArray[np.float64], weight: float) -> None:
+    """Refuse a load beyond the limit of a bogie."""
+    worst = int(np.argmax(loads))
+    if loads[worst] + weight > transporter.load_limit:
+        raise InputError(
+            f"{loads[worst] + weight:.6g} N on each bogie of group {transporter.groups[worst].name!r} at the start",
+            source=transporter.name,
+            key="load_limit",
+            expected=f"at most {transporter.load_limit:.6g} N: more bogies, or less load",
+        )

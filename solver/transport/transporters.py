@@ -1,0 +1,932 @@
+"""Transporters: a body on bogies without mass, whose cylinders share their oil in groups; one row a group.
+
+Bogie i of a group of n has the stroke s_i, the tyre of stiffness k carries its load f_i, and r_i is how high the road
+lifts its wheel over its place under the body, from the start on, with the tyre as it is pressed then::
+
+    f_i = k (r_i - s_i) >= 0 ,     s_low <= s_i <= s_high ,     p = F(sum s_i + l) >= 0
+
+with the common force p of the cylinders and the oil l that is pumped in. A cylinder between its stops carries
+``f_i = p + c s_i'``, c of its pipe; a tyre may have a damper too. For given p every stroke follows, falling with p, and
+so does p itself: one monotone equation with one unknown a group, ``F(sum s_i(p) + l) = p``, which a Newton iteration
+within brackets solves.
+In a step in which r grows evenly and p is its mean, a damped stroke is an exponential of the relaxation time ``c/k``;
+its mean and its end are exact, so pipes are stable at any step. Without pipes the strokes follow at once.
+
+The load acts on the body and on the deck along the normal of the deck; what a slope takes along the road the drives of
+the wheels give on the spot, as ``f r'`` into the work of drives. Loads of a group differ at stops, above the road and
+by pipes. So the row of a group is ``sum w_i r_i'`` with the shares ``w_i = f_i n / sum f`` of the prediction, its law
+is that of the mean load, and a deviation of the row from its prediction is shared by all bogies of the group. The sum
+of r is carried over the step as an elongation of a rope is: where all loads are equal, of oil that is linear, the force
+is the discrete gradient of the stored energy ``p^2 / 2 kappa + sum f^2 / 2 k`` and no step gains any.
+
+The weight of bogies stands on the road, their inertia is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.numerics.quantity import Absent, BodyDirection, Least, NameOf, Positive, Quantity, Shape
+from heavylift.numerics.records import Record, Records
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.interface import (
+    Workspace,
+    fill_rows,
+    record_joints,
+    relinearise,
+    set_targets,
+    update_rows,
+    watch_joints,
+)
+from heavylift.solver.joints.row_writing import (
+    Vector,
+    add_direction_row,
+    difference,
+    dot,
+    minus,
+    rate,
+    vector,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup
+from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
+
+__all__ = [
+    "WALL",
+    "BogieData",
+    "BogieState",
+    "DeckData",
+    "GroupData",
+    "GroupState",
+    "PumpRow",
+    "Transporter",
+    "Transporters",
+    "VehicleData",
+    "VehicleState",
+]
+
+OFF_ROAD = int(Outcome.OFF_ROAD)
+LEFT, WALL = 1, 2
+"""Why a wheel stopped the run: there is no road below it, or a step that it cannot meet."""
+
+GAS_EXPONENT = 1.4
+"""Of the gas of an accumulator, adiabatic."""
+
+ROUNDS = 100
+"""Of the iteration for a pressure; brackets halve, so it ends before."""
+
+PLAIN_ROUNDS = 5
+"""Rounds of the iteration of the rows after which a law is fitted by chords too: tangents alone can go to and fro."""
+
+NEGLIGIBLE = 1e-15
+"""Relative change of a pressure that ends its iteration."""
+
+
+def _forward() -> NDArray[np.float64]:
+    return np.array([1.0, 0.0, 0.0])
+
+
+@TRANSPORT.describe("transporters")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Transporter:
+    """A body that rolls over all decks, on wheels whose hydraulic cylinders share their oil in groups."""
+
+    CHANNELS: ClassVar = (
+        ChannelKind("heave", "length", "rise since the start of the middle of the places of all bogies"),
+        ChannelKind(
+            "roll", "angle", "rise of the left side of the vehicle since the start, against the horizontal"
+        ),
+        ChannelKind(
+            "pitch", "angle", "dip of the front of the vehicle since the start, against the horizontal"
+        ),
+        ChannelKind("least_share", "number", "smallest load of a group over that of all"),
+        *interval_extremes("load", "force", "of all wheels, at the ends of all steps"),
+        *interval_extremes("stroke", "length", "of all bogies, at the ends of all steps"),
+        ChannelKind("group_force", "force", "force of a cylinder of each group", None),
+        ChannelKind("wheel_load", "force", "load of each bogie on the road, with its own weight", None),
+        ChannelKind("road_under", "length", "height of the road for each wheel over that of its deck", None),
+        ChannelKind("stroke_of", "length", "stroke of each bogie from its place at the start, up", None),
+    )
+    """What it records, in the order of its columns."""
+
+    name: str
+    body: Annotated[str, NameOf("body")]
+    """Body that rides on it: load and platform in one."""
+    groups: Annotated[tuple[BogieGroup, ...], Least(1)]
+    """Bogies, by the groups that share their oil."""
+    direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
+    """Where it goes, in the axes of the body: roll and pitch are about it and about what lies across it."""
+    wheel_radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)]
+    """[m]; 0 of a point that follows the road."""
+    tyre_stiffness: Annotated[float, Positive("stiffness")]
+    """Of all tyres of a bogie [N/m]."""
+    tyre_damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """Of all tyres of a bogie [N s/m]."""
+    line_damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
+    """Force of a cylinder by the rate of its own stroke, of its pipe [N s/m]."""
+    stroke_limits: Annotated[NDArray[np.float64] | None, Quantity("length"), Shape((2,))] = None
+    """Lowest and highest stroke from that of the start [m]; there the tyre alone gives way. None if absent."""
+    bogie_mass: Annotated[float, Quantity("mass", minimum=0.0, closed=True)] = 0.0
+    """Of a bogie [kg]: adds to the load on the road, not to the inertia. Only if all decks are of the ground: on others
+    it belongs to the body that rides."""
+    load_limit: Annotated[float, Positive("force"), Absent()] = np.inf
+    """Largest load of a bogie at the start, on the road [N]."""
+    travel_speed: Annotated[float | None, Quantity("velocity")] = None
+    """The wheels travel along all decks at this speed from their places at the start on, wherever the body is [m/s]; if
+    absent they are where the body takes them."""
+    accept_unstable: bool = False
+    """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Strokes have a range."""
+        if said.stroke_limits is None:
+            return
+        low, high = said.stroke_limits
+        if not low < 0.0 < high:
+            raise InputError(
+                f"from {low:g} to {high:g} m", key="stroke_limits", expected="one below 0, one above"
+            )
+
+    @property
+    def stops(self) -> tuple[float, float]:
+        """Lowest and highest stroke [m]."""
+        if self.stroke_limits is None:
+            return -np.inf, np.inf
+        return float(self.stroke_limits[0]), float(self.stroke_limits[1])
+
+    @property
+    def components(self) -> dict[str, tuple[str, ...]]:
+        """Components of its channels, by channel."""
+        bogies = tuple(str(i + 1) for i in range(sum(len(group.bogies) for group in self.groups)))
+        return {
+            "group_force": tuple(group.name for group in self.groups),
+            "wheel_load": bogies,
+            "road_under": bogies,
+            "stroke_of": bogies,
+        }
+
+
+class DeckData(Record):
+    """A deck.
+
+    Attributes
+    ----------
+    origin, x, y, z
+        Markers of its origin and axes.
+    first, count
+        Corners of its profile.
+    right, left
+        Its borders [m].
+    """
+
+    origin: int
+    x: int
+    y: int
+    z: int
+    first: int
+    count: int
+    right: float
+    left: float
+
+
+class VehicleData(Record):
+    """A transporter.
+
+    Attributes
+    ----------
+    first_group, groups, first_bogie, bogies
+        Its groups and bogies.
+    column
+        First record column.
+    x, y, z
+        Markers of the axes of its body along, to the left, and upwards.
+    radius, tyre, pipe, rubber, low, high
+        Of its wheels, tyres, pipes, dampers of tyres, and stops.
+    weight
+        Of a bogie [N].
+    driven, speed
+        Whether its wheels travel by themselves, and how fast [m/s].
+    start_height
+        Mean height of the places of its bogies at the start, along z of the world [m].
+    """
+
+    first_group: int
+    groups: int
+    first_bogie: int
+    bogies: int
+    column: int
+    x: int
+    y: int
+    z: int
+    radius: float
+    tyre: float
+    pipe: float
+    rubber: float
+    low: float
+    high: float
+    weight: float
+    driven: bool
+    speed: float
+    start_height: float
+
+
+class VehicleState(Record):
+    """Extremes of the loads and strokes of a transporter."""
+
+    loads_high: Extremes
+    loads_low: Extremes
+    strokes_high: Extremes
+    strokes_low: Extremes
+
+
+class GroupData(Record):
+    """A group.
+
+    Attributes
+    ----------
+    vehicle
+        Its transporter.
+    first, count
+        Its bogies.
+    block, attachments
+        Of its row.
+    stiffness
+        Of oil, force of a cylinder by the sum of strokes [N/m].
+    gas
+        Length of the gas of an accumulator, by the sum of strokes [m]; 0 without.
+    start_force
+        Of a cylinder at the start [N].
+    first_pump, pumps
+        Rows of its pump.
+    """
+
+    vehicle: int
+    first: int
+    count: int
+    block: int
+    attachments: int
+    stiffness: float
+    gas: float
+    start_force: float
+    first_pump: int
+    pumps: int
+
+
+class GroupState(Record):
+    """What a group carries.
+
+    Attributes
+    ----------
+    fresh
+        Whether no step has been made yet.
+    lift
+        Carried sum of r [m].
+    oil, next_oil
+        Sum of lifts by the pump at the start and at the end of the step [m].
+    strokes
+        Sum of strokes at the start that makes the force of the start [m].
+    drift
+        Of the sum of r from the geometry [m].
+    force
+        Of a cylinder [N].
+    predicted, body_rate
+        As predicted: rate of the row, and of the sum of r without the road [m/s].
+    road
+        Sum of the ways by which the road lifts the wheels in the step [m].
+    road_work, pump_work, loss
+        [J].
+    last_rate, last_force, rounds
+        Scratch of the iteration.
+    """
+
+    fresh: bool
+    lift: float
+    oil: float
+    next_oil: float
+    strokes: float
+    drift: float
+    force: float
+    predicted: float
+    body_rate: float
+    road: float
+    road_work: float
+    pump_work: float
+    loss: float
+    last_rate: float
+    last_force: float
+    rounds: int
+
+
+class BogieData(Record):
+    """A bogie: marker of its place, side of the row on which its body is, force of its cylinder at the start [N]."""
+
+    marker: int
+    side: int
+    start_force: float
+
+
+class BogieState(Record):
+    """What a bogie carries.
+
+    Attributes
+    ----------
+    stroke
+        At the end of the last step [m].
+    deck
+        On which it stands.
+    weight
+        Share of its load in the mean of its group.
+    height
+        By which the road lifts it over height zero of its deck [m].
+    middle, growth
+        r in the middle of the step [m] and its rate [m/s], as predicted.
+    road
+        By how much the road lifts it in the step [m].
+    load, mean
+        On the road at the end and in the mean of a step, without its own weight [N].
+    end_stroke
+        Stroke at the end of the step [m].
+    failure, station, offset
+        Why and where it stopped the run.
+    """
+
+    stroke: float
+    deck: int
+    weight: float
+    height: float
+    middle: float
+    growth: float
+    road: float
+    load: float
+    mean: float
+    end_stroke: float
+    failure: int
+    station: float
+    offset: float
+
+
+class PumpRow(Record):
+    """A row of a pump: time [s], and lift of all bogies of its group together [m]."""
+
+    time: float
+    lift: float
+
+
+class Transporters(Arrays):
+    """All transporters of a scene.
+
+    Attributes
+    ----------
+    decks, vehicles, groups, bogies, pumps
+        What the user said.
+    corners
+        Profiles of all decks, shape (m, 2).
+    deck_sides
+        By group and deck: the side of the row of the group on which the body of the deck is, -1 of the ground.
+    starts
+        By bogie and deck: station and offset at the start [m], shape (bogies, 2 decks).
+    vehicle_state, group_state, bogie_state
+        Carried.
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("vehicle_state", "group_state", "bogie_state")
+
+    decks: Records[DeckData]
+    vehicles: Records[VehicleData]
+    groups: Records[GroupData]
+    bogies: Records[BogieData]
+    pumps: Records[PumpRow]
+    corners: Floats2
+    deck_sides: Ints2
+    starts: Floats2
+    vehicle_state: Records[VehicleState]
+    group_state: Records[GroupState]
+    bogie_state: Records[BogieState]
+
+
+# ---- the law of a group ----
+
+
+@kernel(internal=True)
+def _oil_force(group: GroupData, grown: float) -> tuple[float, float]:
+    """Force of a cylinder [N] and its derivative, where the sum of strokes and oil has grown since the start [m]."""
+    if group.gas > 0.0:
+        left = 1.0 - grown / group.gas
+        if not left > 1e-6:
+            left = 1e-6  # hardly any gas is left: as good as a wall
+        force = group.start_force * left**-GAS_EXPONENT
+        return force, GAS_EXPONENT * force / (group.gas * left)
+    force = group.start_force + group.stiffness * grown
+    return (force, group.stiffness) if force > 0.0 else (0.0, 0.0)
+
+
+@kernel(internal=True)
+def _bogie(
+    vehicle: VehicleData, r: float, growth: float, stroke: float, p: float, h: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """A bogie in a step.
+
+    Parameters
+    ----------
+    vehicle
+        Its transporter.
+    r, growth
+        In the middle of the step [m], with the tyre's compression at the start, and its rate [m/s].
+    stroke
+        At the start of the step [m].
+    p
+        Force of its cylinder [N].
+    h
+        Step [s]; 0 for what holds at an instant, without pipe.
+
+    Returns
+    -------
+    load, mean, end
+        Mean load on the road [N], mean stroke, and stroke at the end of the step [m].
+    load_p, stroke_p
+        Derivatives of load and mean stroke by p.
+    load_r, stroke_r
+        By a rate x that lifts r by ``h x / 2`` in the middle, over that lift.
+    """
+    k, pipe, c = vehicle.tyre, vehicle.pipe, vehicle.rubber
+    if pipe + c == 0.0 or h == 0.0:
+        s = r - p / k
+        if s > vehicle.high:
+            return k * (r - vehicle.high), vehicle.high, vehicle.high, 0.0, 0.0, k, 0.0
+        if s < vehicle.low:
+            load = k * (r - vehicle.low)
+            return max(load, 0.0), vehicle.low, vehicle.low, 0.0, 0.0, (k if load > 0.0 else 0.0), 0.0
+        return p, s, s, 1.0, -1.0 / k, 0.0, 1.0
+    delay, lag = (pipe + c) / k, pipe / k
+    gone, mean_left = -math.expm1(-h / delay), -math.expm1(-h / delay) * delay / h
+    aim = r - p / k
+    off = stroke - aim + (0.5 * h + lag) * growth
+    s = aim - lag * growth + off * mean_left
+    end = aim + (0.5 * h - lag) * growth + off * (1.0 - gone)
+    load = p + pipe * (end - stroke) / h
+    if load < 0.0:  # above the road: the cylinder pushes the wheel down as fast as its pipe lets it
+        end = min(max(stroke - p * h / pipe, vehicle.low), vehicle.high)
+        s = 0.5 * (stroke + end)
+        moves = vehicle.low < end < vehicle.high
+        return 0.0, s, end, 0.0, (-0.5 * h / pipe if moves else 0.0), 0.0, 0.0
+    if not vehicle.low <= s <= vehicle.high:
+        stop = vehicle.high if s > vehicle.high else vehicle.low
+        load = k * (r - stop) + c * growth
+        by_r = k + 2.0 * c / h
+        return max(load, 0.0), stop, stop, 0.0, 0.0, (by_r if load > 0.0 else 0.0), 0.0
+    end = min(max(end, vehicle.low), vehicle.high)
+    follows = 1.0 - 2.0 * lag / h * (1.0 - mean_left)
+    by_r = 2.0 * pipe / h * (1.0 - lag * gone / h)
+    return load, s, end, 1.0 - lag * gone / h, -(1.0 - mean_left) / k, by_r, follows
+
+
+@kernel(internal=True)
+def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, float, float]:
+    """Loads of the bogies of a group.
+
+    Parameters
+    ----------
+    kind
+        Carried; `mean` and `end_stroke` of its bogies, and the force of its cylinders, are found.
+    g
+        The group.
+    x
+        Rate by which every r grows beside its prediction [m/s].
+    h
+        Step [s]; 0 for what holds at an instant.
+
+    Returns
+    -------
+    force, mean, slope
+        Force of a cylinder [N]; mean load [N] and its derivative by x.
+    """
+    group, state = kind.groups[g], kind.group_state[g]
+    vehicle = kind.vehicles[group.vehicle]
+    n = group.count
+    lift = 0.5 * h * x - state.drift / n
+    oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
+    low, high = 0.0, math.inf
+    p = max(state.force, 0.0)
+    for _ in range(ROUNDS):
+        total, falls = 0.0, 0.0
+        for i in range(group.first, group.first + n):
+            bogie = kind.bogie_state[i]
+            tyre = kind.bogies[i].start_force / vehicle.tyre
+            _, s, _, _, stroke_p, _, _ = _bogie(
+                vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h
+            )
+            total += s
+            falls += stroke_p
+        force, stiffness = _oil_force(group, total + oil - state.strokes)
+        miss = force - p
+        if abs(miss) <= NEGLIGIBLE * (p + force):
+            break
+        if miss > 0.0:
+            low = p
+        else:
+            high = p
+        after = p - miss / (stiffness * falls - 1.0)
+        if not low <= after <= high:
+            after = 0.5 * (low + high) if high < math.inf else 2.0 * low + 1.0
+        if abs(after - p) <= NEGLIGIBLE * p:
+            p = after
+            break
+        p = after
+    total = sum_load = by_p = falls = by_r = follows = 0.0
+    for i in range(group.first, group.first + n):
+        bogie = kind.bogie_state[i]
+        tyre = kind.bogies[i].start_force / vehicle.tyre
+        load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
+            vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h
+        )
+        bogie.mean, bogie.end_stroke = load, end
+        total += s
+        sum_load += load
+        by_p += load_p
+        falls += stroke_p
+        by_r += load_r
+        follows += stroke_r
+    _, stiffness = _oil_force(group, total + oil - state.strokes)
+    p_r = stiffness * follows / (1.0 - stiffness * falls)
+    state.force = p
+    return p, sum_load / n, 0.5 * h * (by_r + by_p * p_r) / n
+
+
+@kernel(internal=True)
+def _oil_in(kind: Transporters, g: int, time: float) -> float:
+    """Sum of the lifts that the pump of a group has made at a time [m]."""
+    first, count = kind.groups[g].first_pump, kind.groups[g].pumps
+    if count == 0:
+        return 0.0
+    if time <= kind.pumps[first].time:
+        return kind.pumps[first].lift
+    for i in range(first, first + count - 1):
+        a, b = kind.pumps[i], kind.pumps[i + 1]
+        if time < b.time:
+            return a.lift + (b.lift - a.lift) * (time - a.time) / (b.time - a.time)
+    return kind.pumps[first + count - 1].lift
+
+
+# ---- wheels on decks ----
+
+
+@kernel(inline=True, internal=True)
+def _places(work: Workspace, deck: DeckData, marker: int) -> Vector:
+    """Station, offset and height of a marker on a deck [m]."""
+    d = difference(work, deck.origin, marker)
+    return dot(d, vector(work, deck.x)), dot(d, vector(work, deck.y)), dot(d, vector(work, deck.z))
+
+
+@kernel(inline=True, internal=True)
+def _place_rates(work: Workspace, deck: DeckData, marker: int) -> Vector:
+    """Rates of `_places` [m/s]."""
+    d = difference(work, deck.origin, marker)
+    v = minus(rate(work, marker), rate(work, deck.origin))
+    return (
+        dot(v, vector(work, deck.x)) + dot(d, rate(work, deck.x)),
+        dot(v, vector(work, deck.y)) + dot(d, rate(work, deck.y)),
+        dot(v, vector(work, deck.z)) + dot(d, rate(work, deck.z)),
+    )
+
+
+@kernel(internal=True)
+def _stand(
+    kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, ahead: float, travelled: float
+) -> tuple[int, float, float, float]:
+    """Uppermost deck under a wheel.
+
+    Parameters
+    ----------
+    kind, work, i, vehicle
+        Wheel and its transporter.
+    ahead
+        Time from that of the markers, along their velocities [s].
+    travelled
+        Way of wheels that travel by themselves [m].
+
+    Returns
+    -------
+    deck, r
+        -1 and 0 if there is none; by how much it lifts the wheel over its place under the body [m].
+    station, offset
+        On that deck, or on the last one that was looked at [m].
+    """
+    marker = kind.bogies[i].marker
+    found, best = -1, NO_ROAD
+    station = offset = 0.0
+    for d in range(kind.decks.shape[0]):
+        deck = kind.decks[d]
+        x, y, z = _places(work, deck, marker)
+        if ahead != 0.0:
+            along, across, up = _place_rates(work, deck, marker)
+            x += ahead * along
+            y += ahead * across
+            z += ahead * up
+        if vehicle.driven:
+            x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
+        if found < 0:
+            station, offset = x, y
+        if not deck.right <= y <= deck.left:
+            continue
+        height = dilated_height(kind.corners, deck.first, deck.count, vehicle.radius, x)
+        if height > NO_ROAD and (found < 0 or height - z > best):
+            found, best, station, offset = d, height - z, x, y
+    return found, (best if found >= 0 else 0.0), station, offset
+
+
+@kernel(internal=True)
+def _stop(kind: Transporters, g: int, i: int, failure: int, x: float, y: float, work: Workspace) -> None:
+    """End the run because of a wheel."""
+    bogie = kind.bogie_state[i]
+    bogie.failure, bogie.station, bogie.offset = failure, x, y
+    work.status.outcome = OFF_ROAD
+    work.status.block = kind.groups[g].block
+
+
+@kernel(internal=True)
+def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspace) -> None:
+    """Where the road is under the wheels of a group at the start and at the end of a step, from its middle."""
+    group, state = kind.groups[g], kind.group_state[g]
+    vehicle = kind.vehicles[group.vehicle]
+    start = state.road = state.body_rate = 0.0
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        _, r0, x0, _ = _stand(kind, work, i, vehicle, -0.5 * h, vehicle.speed * time)
+        deck, r1, x1, y1 = _stand(kind, work, i, vehicle, 0.5 * h, vehicle.speed * (time + h))
+        if deck < 0:
+            _stop(kind, g, i, LEFT, x1, y1, work)
+            continue
+        bogie.deck = deck
+        _, _, up = _place_rates(work, kind.decks[deck], kind.bogies[i].marker)
+        bogie.road = r1 - r0 + h * up
+        # decks that move differently are level where a wheel goes over, not at the same rate
+        if abs(bogie.road) > (STEEPEST + 0.5) * abs(x1 - x0) + 0.02 * vehicle.radius + 1e-6:
+            _stop(kind, g, i, WALL, x1, y1, work)
+        bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
+        start += r0
+        state.road += bogie.road
+        state.body_rate -= up
+    if state.fresh:
+        state.lift = start
+    state.drift = start - state.lift
+
+
+@kernel(internal=True)
+def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None:
+    """Where the road is under the wheels of a group now; loads and forces at this instant."""
+    group, state = kind.groups[g], kind.group_state[g]
+    vehicle = kind.vehicles[group.vehicle]
+    total = 0.0
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        deck, r, _, _ = _stand(kind, work, i, vehicle, 0.0, vehicle.speed * time)
+        if deck >= 0:
+            bogie.deck, bogie.middle = deck, r
+            bogie.height = r + _places(work, kind.decks[deck], kind.bogies[i].marker)[2]
+        total += bogie.middle
+    if state.fresh:
+        state.lift = total
+    state.drift = total - state.lift
+    state.oil = _oil_in(kind, g, time)
+    if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
+        _fit_group(kind, g, 0.0, 0.0)
+        for i in range(group.first, group.first + group.count):
+            bogie = kind.bogie_state[i]
+            bogie.load, bogie.stroke = bogie.mean, bogie.end_stroke
+        return
+    total = 0.0
+    for i in range(group.first, group.first + group.count):
+        total += kind.bogie_state[i].stroke
+    p = state.force = _oil_force(group, total + state.oil - state.strokes)[0]
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        pressed = bogie.middle - state.drift / group.count - bogie.stroke
+        elastic = vehicle.tyre * pressed + kind.bogies[i].start_force
+        if vehicle.low < bogie.stroke < vehicle.high:  # tyre and pipe give way together
+            damper = elastic + vehicle.rubber * bogie.growth - p
+            bogie.load = max(p + vehicle.pipe * damper / (vehicle.pipe + vehicle.rubber), 0.0)
+        else:
+            bogie.load = max(elastic + vehicle.rubber * bogie.growth, 0.0)
+
+
+# ---- rows ----
+
+
+@kernel(internal=True)
+def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> None:
+    """``sum w_i d/dt ( - n . (p_i - o) )`` on the sides of the body and of the decks."""
+    group, lanes = kind.groups[g], system.lanes
+    for side in range(2 * group.block, 2 * group.block + group.attachments):
+        panel = system.attachments[side].panel
+        for k in range(system.attachments[side].width):
+            system.panels[panel + k * lanes] = 0.0
+    for i in range(group.first, group.first + group.count):
+        bogie, d = kind.bogies[i], kind.bogie_state[i].deck
+        deck, w = kind.decks[d], kind.bogie_state[i].weight
+        n = vector(work, deck.z)
+        add_direction_row(system, bogie.side, 0, work, bogie.marker, (-w * n[0], -w * n[1], -w * n[2]))
+        side = kind.deck_sides[g, d]
+        if side >= 0:
+            a = difference(work, deck.origin, bogie.marker)
+            add_direction_row(system, side, 0, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
+            add_direction_row(system, side, 0, work, deck.z, (-w * a[0], -w * a[1], -w * a[2]))
+
+
+@implement(fill_rows, Transporters)
+@kernel(internal=True)
+def fill_transporter_rows(
+    kind: Transporters, with_residual: bool, work: Workspace, system: RowArrays
+) -> None:
+    """Rows with the shares that are known; drift."""
+    for g in range(kind.groups.shape[0]):
+        _write_row(kind, g, work, system)
+        if with_residual:
+            put_residual(system, kind.groups[g].block, kind.group_state[g].drift)
+
+
+@implement(set_targets, Transporters)
+@kernel(internal=True)
+def set_transporter_targets(
+    kind: Transporters, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
+) -> None:
+    """Road and loads as predicted, with them the shares of the row; at the end of a step what holds there."""
+    for g in range(kind.groups.shape[0]):
+        group, state = kind.groups[g], kind.group_state[g]
+        if not at_midpoint:
+            _look_here(kind, g, time, work)
+            continue
+        if state.fresh:
+            _look_here(kind, g, time, work)
+        _look_ahead(kind, g, time, step, work)
+        state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
+        _, mean, slope = _fit_group(kind, g, 0.0, step)
+        state.predicted = 0.0
+        for i in range(group.first, group.first + group.count):
+            bogie = kind.bogie_state[i]
+            bogie.weight = bogie.mean / mean if mean > 0.0 else 1.0
+            up = _place_rates(work, kind.decks[bogie.deck], kind.bogies[i].marker)[2]
+            state.predicted -= bogie.weight * up
+        _write_row(kind, g, work, system)
+        put_law(system, group.block, step, state.predicted, mean, slope / group.count)
+        state.last_rate, state.last_force, state.rounds = state.predicted, mean, 0
+
+
+@kernel(inline=True, internal=True)
+def _rate(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> float:
+    """Rate of the row of a group in the middle of the step [m/s]."""
+    first = 2 * kind.groups[g].block
+    return row_rate(system, first, first + kind.groups[g].attachments, work.velocity)
+
+
+@implement(relinearise, Transporters)
+@kernel(internal=True)
+def relinearise_transporters(
+    kind: Transporters, time: float, step: float, work: Workspace, system: RowArrays
+) -> None:
+    """Fit the mean loads to the rates found."""
+    for g in range(kind.groups.shape[0]):
+        state, n = kind.group_state[g], kind.groups[g].count
+        u = _rate(kind, g, work, system)
+        _, mean, slope = _fit_group(kind, g, (u - state.predicted) / n, step)
+        slope /= n
+        state.rounds += 1
+        if state.rounds > PLAIN_ROUNDS and u != state.last_rate:
+            slope = max(slope, (mean - state.last_force) / (u - state.last_rate))
+        state.last_rate, state.last_force = u, mean
+        fit_law(system, kind.groups[g].block, step, u, mean, slope, work)
+
+
+@implement(update_rows, Transporters)
+@kernel(internal=True)
+def update_transporters(
+    kind: Transporters, time: float, step: float, work: Workspace, system: RowArrays
+) -> None:
+    """Carry strokes and lifts over the step; works of road, pump and pipes."""
+    for g in range(kind.groups.shape[0]):
+        group, state = kind.groups[g], kind.group_state[g]
+        vehicle = kind.vehicles[group.vehicle]
+        x = (_rate(kind, g, work, system) - state.predicted) / group.count
+        p, _, _ = _fit_group(kind, g, x, step)
+        for i in range(group.first, group.first + group.count):
+            bogie = kind.bogie_state[i]
+            state.road_work += bogie.mean * bogie.road
+            moved = bogie.end_stroke - bogie.stroke
+            if vehicle.pipe + vehicle.rubber > 0.0 and bogie.mean > 0.0:
+                # mean force of the pipe by the stroke, and of the rubber by what the tyre gives way
+                grown = step * (bogie.growth + x) - moved
+                state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * grown * grown) / step
+            bogie.stroke = bogie.end_stroke
+        state.road_work += p * RETURN * state.drift
+        state.pump_work += p * (state.next_oil - state.oil)
+        state.lift += state.road + step * (state.body_rate + group.count * x) + RETURN * state.drift
+        state.oil = state.next_oil
+        state.fresh = False
+
+
+# ---- records ----
+
+
+@kernel(internal=True)
+def _extremes(kind: Transporters, v: int) -> tuple[float, float, float, float]:
+    """Largest and smallest load [N] and stroke [m] of a transporter."""
+    vehicle = kind.vehicles[v]
+    most_load = most_stroke = -math.inf
+    least_load = least_stroke = math.inf
+    for i in range(vehicle.first_bogie, vehicle.first_bogie + vehicle.bogies):
+        load, stroke = kind.bogie_state[i].load + vehicle.weight, kind.bogie_state[i].stroke
+        most_load, least_load = max(most_load, load), min(least_load, load)
+        most_stroke, least_stroke = max(most_stroke, stroke), min(least_stroke, stroke)
+    return most_load, least_load, most_stroke, least_stroke
+
+
+@implement(watch_joints, Transporters)
+@kernel(internal=True)
+def watch_transporters(kind: Transporters, work: Workspace, system: RowArrays) -> None:
+    """Extremes at the end of the step."""
+    interval = work.control.interval
+    for v in range(kind.vehicles.shape[0]):
+        state = kind.vehicle_state[v]
+        most_load, least_load, most_stroke, least_stroke = _extremes(kind, v)
+        note_value(state.loads_high, interval, most_load)
+        note_value(state.loads_low, interval, least_load)
+        note_value(state.strokes_high, interval, most_stroke)
+        note_value(state.strokes_low, interval, least_stroke)
+
+
+@kernel(internal=True)
+def _record_pose(kind: Transporters, vehicle: VehicleData, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Heave, roll and pitch."""
+    height = 0.0
+    for i in range(vehicle.first_bogie, vehicle.first_bogie + vehicle.bogies):
+        height += vector(work, kind.bogies[i].marker)[2]
+    row[vehicle.column] = height / vehicle.bogies - vehicle.start_height
+    x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
+    row[vehicle.column + 1] = math.atan2(y[2], z[2])
+    row[vehicle.column + 2] = -math.asin(min(max(x[2], -1.0), 1.0))
+
+
+@implement(record_joints, Transporters)
+@kernel(internal=True)
+def record_transporters(
+    kind: Transporters, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Pose, loads, strokes, forces; energies."""
+    interval = work.control.interval
+    for v in range(kind.vehicles.shape[0]):
+        vehicle, state = kind.vehicles[v], kind.vehicle_state[v]
+        c = vehicle.column
+        _record_pose(kind, vehicle, work, row)
+        most_load, least_load, most_stroke, least_stroke = _extremes(kind, v)
+        row[c + 4] = largest_of(state.loads_high, interval, most_load)
+        row[c + 5] = smallest_of(state.loads_low, interval, least_load)
+        row[c + 6] = largest_of(state.strokes_high, interval, most_stroke)
+        row[c + 7] = smallest_of(state.strokes_low, interval, least_stroke)
+        total, least = 0.0, math.inf
+        for g in range(vehicle.first_group, vehicle.first_group + vehicle.groups):
+            group, carried = kind.groups[g], kind.group_state[g]
+            row[c + 8 + g - vehicle.first_group] = carried.force
+            load = 0.0
+            for i in range(group.first, group.first + group.count):
+                bogie = kind.bogie_state[i]
+                load += bogie.load
+                at = c + 8 + vehicle.groups + i - vehicle.first_bogie
+                row[at] = bogie.load + vehicle.weight
+                row[at + vehicle.bogies] = bogie.height
+                row[at + 2 * vehicle.bogies] = bogie.stroke
+                work.sums.elastic += 0.5 * vehicle.tyre * _pressed(kind, g, i) ** 2
+            total += load
+            least = min(least, load)
+            work.sums.elastic += _oil_energy(group, carried.force)
+            work.sums.drive_work += carried.road_work + carried.pump_work
+            work.sums.dissipated += carried.loss
+        row[c + 3] = least / total if total > 0.0 else 0.0
+
+
+@kernel(internal=True)
+def _pressed(kind: Transporters, g: int, i: int) -> float:
+    """By how much the tyre of a bogie is pressed [m]; 0 above the road."""
+    bogie, tyre = kind.bogie_state[i], kind.vehicles[kind.groups[g].vehicle].tyre
+    lift = bogie.middle - kind.group_state[g].drift / kind.groups[g].count
+    return max(lift + kind.bogies[i].start_force / tyre - bogie.stroke, 0.0)
+
+
+@kernel(internal=True)
+def _oil_energy(group: GroupData, force: float) -> float:
+    """Stored in oil or gas at a force of a cylinder [J]; of gas against that of the start."""
+    if group.gas == 0.0:
+        return 0.5 * force * force / group.stiffness
+    left = (group.start_force / force) ** (1.0 / GAS_EXPONENT) if force > 0.0 else math.inf
+    grown = left ** (1.0 - GAS_EXPONENT) - 1.0 if left < math.inf else -1.0
+    return group.start_force * group.gas / (GAS_EXPONENT - 1.0) * grown

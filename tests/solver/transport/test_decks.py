@@ -1,0 +1,182 @@
+"""Heights of wheels on decks against closed forms and brute force, and roads that no wheel can follow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from vehicles import MASS, OIL, TYRE, G, block, histories, scene, vehicle, yard
+
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
+from heavylift.solver.scene.scene import RigidBody
+from heavylift.solver.simulation import Simulation
+from heavylift.solver.transport.decks import NO_ROAD, Deck, dilated_height
+
+R = 0.37
+
+
+def height(corners, x: float, radius: float = R) -> float:
+    """Height of a wheel."""
+    table = np.array(corners, dtype=np.float64)
+    return dilated_height(table, 0, len(table), radius, x)
+
+
+@pytest.mark.parametrize(("width", "dip"), [(0.1, 0.0033939), (0.2, 0.0137697), (0.3, 0.0317693)])
+def test_a_wheel_dips_into_a_gap(width, dip) -> None:
+    """``R - sqrt(R^2 - b^2/4)`` between two edges."""
+    deep = [(-5, 0), (-0.5 * width, 0), (-0.5 * width, -3), (0.5 * width, -3), (0.5 * width, 0), (5, 0)]
+    assert height(deep, 0.0) == pytest.approx(-dip, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("rise", "before", "slope"), [(0.02, 0.120, 0.343), (0.05, 0.186, 0.580), (0.1, 0.253, 0.937)]
+)
+def test_a_wheel_meets_an_edge_before_it(rise, before, slope) -> None:
+    """First touch ``sqrt(2 R H - H^2)`` before the edge, slope there ``sqrt(2 R H - H^2) / (R - H)``."""
+    step = [(-5, 0), (0, 0), (0, rise), (5, rise)]
+    touch = np.sqrt(2.0 * R * rise - rise * rise)
+    assert touch == pytest.approx(before, abs=6e-4)
+    assert height(step, -touch - 1e-6) == 0.0
+    assert height(step, -touch + 1e-6) == pytest.approx(1e-6 * slope, rel=1e-3)
+    assert height(step, -1e-12) == pytest.approx(rise, abs=1e-9)
+    assert height([(-x, h) for x, h in reversed(step)], touch - 1e-6) == pytest.approx(1e-6 * slope, rel=1e-3)
+
+
+def test_a_ramp_is_met_by_r_tan_of_half_its_angle_earlier() -> None:
+    """10 degrees: 32 mm; above it the slope is that of the ramp."""
+    tangent = np.tan(np.radians(10.0))
+    ramp = [(-5, 0), (0, 0), (0.1 / tangent, 0.1), (5, 0.1)]
+    early = R * np.tan(np.radians(5.0))
+    assert early == pytest.approx(0.032, abs=5e-4)
+    assert height(ramp, -early - 1e-9) == 0.0
+    assert height(ramp, 0.2) == pytest.approx(tangent * (0.2 + early), rel=1e-12)
+
+
+def test_a_wheel_is_the_upper_envelope_of_circles() -> None:
+    """Rough polygons with steps, against the definition on a fine grid."""
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        x = np.sort(rng.uniform(-2.0, 2.0, 15))
+        x[6] = x[7]
+        h = 0.05 * rng.standard_normal(15)
+        grid = np.linspace(x[0], x[-1], 400_001)
+        values = np.interp(grid, np.concatenate([x[:7], [x[7] + 1e-9], x[8:]]), h)
+        for at in rng.uniform(-1.5, 1.5, 20):
+            near = np.abs(grid - at) <= R
+            if not np.any(near):
+                assert height(list(zip(x, h, strict=True)), at) == NO_ROAD
+                continue
+            u = grid[near] - at
+            expected = np.max(values[near] + np.sqrt(R * R - u * u)) - R
+            assert height(list(zip(x, h, strict=True)), at) == pytest.approx(
+                expected, abs=2e-5
+            )  # of the grid
+
+
+def test_a_wheel_on_a_step_is_never_in_the_air() -> None:
+    """100 mm at 0.0694 m/s: smallest load above 5 t of 14.5."""
+    step = Deck(
+        name="plate", sides=np.array([0.2, 1.5]), stations=np.array([4.0, 5.0]), heights=np.array([0.1, 0.1])
+    )
+    made = scene(vehicle(wheel_radius=R, travel_speed=0.0694, line_damping=2e4), (yard(), step))
+    run, _, found = histories(made, 1e-2, 160.0, 10)
+    assert run.outcome is Outcome.COMPLETED
+    assert found["spmt.road_under"][:, 0].max() == pytest.approx(0.1)
+    assert found["spmt.load_min"].min() > 5.0 * 9810.0
+
+
+@pytest.mark.parametrize(
+    ("decks", "words"),
+    [
+        ((yard(stations=np.array([-30.0, 2.0])),), r"no deck is below bogie 1, at \(3\.5, 0\.725, 0\)"),
+        ((yard(sides=np.array([-10.0, 0.5])),), "no deck is below bogie 1"),
+        (
+            (yard(stations=np.array([-30.0, 5, 5, 60.0]), heights=np.array([0, 0, 0.4, 0.4])),),
+            "yard: stations: a rise of 0.4 m within 0 m at station 5 m, too steep",
+        ),
+        ((yard(heights=np.array([-0.5, -0.5])),), "drawn 0.5 m above deck 'yard', more than its stroke"),
+        ((yard(sides=np.array([1.0, -1.0])),), "right border, left border"),
+        ((yard(direction=np.array([1.0, 0.0, 0.2])),), "at a right angle to 'normal'"),
+        ((yard(stations=np.array([3.0, -3.0])),), "stations that do not fall"),
+        ((yard(body="nobody"),), "there is no body 'nobody'"),
+        ((Deck(name="d", sides=np.array([-1.0, 1.0])),), "no 'stations' and no 'bump'"),
+    ],
+)
+def test_roads_that_no_wheel_can_stand_on_are_refused(decks, words) -> None:
+    """Each with its name and what was expected."""
+    limits = np.array([-0.35, 0.35])
+    with pytest.raises(InputError, match=words):
+        Simulation(scene(vehicle(wheel_radius=R, stroke_limits=limits), decks), step=5e-3)
+
+
+def test_a_wheel_that_leaves_the_road_is_named_with_time_and_place() -> None:
+    """The front left bogie at the end of the yard; the run stops."""
+    made = scene(vehicle(wheel_radius=R, travel_speed=1.0), (yard(stations=np.array([-30.0, 4.0])),))
+    run, times, _ = histories(made, 5e-3, 3.0)
+    assert run.outcome is Outcome.OFF_ROAD
+    assert times[-1] == pytest.approx(0.5 + R, abs=0.02)
+    assert "bogie 1 has no deck below it, at station 4.3" in run.message
+    assert "'spmt'" in run.message
+
+
+def test_a_wheel_that_meets_a_wall_between_decks_is_named() -> None:
+    """A deck 0.6 m high across the road."""
+    wall = Deck(
+        name="wall", sides=np.array([-5.0, 5.0]), stations=np.array([6.0, 8.0]), heights=np.array([0.6, 0.6])
+    )
+    run, _, _ = histories(scene(vehicle(wheel_radius=R, travel_speed=1.0), (yard(), wall)), 5e-3, 4.0)
+    assert run.outcome is Outcome.OFF_ROAD
+    assert "meets a step that it cannot climb" in run.message
+
+
+def test_a_deck_that_heaves_takes_the_vehicle_along() -> None:
+    """A driven body carries the road: the vehicle follows it slowly, as the sum of its weight and inertia says."""
+    amplitude, omega = 0.05, 0.5
+    rise = Profile(harmonics=(Harmonic(amplitude=amplitude, frequency=omega / (2.0 * np.pi), phase=0.0),))
+    barge = RigidBody("barge", 1e6, np.eye(3) * 1e8, motion=Driven(z=rise))
+    made = scene(
+        vehicle(bogie_mass=0.0, tyre_damping=1.5e4, line_damping=2e4),
+        (yard(body="barge"),),
+        bodies=(barge, block(velocity=np.array([0.0, 0.0, amplitude * omega]))),
+    )
+    _, times, found = histories(made, 1e-2, 30.0, 10)
+    late = times > 15.0
+    expected = amplitude * np.sin(omega * times) / (1.0 - (omega / (2.0 * np.pi * 2.006)) ** 2)
+    np.testing.assert_allclose(found["spmt.heave"][late], expected[late], atol=2e-4)
+    # what the deck does is work of the drive of the barge
+    parts = [found[f"energy.{name}"] for name in ("kinetic", "potential", "elastic", "dissipated")]
+    total = np.sum(parts, axis=0) - found["energy.drive_work"] - found["energy.external_work"]
+    np.testing.assert_allclose(total, total[0], atol=1e-4 * MASS * G * amplitude)
+
+
+def test_a_deck_on_a_free_body_carries_what_stands_on_it() -> None:
+    """Both fall in step without gravity acting between them: momentum is kept, each by its share of the mass."""
+    barge = RigidBody("barge", 4.0e5, np.diag([5e6, 5e7, 5e7]), velocity=np.array([0.0, 0.0, 0.2]))
+    deck = yard(body="barge", stations=np.array([-20.0, 20.0]))
+    made = scene(
+        vehicle(bogie_mass=0.0, tyre_damping=1.5e5, line_damping=2e4), (deck,), bodies=(barge, block())
+    )
+    _, times, found = histories(made, 5e-3, 6.0, 20)
+    momentum = found["momentum.linear"][:, 2] + 573.0e3 * 9.81 * times
+    np.testing.assert_allclose(momentum, 4.0e5 * 0.2, rtol=1e-9)
+    np.testing.assert_allclose(found["momentum.linear"][:, :2], 0.0, atol=1e-6)
+    angular = found["momentum.angular"]
+    np.testing.assert_allclose(angular, 0.0, atol=1e-3)
+
+
+def test_strokes_over_a_kink_are_those_of_a_line_through_the_middles_of_groups() -> None:
+    """Middle of the vehicle on a kink of 0.01: every stroke is the road less that line, steeper by W h."""
+    phi, ahead = 0.01, 4.2
+    kinked = yard(stations=np.array([-30.0, ahead, 60.0]), heights=np.array([0.0, 0.0, (60.0 - ahead) * phi]))
+    made = scene(vehicle(travel_speed=0.02), (kinked,))
+    _, times, found = histories(made, 1e-2, ahead / 0.02, 100)
+    assert times[-1] == pytest.approx(ahead / 0.02)
+    x = np.array([3.5, 2.1, 0.7, -0.7, -2.1, -3.5])
+    road = phi * np.maximum(x, 0.0)
+    front, rear = road[:3].mean(), road[3:].mean()
+    stiffness = 12.0 * 2.1**2 * OIL * TYRE / (OIL + TYRE)
+    line = 0.5 * (front + rear) + (front - rear) / 4.2 * x / (1.0 - MASS * G * 3.579190751 / stiffness)
+    loads = found["spmt.wheel_load"][-1] - found["spmt.wheel_load"][0]
+    strokes = found["spmt.stroke_of"][-1] + loads / TYRE
+    for side in ([0, 1, 2, 6, 7, 8], [3, 4, 5, 9, 10, 11]):
+        np.testing.assert_allclose(strokes[side], road - line, atol=1e-4)

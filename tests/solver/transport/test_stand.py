@@ -1,0 +1,143 @@
+"""What groups carry, how fast a body moves on them, and which cannot hold it: closed forms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from vehicles import (
+    BOGIE,
+    HEIGHT,
+    INERTIA,
+    MASS,
+    OIL,
+    TYRE,
+    G,
+    T,
+    block,
+    groups_of,
+    histories,
+    scene,
+    vehicle,
+)
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.simulation import Simulation
+from heavylift.solver.transport.stand import Stand, even_loads, growth_rate, small_motions
+
+K = OIL * TYRE / (OIL + TYRE)
+
+
+def stand(number: int, *, forward: float = 0.0) -> Stand:
+    """R12 on its groups, the centre of mass forward of the middle [m]."""
+    groups = groups_of(number)
+    middles = np.array([group.bogies.mean(axis=0) for group in groups]) - [forward, 0.0, HEIGHT]
+    counts = np.array([len(group.bogies) for group in groups])
+    weight = MASS * G
+    return Stand("R12", middles, counts, np.full(len(groups), K), weight, MASS, np.diag(INERTIA))
+
+
+def test_three_groups_carry_what_the_balance_says() -> None:
+    """Static loads with the centre of mass 0.5 m forward: 78.2619, 47.3690, 47.3690 t a group."""
+    given = stand(3, forward=0.5)
+    resultants = given.counts * even_loads(given) / (T * G)
+    np.testing.assert_allclose(resultants, [78.2619, 47.3690, 47.3690], atol=5e-5)
+    front = 173.0 * (0.5 + 1.4) / 4.2  # about the rear groups
+    np.testing.assert_allclose(resultants, [front, 0.5 * (173.0 - front), 0.5 * (173.0 - front)], rtol=1e-12)
+
+
+def test_four_groups_carry_alike_along_both_diagonals() -> None:
+    """The one number that the balance leaves open."""
+    loads = even_loads(stand(4, forward=0.5))
+    assert loads[0] - loads[1] - loads[2] + loads[3] == pytest.approx(0.0, abs=1e-6)
+    assert loads[0] == pytest.approx(MASS * G / 12 * (1.0 + 0.5 / 2.1), rel=1e-12)
+
+
+@pytest.mark.parametrize(("number", "frequencies"), [(4, (0.503, 0.719, 2.006)), (3, (0.328, 0.676, 2.006))])
+def test_small_motions_have_the_published_frequencies(number, frequencies) -> None:
+    """Of an independent linearisation, printed to three digits."""
+    found = np.sqrt(small_motions(stand(number))) / (2.0 * np.pi)
+    np.testing.assert_allclose(found, frequencies, atol=6e-4)
+
+
+@pytest.mark.parametrize("number", [3, 4])
+def test_a_run_swings_as_fast_as_its_linearisation(number) -> None:
+    """Period of a small roll in the time domain, between its zeros."""
+    body = block(angular_velocity=np.array([1e-5, 0.0, 0.0]))
+    _, times, found = histories(scene(vehicle(groups=groups_of(number)), body=body), 2e-3, 8.0)
+    roll = found["spmt.roll"]
+    rises = np.flatnonzero((roll[:-1] < 0.0) & (roll[1:] >= 0.0))
+    zeros = times[rises] - roll[rises] * (times[rises + 1] - times[rises]) / (roll[rises + 1] - roll[rises])
+    frequency = np.mean(1.0 / np.diff(zeros))
+    assert frequency == pytest.approx(np.sqrt(small_motions(stand(number))[0]) / (2.0 * np.pi), rel=2e-3)
+
+
+def test_two_groups_are_refused_with_the_rate_of_their_fall() -> None:
+    """Pitch of R12 on two groups, left and right: ``sqrt(W h / J)``; forced, it runs."""
+    rate = np.sqrt(MASS * G * HEIGHT / INERTIA[1])
+    assert growth_rate(stand(2)) == pytest.approx(rate, rel=1e-12)
+    two = vehicle(groups=groups_of(2))
+    with pytest.raises(InputError, match=rf"2 groups .*exp\(t {rate:.3g} 1/s\)"):
+        Simulation(scene(two), step=5e-3)
+    Simulation(scene(replace(two, accept_unstable=True)), step=5e-3)
+
+
+def test_groups_in_a_line_and_soft_groups_are_refused() -> None:
+    """Three in a line along x cannot hold the roll; four cannot with W h beyond their stiffness."""
+    line = tuple(
+        BogieGroup(f"g{i}", np.array([[x, y, 0.0] for y in (-0.7, 0.7)]), oil_stiffness=OIL)
+        for i, x in enumerate((-2.0, 0.0, 2.0))
+    )
+    with pytest.raises(InputError, match="3 groups of bogies in a line"):
+        Simulation(scene(vehicle(groups=line)), step=5e-3)
+    with pytest.raises(InputError, match=r"too soft .* 3\.58 m over the road"):
+        Simulation(scene(vehicle(groups=groups_of(4, oil=8e5))), step=5e-3)
+
+
+def test_a_load_beyond_the_limit_is_refused() -> None:
+    """14.5247 t a bogie with its own weight."""
+    load = (MASS / 12 + BOGIE) * G
+    assert load / (T * G) == pytest.approx(14.5247, rel=1e-5)
+    Simulation(scene(vehicle(load_limit=1.001 * load)), step=5e-3)
+    with pytest.raises(InputError, match=r"load_limit: 142487 N on each bogie of group 'group_1'"):
+        Simulation(scene(vehicle(load_limit=0.999 * load)), step=5e-3)
+
+
+def test_a_body_beside_its_groups_is_refused() -> None:
+    """A centre of mass in front of all groups would need forces that pull; groups in a line cannot carry it at all."""
+    ahead = block(centre_of_mass=np.array([2.5, 0.0, HEIGHT]))
+    with pytest.raises(InputError, match="would have to pull"):
+        Simulation(scene(vehicle(), body=ahead), step=5e-3)
+    aside = block(centre_of_mass=np.array([0.3, 0.0, HEIGHT]))
+    with pytest.raises(InputError, match=r"0\.3 m beside the line of its 2 groups"):
+        Simulation(scene(vehicle(groups=groups_of(2), accept_unstable=True), body=aside), step=5e-3)
+
+
+def test_a_pump_lifts_the_body_by_what_it_pumps() -> None:
+    """All groups lifted by 50 mm: heave 50 mm, loads as before."""
+    from heavylift.solver.scene.transport import OilPump
+
+    pump = OilPump(times=np.array([0.0, 20.0]), lifts=np.array([0.0, 0.05]))
+    groups = tuple(replace(group, pump=pump) for group in groups_of(4))
+    _, _, found = histories(
+        scene(vehicle(groups=groups, tyre_damping=1.5e5, line_damping=2e4)), 1e-2, 25.0, 10
+    )
+    assert found["spmt.heave"][-1] == pytest.approx(0.05, rel=1e-3)
+    work = found["energy.drive_work"][-1]
+    assert work == pytest.approx(MASS * G * 0.05, rel=1e-3)
+
+
+def test_gas_is_softer_than_oil() -> None:
+    """Heave on accumulators: stiffness 1.4 f / L of a bogie, in series with the tyre."""
+    load, length = MASS * G / 12, 0.6
+    gas = tuple(BogieGroup(group.name, group.bogies, gas_length=length) for group in groups_of(4))
+    wide = block(
+        inertia=np.diag([8e6, 8e6, 8e6]), velocity=np.array([0.0, 0.0, 1e-4]), centre_of_mass=np.zeros(3)
+    )
+    _, times, found = histories(scene(vehicle(groups=gas), body=wide), 5e-3, 10.0)
+    heave = found["spmt.heave"]
+    k = 1.0 / (length / (1.4 * load) + 1.0 / TYRE)
+    expected = 1e-4 / np.sqrt(12 * k / MASS) * np.sin(np.sqrt(12 * k / MASS) * times)
+    np.testing.assert_allclose(heave, expected, atol=2e-3 * np.ptp(expected))
