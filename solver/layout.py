@@ -183,8 +183,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     if scene.scenario is not None:
         from heavylift.solver.scenario.packing import reserve_winches
 
-        ropes = [rope.name for rope in scene.ropes]
-        kinds = (kinds[0], reserve_winches(kinds[1], scene.scenario, ropes), kinds[2])
+        kinds = (kinds[0], reserve_winches(kinds[1], scene.scenario, channels), kinds[2])
     if (
         scene.touches or scene.scenario is not None
     ):  # steps are taken back where something hits, or is to be done

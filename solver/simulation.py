@@ -202,8 +202,7 @@ class Simulation:
         if scene.scenario is not None:
             from heavylift.solver.scenario.operation import Operation
 
-            names = [rope.name for rope in scene.ropes]
-            self.operation = Operation(self._layout.director, scene.scenario, names)
+            self.operation = Operation(self._layout.director, scene.scenario, self.channels)
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0

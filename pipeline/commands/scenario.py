@@ -206,9 +206,13 @@ def scenario_command(
         layout = pack_scene(scene)
     scenario = scene.scenario
     assert scenario is not None
-    kinds = [kind for kind in layout.joints if isinstance(kind, Ropes)]
-    starts = [float(value) for kind in kinds for value in kind.table["start_length"]]
-    lengths = {rope.name: length for rope, length in zip(scene.ropes, starts, strict=True)}
+    owners = {channel.column: channel.name.rpartition(".")[0] for channel in layout.channels}
+    lengths = {
+        owners[int(entry.column)]: float(entry.start_length)
+        for kind in layout.joints
+        if isinstance(kind, Ropes)
+        for entry in kind.table
+    }
     phases = plan(scenario, lengths)
     return _document(phases, lengths), _lines(scenario, phases, lengths)
 

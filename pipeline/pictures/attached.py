@@ -30,6 +30,7 @@ from heavylift.solver.scene.connections import (
 )
 from heavylift.solver.scene.contacts import PointShape
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
+from heavylift.solver.scene.scenario import loose_ropes
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
 
 if TYPE_CHECKING:
@@ -137,11 +138,9 @@ class Others:
         self._has_water = water and scene.sea is not None
         self._bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
         self._surfaces = dict(surfaces or {})
-        self._ropes = [
-            [(self._place(p.body, p.point), p) for p in leg]
-            for rope in scene.ropes
-            for leg in getattr(rope, "legs", [rope.path])
-        ]
+        legs = [(rope.name, leg) for rope in scene.ropes for leg in getattr(rope, "legs", [rope.path])]
+        self._ropes = [[(self._place(p.body, p.point), p) for p in leg] for _, leg in legs]
+        self._rope_names, self._scenario = [name for name, _ in legs], scene.scenario
         self._springs, self._pulls = (
             [
                 (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
@@ -252,6 +251,13 @@ class Others:
             self._centres or self._surfaces or attached or self._lines or self._fenders or self._has_water
         )
 
+    def _loose(self, record: int) -> set[str]:
+        """Names of ropes that are not connected at a record."""
+        phase = None if self._scenario is None else self._channel("scenario.phase", record)
+        if self._scenario is None or phase is None:
+            return set()
+        return loose_ropes(self._scenario, int(np.ravel(phase)[0]))
+
     def seen(self, record: int, *, around: bool = True) -> Seen:
         """What is drawn at a record, lengths in metres; `around` adds ground, water and moorings."""
         lines: list[Lines] = []
@@ -265,7 +271,9 @@ class Others:
             near = self._is_near(line)
             lines.append(_kept(line, near))
             far.append(_kept(line, ~near))
-        for rope in self._ropes:
+        for name, rope in zip(self._rope_names, self._ropes, strict=True):
+            if name in self._loose(record):
+                continue
             centres = [self._position(place, record) for place, _ in rope]
             axes = [self._axis(place, stop, record) for place, stop in rope]
             radii = [stop.radius for _, stop in rope]

@@ -160,8 +160,20 @@ class ActionEntry(Record):
 
 
 class GivenRope(Record):
-    """EA [N] and damping [N s/m] of a rope while it is connected; whether its winch is told what to do."""
+    """A rope.
 
+    Attributes
+    ----------
+    second, number
+        Whether it is of the second kind of ropes, and its number there.
+    axial_stiffness, damping
+        EA [N] and damping [N s/m] while it is connected.
+    commanded
+        Whether its winch is told what to do.
+    """
+
+    second: bool
+    number: int
     axial_stiffness: float
     damping: float
     commanded: bool
@@ -222,10 +234,10 @@ class Director(Arrays):
     phases, conditions, limits, actions, signals, terms
         What was said.
     given
-        Of each rope of the scene.
-    ropes
-        The ropes.
-    rope_table, winches
+        Of each wire rope of the scene.
+    ropes, others
+        Both kinds of ropes, empty if there is none: with one tension, and over sheaves that rub.
+    rope_table, winches, other_table, other_winches
         Theirs, which actions change, and which are carried for that.
     state, timers, passed, values, log
         What is carried; values of all signals at the end of the last step.
@@ -249,6 +261,8 @@ class Director(Arrays):
         "log",
         "rope_table",
         "winches",
+        "other_table",
+        "other_winches",
     )
 
     phases: Records[PhaseEntry]
@@ -259,8 +273,11 @@ class Director(Arrays):
     terms: Records[TermEntry]
     given: Records[GivenRope]
     ropes: Ropes
+    others: Ropes
     rope_table: Records[RopeEntry]
     winches: Records[WinchRow]
+    other_table: Records[RopeEntry]
+    other_winches: Records[WinchRow]
     state: DirectorState
     timers: Records[Timer]
     passed: Records[Worst]
@@ -430,33 +447,35 @@ def _put_row(row: WinchRow, time: float, speed: float, hauled: float) -> None:
 
 
 @kernel(internal=True)
-def _hold_last(kind: Director, i: int, count: int) -> None:
+def _hold_last(ropes: Ropes, i: int, count: int) -> None:
     """Rows of a winch behind those that say something are as the last of these."""
-    first, rows = kind.rope_table[i].winch, kind.winches
+    first, rows = ropes.table[i].winch, ropes.winches
     last = rows[first + count - 1]
-    for k in range(count, kind.rope_table[i].winch_rows):
+    for k in range(count, ropes.table[i].winch_rows):
         _put_row(rows[first + k], last.time, last.speed, last.hauled)
 
 
 @kernel(internal=True)
-def _set_speed(kind: Director, i: int, time: float, target: float, ramp: float) -> None:
+def _set_speed(ropes: Ropes, i: int, time: float, target: float, ramp: float) -> None:
     """A winch comes to a speed within a ramp."""
-    hauled, speed = winch_state(kind.ropes, i, time)
-    first = kind.rope_table[i].winch
-    _put_row(kind.winches[first], time, speed, hauled)
-    _put_row(kind.winches[first + 1], time + ramp, target, hauled + 0.5 * (speed + target) * ramp)
-    _hold_last(kind, i, 2)
+    hauled, speed = winch_state(ropes, i, time)
+    first = ropes.table[i].winch
+    _put_row(ropes.winches[first], time, speed, hauled)
+    _put_row(ropes.winches[first + 1], time + ramp, target, hauled + 0.5 * (speed + target) * ramp)
+    _hold_last(ropes, i, 2)
 
 
 @kernel(internal=True)
-def _set_length(kind: Director, i: int, time: float, length: float, most: float, ramp: float) -> None:
+def _set_length(
+    ropes: Ropes, i: int, time: float, length: float, most: float, ramp: float, plan: Floats1
+) -> None:
     """A winch goes to a length."""
-    hauled, speed = winch_state(kind.ropes, i, time)
-    first, plan = kind.rope_table[i].winch, kind.row  # the record in it has been looked at
-    count = plan_length(hauled, speed, kind.rope_table[i].start_length - length, most, ramp, plan)
+    hauled, speed = winch_state(ropes, i, time)
+    first = ropes.table[i].winch
+    count = plan_length(hauled, speed, ropes.table[i].start_length - length, most, ramp, plan)
     for k in range(count):
-        _put_row(kind.winches[first + k], time + plan[k], plan[4 + k], plan[8 + k])
-    _hold_last(kind, i, count)
+        _put_row(ropes.winches[first + k], time + plan[k], plan[4 + k], plan[8 + k])
+    _hold_last(ropes, i, count)
 
 
 @kernel(inline=True, internal=True)
@@ -466,28 +485,67 @@ def _stored(kind: Director) -> float:
 
 
 @kernel(internal=True)
-def _let_go(kind: Director, i: int) -> None:
+def _let_go(ropes: Ropes, i: int) -> None:
     """A rope does nothing from now on."""
-    entry, state = kind.rope_table[i], kind.ropes.state[i]
+    entry, state = ropes.table[i], ropes.state[i]
     entry.axial_stiffness = entry.damping = 0.0
     state.tension = 0.0
 
 
 @kernel(internal=True)
-def _hold(kind: Director, i: int, time: float, slack: float) -> float:
+def _hold(ropes: Ropes, i: int, given: GivenRope, time: float, path: float, slack: float) -> float:
     """A rope holds from now on; its unstretched length [m], negative if it would be too short for its path."""
-    entry, state = kind.rope_table[i], kind.ropes.state[i]
-    path = kind.row[entry.column + 1]
+    entry, state = ropes.table[i], ropes.state[i]
     rest = path + slack
     if not path <= rest * (1.0 + LARGEST_STRAIN):
         return -rest
-    entry.axial_stiffness, entry.damping = kind.given[i].axial_stiffness, kind.given[i].damping
-    hauled, _ = winch_state(kind.ropes, i, time)
+    entry.axial_stiffness, entry.damping = given.axial_stiffness, given.damping
+    hauled, _ = winch_state(ropes, i, time)
     entry.start_length = rest + hauled
     state.stretched, state.rest, state.next_rest = path, rest, rest
     state.rate = state.growth = state.drift = 0.0
     state.fresh, state.paced = True, False
     return rest
+
+
+@kernel(internal=True)
+def _act(
+    kind: Director,
+    ropes: Ropes,
+    action: ActionEntry,
+    forces: Forces,
+    bodies: Bodies,
+    joints: Joints,
+    systems: Systems,
+    work: Workspace,
+    time: float,
+) -> float:
+    """Do something with a rope of a kind; a value for the log, negative for a connection that is too short."""
+    given = kind.given[action.rope]
+    i = given.number
+    if action.action == WINCH_SPEED:
+        _set_speed(ropes, i, time, action.value, action.ramp)
+        return action.value
+    if action.action == WINCH_LENGTH:
+        # the record that is in the row has been looked at
+        _set_length(ropes, i, time, action.value, action.speed, action.ramp, kind.row)
+        return action.value
+    _measure(kind, forces, bodies, joints, systems, work, time)
+    before = _stored(kind)
+    value = 0.0
+    if action.action == RELEASE:
+        _let_go(ropes, i)
+    else:
+        value = _hold(ropes, i, given, time, kind.row[ropes.table[i].column + 1], action.value)
+        if value <= 0.0:
+            return value
+    _measure(kind, forces, bodies, joints, systems, work, time)
+    gained = _stored(kind) - before
+    if action.action == RELEASE:
+        ropes.state[i].loss -= gained
+        return -gained
+    ropes.state[i].winch_work += gained
+    return value
 
 
 @kernel(internal=True)
@@ -509,28 +567,16 @@ def _begin_phase(
         kind.timers[c].since = kind.timers[c].trial = math.nan
     for a in range(phase.first_action, phase.first_action + phase.actions):
         action = kind.actions[a]
-        value = action.value
-        if action.action == RELEASE:
-            _measure(kind, forces, bodies, joints, systems, work, time)
-            value = _stored(kind)
-            _let_go(kind, action.rope)
-            _measure(kind, forces, bodies, joints, systems, work, time)
-            value -= _stored(kind)
-            kind.ropes.state[action.rope].loss += value
-        elif action.action == CONNECT:
-            _measure(kind, forces, bodies, joints, systems, work, time)
-            before = _stored(kind)
-            value = _hold(kind, action.rope, time, action.value)
-            if value <= 0.0:
+        value = 0.0
+        if action.action != NOTE:
+            ropes = kind.ropes
+            if kind.given[action.rope].second:
+                ropes = kind.others
+            value = _act(kind, ropes, action, forces, bodies, joints, systems, work, time)
+            if action.action == CONNECT and value <= 0.0:
                 _note(kind, time, NOT_CONNECTED, action.rope, -value)
                 state.outcome = LIMIT
                 return
-            _measure(kind, forces, bodies, joints, systems, work, time)
-            kind.ropes.state[action.rope].winch_work += _stored(kind) - before
-        elif action.action == WINCH_SPEED:
-            _set_speed(kind, action.rope, time, value, action.ramp)
-        elif action.action == WINCH_LENGTH:
-            _set_length(kind, action.rope, time, value, action.speed, action.ramp)
         _note(kind, time, ACTION, a, value)
     _measure(kind, forces, bodies, joints, systems, work, time)
     for s in range(kind.values.shape[0]):
@@ -540,14 +586,17 @@ def _begin_phase(
 @kernel(internal=True)
 def _watch_ropes(kind: Director, time: float, step: float) -> None:
     """End the run before a winch has hauled in the whole rope."""
-    for i in range(kind.given.shape[0]):
-        if not kind.given[i].commanded:
+    for k in range(kind.given.shape[0]):
+        if not kind.given[k].commanded:
             continue
-        _, speed = winch_state(kind.ropes, i, time)
-        rest = kind.ropes.state[i].rest
+        ropes, i = kind.ropes, kind.given[k].number
+        if kind.given[k].second:
+            ropes = kind.others
+        _, speed = winch_state(ropes, i, time)
+        rest = ropes.state[i].rest
         if rest <= 2.0 * step * speed:
-            _note(kind, time, ROPE_USED_UP, i, rest)
-            _set_speed(kind, i, time, 0.0, 0.0)
+            _note(kind, time, ROPE_USED_UP, k, rest)
+            _set_speed(ropes, i, time, 0.0, 0.0)
             kind.state.outcome = LIMIT
 
 

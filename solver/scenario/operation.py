@@ -17,6 +17,7 @@ from heavylift.solver.scenario.director import (
     TIMED_OUT,
     Director,
 )
+from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.scenario import Phase, Scenario
 
 __all__ = ["LogLine", "Operation"]
@@ -72,13 +73,15 @@ class Operation:
         The kind.
     scenario
         From which it was made.
-    ropes
-        Names of the ropes of the scene.
+    channels
+        Of the record.
     """
 
-    def __init__(self, director: Director, scenario: Scenario, ropes: Sequence[str]) -> None:
+    def __init__(self, director: Director, scenario: Scenario, channels: Sequence[Channel]) -> None:
         self.director, self.scenario = director, scenario
-        self._ropes = tuple(ropes)
+        owners = {channel.column: channel.name.rpartition(".")[0] for channel in channels}
+        kinds = (director.ropes, director.others)
+        self._ropes = tuple(owners[int(entry.column)] for kind in kinds for entry in kind.table)
 
     @property
     def log(self) -> list[LogLine]:

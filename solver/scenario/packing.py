@@ -51,29 +51,35 @@ from heavylift.solver.scene.scenario import (
 __all__ = ["pack_scenario", "reserve_winches"]
 
 
-def reserve_winches(joints: Sequence[Any], scenario: Scenario, names: Sequence[str]) -> tuple[Any, ...]:
-    """Kinds of joints in which winches that are told what to do have room for it, and prepared ropes do nothing.
+def reserve_winches(
+    joints: Sequence[Any], scenario: Scenario, channels: Sequence[Channel]
+) -> tuple[Any, ...]:
+    """Kinds of joints in which winches that are told what to do have room for it.
 
     Parameters
     ----------
     joints
         Kinds.
     scenario
-        Checked.
-    names
-        Of the ropes, in order.
+        What the user said.
+    channels
+        Of the record, those of the ropes among them.
     """
-    told = _told(scenario)
+    told = {
+        channel.column
+        for name in _told(scenario)
+        for channel in channels
+        if channel.name == f"{name}.tension"
+    }
     made = []
     for kind in joints:
         if not isinstance(kind, Ropes):
             made.append(kind)
             continue
         rows: list[Any] = []
-        for i, name in enumerate(names):
-            entry = kind.table[i]
+        for entry in kind.table:
             own = list(kind.winches[entry.winch : entry.winch + entry.winch_rows])
-            if name in told:
+            if int(entry.column) in told:
                 own = own or [WinchRow.one()]
                 own += [own[-1]] * (WINCH_ROWS - len(own))
             entry.winch, entry.winch_rows = len(rows), len(own)
@@ -123,32 +129,36 @@ def pack_scenario(
         If a channel is not there, or an action does not fit.
     """
     check_scenario(scenario, ropes)
-    numbers = {rope.name: i for i, rope in enumerate(ropes)}
-    kind = next((kind for kind in joints if isinstance(kind, Ropes)), None) or _no_ropes()
-    told = _told(scenario)
-    given = [
-        (entry.axial_stiffness, entry.damping, rope.name in told)
-        for entry, rope in zip(kind.table, ropes, strict=True)
-    ]
-    for name in scenario.prepared:
-        kind.table[numbers[name]].axial_stiffness = kind.table[numbers[name]].damping = 0.0
-    signals = scenario.signals
+    kinds = [kind for kind in joints if isinstance(kind, Ropes)]
+    first, second = (*kinds, _no_ropes(), _no_ropes())[:2]
     known = {channel.name: channel for channel in channels}
+    columns = {known[f"{rope.name}.tension"].column: rope.name for rope in ropes}
+    told = _told(scenario)
+    given: list[tuple[Any, ...]] = []
+    numbers: dict[str, int] = {}
+    for kind in (first, second):
+        for i, entry in enumerate(kind.table):
+            name = columns[int(entry.column)]
+            numbers[name] = len(given)
+            given.append((kind is second, i, entry.axial_stiffness, entry.damping, name in told))
+            if name in scenario.prepared:
+                entry.axial_stiffness = entry.damping = 0.0
+    signals = scenario.signals
     terms: list[tuple[int, float]] = []
     signal_rows: list[tuple[int, int, int]] = []
     for signal in signals:
-        columns = [found for term in signal.terms for found in _columns(term, signal, known)]
-        signal_rows.append((len(terms), len(columns), FUNCTIONS.index(signal.function)))
-        terms += columns
+        parts = [found for term in signal.terms for found in _columns(term, signal, known)]
+        signal_rows.append((len(terms), len(parts), FUNCTIONS.index(signal.function)))
+        terms += parts
     place = {signal: i for i, signal in enumerate(signals)}
     phases: list[tuple[Any, ...]] = []
     conditions: list[tuple[Any, ...]] = []
     limits: list[tuple[Any, ...]] = []
     actions: list[tuple[Any, ...]] = []
     for phase in scenario.phases:
-        entry = (len(actions), len(phase.actions), len(conditions), len(phase.until))
+        begin = (len(actions), len(phase.actions), len(conditions), len(phase.until))
         timeout = phase.timeout or math.inf
-        phases.append((*entry, len(limits), len(phase.limits), phase.ends_with == "any", timeout))
+        phases.append((*begin, len(limits), len(phase.limits), phase.ends_with == "any", timeout))
         actions += [_action(action, numbers) for action in phase.actions]
         for condition in phase.until:
             number = -1 if condition.signal is None else place[condition.signal]
@@ -164,9 +174,12 @@ def pack_scenario(
         signals=_table(SignalEntry, signal_rows),
         terms=_table(TermEntry, terms),
         given=_table(GivenRope, given),
-        ropes=kind,
-        rope_table=kind.table,
-        winches=kind.winches,
+        ropes=first,
+        others=second,
+        rope_table=first.table,
+        winches=first.winches,
+        other_table=second.table,
+        other_winches=second.winches,
         state=DirectorState.one(),
         timers=timers,
         passed=records(Worst, len(limits)),

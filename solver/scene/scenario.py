@@ -25,6 +25,7 @@ __all__ = [
     "WinchLength",
     "WinchSpeed",
     "check_scenario",
+    "loose_ropes",
 ]
 
 
@@ -269,6 +270,18 @@ class Scenario:
         return tuple(found)
 
 
+def loose_ropes(scenario: Scenario, phase: int) -> set[str]:
+    """Names of ropes that are not connected in a phase, by its number from 1; one more than there are is the end."""
+    loose = set(scenario.prepared)
+    for done in scenario.phases[:phase]:
+        for action in done.actions:
+            if isinstance(action, Release):
+                loose.add(action.rope)
+            elif isinstance(action, Connect):
+                loose.discard(action.rope)
+    return loose
+
+
 def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:
     """Refuse phases that cannot end, and actions on what is not there or is not as they need it.
 
@@ -277,7 +290,7 @@ def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:
     scenario
         Phases.
     ropes
-        Of the scene: of each its ``name``; a wire rope has an ``axial_stiffness``.
+        Of the scene, or sections of a case file.
 
     Raises
     ------
@@ -332,9 +345,10 @@ def _check_action(action: Action, known: dict[str, Any], loose: set[str], key: s
         return
     word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
     rope = _rope(action.rope, known, f"{key}.{word}")
-    if not hasattr(rope, "axial_stiffness"):
+    described = getattr(rope, "DESCRIBED", type(rope))  # of a case file, or an object
+    if described.WORD != "wire":
         raise InputError(
-            f"{action.rope!r} is a rope of type 'spring'",
+            f"{action.rope!r} is a rope of type {described.WORD!r}",
             key=f"{key}.{word}",
             expected="a rope of type 'wire'",
         )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from law_scenes import G, body, eye, run, scene, slider, wire
+from law_scenes import G, body, eye, pulley, run, scene, slider, wire
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scenario.director import plan_length
@@ -26,6 +26,7 @@ from heavylift.solver.scene.scenario import (
     Term,
     WinchLength,
     WinchSpeed,
+    loose_ropes,
 )
 from heavylift.solver.simulation import Simulation
 
@@ -337,6 +338,40 @@ def test_who_only_watches_changes_nothing() -> None:
     assert a.simulation.solver_steps == b.simulation.solver_steps
 
 
+def test_ropes_of_both_kinds() -> None:
+    """One over a sheave that rubs, one without: each is told for itself, and the energy is booked."""
+    over = replace(pulley("load", (0, 0, 0), 0.5, -1.0), efficiency=0.95)
+    rubbing = wire(
+        eye(GROUND, (-0.5, 0, 0)), over, eye(GROUND, (0.5, 0, 0)), name="fall", stiffness=1e7, damping=1e4
+    )
+    plain = wire(eye(GROUND, (0, 0, -12.0)), eye("load"), name="tag", stiffness=1e5)
+    phases = (
+        Phase(
+            "haul",
+            (WinchLength("fall", 20.0, 0.5, 1.0), WinchSpeed("tag", -0.3, 0.5)),
+            (Condition(None, 6.0),),
+        ),
+        Phase("part", (Release("fall"), WinchSpeed("tag", 0.0)), (Condition(None, 0.2),)),
+        Phase("again", (Connect("fall", 0.05), Release("tag")), (Condition(None, 1.0),)),
+    )
+    load = body("load", MASS, (0, 0, -REACH))
+    operation = replace(scene([load], ropes=[rubbing, plain]), scenario=Scenario(phases))
+    found = run(operation, 0.005, 8.0)
+    at = {
+        name: found.times > time
+        for name, time in zip(("haul", "part", "again"), ends(found.simulation), strict=True)
+    }
+    hauled = ~at["haul"] & (found.times > 5.0)
+    np.testing.assert_allclose(found["fall.rest_length"][hauled], 20.0, rtol=1e-15)
+    lost = found.times[at["haul"] & ~at["part"]]
+    assert np.all(found["fall.tension"][at["haul"] & ~at["part"]] == 0.0)
+    assert len(lost) > 30
+    assert found["tag.rest_length"][-1] == pytest.approx(2.0 + 0.3 * (6.0 - 0.25), rel=1e-12)
+    assert np.all(found["tag.tension"][at["part"]] == 0.0)
+    assert found["fall.tension"][-1] > 0.0
+    assert found.balance < 1e-11 * found["energy.kinetic"].max()
+
+
 def test_an_adaptive_step_ends_at_events_too() -> None:
     operation = hanging(Phase("hang", until=(Condition(None, 0.777),)), Phase("fall", (Release("rope"),)))
     found = run(operation, 0.1, 1.5, tolerance=1e-6)
@@ -378,6 +413,12 @@ def test_refused(phases: tuple[Phase, ...], prepared: tuple[str, ...], words: st
     with pytest.raises(InputError) as error:
         Simulation(hanging(*phases, prepared=prepared), 0.01).record()
     assert words in str(error.value)
+
+
+def test_which_ropes_hang_loose() -> None:
+    phases = (Phase("a", (Connect("x"),)), Phase("b", (Release("y"), Note("."))), Phase("c", (Release("x"),)))
+    operation = Scenario(phases, prepared=("x",))
+    assert [loose_ropes(operation, n) for n in range(5)] == [{"x"}, set(), {"y"}, {"x", "y"}, {"x", "y"}]
 
 
 def test_other_integrators_have_no_scenarios() -> None:
