@@ -276,8 +276,8 @@ class Others:
         for vehicle in self._vehicles:
             origin, R = self._pose(vehicle.body, record)
             axle, _ = wheel_axes(vehicle)
-            centres = wheel_centres(vehicle, self._channel(f"{vehicle.name}.stroke_of", record))
-            lines += [_circle(origin + R @ centre, vehicle.wheel_radius, R @ axle) for centre in centres]
+            wheels = wheel_centres(vehicle, self._channel(f"{vehicle.name}.stroke_of", record))
+            lines += [_circle(origin + R @ wheel, vehicle.wheel_radius, R @ axle) for wheel in wheels]
         marks = []
         for places, colour, size in (
             ([joint[0] for joint in self._joints], _JOINT, 8.0),
