@@ -305,13 +305,17 @@ def _overshoots(scene: Scene) -> list[str]:
 
 
 def scene_corners(scene: Scene) -> NDArray[np.float64]:
-    """Positive times [s], increasing: rows of load, motor and winch tables, ends of the tables of drives."""
+    """Positive times [s], increasing: rows of load, motor, winch and pump tables, ends of the tables of drives."""
     times: list[float] = []
     for force in scene.forces:
         times += list(np.ravel(getattr(force, "times", ())))
     for rope in scene.ropes:
         winch = getattr(rope, "winch", None)
         times += [] if winch is None or not len(winch.times) else list(winch.plan[:, 0])
+    pumps = [
+        group.pump for vehicle in scene.transporters for group in vehicle.groups if group.pump is not None
+    ]
+    times += [time for pump in pumps for time in pump.times]
     for body in scene.bodies:
         if isinstance(body, MeshBody):
             times += [time for load in body.loads for time in np.ravel(load.times)]

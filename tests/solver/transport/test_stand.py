@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from vehicles import (
     BOGIE,
+    FRONT,
     HEIGHT,
     INERTIA,
     MASS,
     OIL,
+    REAR,
     TYRE,
     G,
     T,
@@ -24,10 +27,12 @@ from vehicles import (
     yard,
 )
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.guide import Guide
+from heavylift.solver.scene.bodies import Fixed
 from heavylift.solver.scene.transport import BogieGroup, OilPump
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.transport.decks import Deck
 from heavylift.solver.transport.stand import Stand, even_loads, growth_rate, small_motions
 
 K = OIL * TYRE / (OIL + TYRE)
@@ -196,3 +201,45 @@ def test_two_transporters_in_four_groups_have_the_published_frequencies(
         vehicle_groups, middles, np.full(4, 6), np.full(4, K), mass * G, mass, np.diag([*inertia, 1.5e7])
     )
     np.testing.assert_allclose(np.sqrt(small_motions(given)) / (2.0 * np.pi), frequencies, atol=6e-4)
+
+
+@pytest.mark.parametrize("sigma", [0.01, 0.1, 0.6])
+def test_loads_on_rough_roads_with_stops_are_those_of_a_bracketing_search(sigma) -> None:
+    """A body that is held, wheels on random lanes: stops, wheels in the air, groups without pressure."""
+    rng = np.random.default_rng(round(100 * sigma))
+    low, high = -0.05, 0.08
+    stations = np.concatenate([[-30.0, 4.0], np.arange(5.0, 60.0)])
+    lanes = {}
+    for name, sides in (("left", (0.1, 2.0)), ("right", (-2.0, -0.1))):
+        heights = np.concatenate([[0.0, 0.0], sigma * rng.standard_normal(55)])
+        lanes[name] = heights, Deck(name=name, sides=np.array(sides), stations=stations, heights=heights)
+    made = scene(
+        vehicle(bogie_mass=0.0, stroke_limits=np.array([low, high]), travel_speed=1.0),
+        tuple(lane for _, lane in lanes.values()),
+        body=block(motion=Fixed()),
+    )
+    run, times, found = histories(made, 0.05, 40.0, 4)
+    assert run.outcome is Outcome.COMPLETED
+    load, kappa = MASS * G / 12, OIL / 3
+    seen = set()
+    for i, time in enumerate(times):
+        for g, (lines, lane) in enumerate(
+            ((FRONT, "left"), (FRONT, "right"), (REAR, "left"), (REAR, "right"))
+        ):
+            r = np.interp(np.array(lines) + time, stations, lanes[lane][0]) + load / TYRE
+
+            def strokes(p: float, r: np.ndarray = r) -> np.ndarray:
+                return np.clip(r - p / TYRE, low, high)
+
+            def miss(p: float, strokes=strokes) -> float:
+                return max(0.0, load + kappa * strokes(p).sum()) - p
+
+            p = brentq(miss, 0.0, 1e8, xtol=1e-7, rtol=1e-14) if miss(0.0) > 0.0 else 0.0
+            expected = np.where(strokes(p) == r - p / TYRE, p, np.maximum(0.0, TYRE * (r - strokes(p))))
+            np.testing.assert_allclose(
+                found["spmt.wheel_load"][i, 3 * g : 3 * g + 3], expected, atol=1e-6 * load
+            )
+            np.testing.assert_allclose(found["spmt.group_force"][i, g], p, atol=1e-9 * load)
+            seen |= {"air"} if expected.min() == 0.0 else set()
+            seen |= {"stop"} if strokes(p).max() == high else set()
+    assert sigma < 0.05 or seen == {"air", "stop"}
