@@ -114,7 +114,9 @@ def test_a_case_file_that_is_a_pipe_or_device(heavylift, tmp_path, command):
     os.mkfifo(tmp_path / "case.toml")
     result = heavylift(command, tmp_path)
     assert result.code == Outcome.BAD_INPUT
-    assert f"{tmp_path / 'case.toml'}: is no regular file" in result.out + result.error  # verify has it in its table
+    assert (
+        f"{tmp_path / 'case.toml'}: is no regular file" in result.out + result.error
+    )  # verify has it in its table
     (tmp_path / "case.toml").unlink()
     (tmp_path / "case.toml").symlink_to("/dev/zero")
     result = heavylift(command, tmp_path)

@@ -415,6 +415,30 @@ def test_refused(phases: tuple[Phase, ...], prepared: tuple[str, ...], words: st
     assert words in str(error.value)
 
 
+def test_winches_that_answer_to_something_else_are_not_told() -> None:
+    tense = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
+    ropes = [wire(eye(GROUND), eye("load"), name=name, stiffness=EA) for name in ("rope", "other")]
+    speeds = Winch(np.array([0.0, 1.0]), np.array([0.0, 0.1]))
+    phases = (Phase("a", (WinchSpeed("rope", 0.1),)),)
+    for winches, words in (
+        ((tense, None), "the winch of 'rope' answers to its tension"),
+        ((speeds, Winch(follow="rope")), "the winch of 'other' follows that of 'rope'"),
+    ):
+        told = [replace(rope, winch=winch) for rope, winch in zip(ropes, winches, strict=True)]
+        with pytest.raises(InputError, match=words):
+            Simulation(replace(hanging(*phases), ropes=tuple(told)), 0.01)
+
+
+def test_ropes_whose_winch_answers_to_its_tension_beside_others() -> None:
+    tense = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
+    operation = hanging(Phase("go", (WinchLength("rope", 9.0, 0.5, 1.0),)), damping=1e5)
+    tag = wire(eye(GROUND, (0, 0, -30.0)), eye("load"), name="tag", stiffness=1e6, winch=tense, damping=1e4)
+    found = run(replace(operation, ropes=(tag, *operation.ropes)), 0.01, 6.0)
+    assert found["rope.rest_length"][-1] == pytest.approx(9.0, rel=1e-15)
+    assert found["tag.tension"][-1] == pytest.approx(1e4, rel=0.2)
+    assert found.simulation.operation.log[-1].what == "winch of 'rope' to 9 m at 0.5 m/s"
+
+
 def test_which_ropes_hang_loose() -> None:
     phases = (Phase("a", (Connect("x"),)), Phase("b", (Release("y"), Note("."))), Phase("c", (Release("x"),)))
     operation = Scenario(phases, prepared=("x",))
