@@ -279,6 +279,25 @@ def test_the_run_may_end_with_its_scenario() -> None:
     assert simulation.operation.unfinished == ""
 
 
+def test_a_run_that_ends_goes_on_to_its_next_record() -> None:
+    """Also in pieces that end in between, and from a checkpoint there."""
+    operation = hanging(Phase("wait", until=(Condition(None, 0.355),)), stops=True)
+    simulation = Simulation(operation, 0.01, record_every=10)
+    simulation.advance(37)
+    assert not simulation.ended
+    again = Simulation(operation, 0.01, record_every=10)
+    again.restore(simulation.state())
+    assert not again.ended
+    for one in (simulation, again):
+        times, _ = one.advance(63)
+        assert one.ended
+        assert times.tolist() == pytest.approx([0.4])
+        assert one.time == pytest.approx(0.4)
+    last = Simulation(operation, 0.01, record_every=10)
+    last.restore(simulation.state())
+    assert last.ended
+
+
 def test_a_rope_is_never_hauled_in_whole() -> None:
     operation = hanging(Phase("haul", (WinchSpeed("rope", 4.0, 1.0),)), damping=1e6)
     simulation = Simulation(operation, 0.01)
