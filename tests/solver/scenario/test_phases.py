@@ -90,8 +90,8 @@ def test_the_steps_stay_of_second_order() -> None:
 
     exact = height(6.25e-5 * 5)
     errors = [abs(height(step) - exact) for step in (0.02, 0.01, 0.005, 0.0025)]
-    assert errors[-1] < errors[0] / 64.0 * 2.5  # h^2, with room for where events fall in their steps
-    assert errors[-1] < 2e-3
+    assert errors[0] < 1e-6
+    assert all(b < a / 3.0 for a, b in pairwise(errors))  # by four, but for where events fall in their steps
 
 
 @pytest.mark.parametrize("step", [0.03, 0.01])
