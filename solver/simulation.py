@@ -436,7 +436,8 @@ class Simulation:
         done = self._call(first, last, every, records)
         self.cpu_seconds += clock.thread_time() - begin
         self.step_index = int(done)
-        if self.operation is not None and self.operation.director.state.outcome != 0:
+        status = int(self._layout.work.status.outcome)
+        if self.operation is not None and status == int(self.operation.director.state.outcome) != 0:
             self.outcome, self.message = self.operation.end  # behind a step that is good
             self.ended = self.outcome is Outcome.COMPLETED
             self._layout.work.status.words[:] = 0.0
@@ -561,7 +562,8 @@ class Simulation:
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
         self.outcome, self.message = Outcome.COMPLETED, ""
-        self.ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
+        ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
+        self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record
         self._layout.work.status.words[:] = 0.0
         self._started = True
         if self._touches:

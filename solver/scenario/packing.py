@@ -129,7 +129,8 @@ def pack_scenario(
         If a channel is not there, or an action does not fit.
     """
     check_scenario(scenario, ropes)
-    kinds = [kind for kind in joints if isinstance(kind, Ropes)]
+    # winches that answer to a tension have no length to be told
+    kinds = [kind for kind in joints if isinstance(kind, Ropes) and "controls" not in kind._fields]
     first, second = (*kinds, _no_ropes(), _no_ropes())[:2]
     known = {channel.name: channel for channel in channels}
     columns = {known[f"{rope.name}.tension"].column: rope.name for rope in ropes}

@@ -7,6 +7,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.connections import controlled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -351,6 +352,21 @@ def _check_action(action: Action, known: dict[str, Any], loose: set[str], key: s
             f"{action.rope!r} is a rope of type {described.WORD!r}",
             key=f"{key}.{word}",
             expected="a rope of type 'wire'",
+        )
+    if controlled(rope):
+        raise InputError(
+            f"the winch of {action.rope!r} answers to its tension",
+            key=f"{key}.{word}",
+            expected="a rope without 'tensions' and 'brake', whose length a scenario can tell",
+        )
+    pairs = {getattr(getattr(other, "winch", None), "follow", None): name for name, other in known.items()}
+    pairs.pop(None, None)
+    if word == "winch" and action.rope in {*pairs, *pairs.values()}:
+        leader = next(one for one, name in pairs.items() if action.rope in (one, name))
+        raise InputError(
+            f"the winch of {pairs[leader]!r} follows that of {leader!r}",
+            key=f"{key}.winch",
+            expected="an action for each of several winches, none of which follows another one",
         )
     if isinstance(action, Release):
         if action.rope in loose:

@@ -64,7 +64,7 @@ class Recorded:
         )
         self.step_index = self.solver_steps = 0
         self.compile_seconds = self.cpu_seconds = 0.0
-        self.start_seconds = 0.25
+        self.start_seconds, self.energy_drift = 0.25, 0.0
         self.outcome, self.message = Outcome.COMPLETED, ""
         self.operation, self.ended, self.energy_drift, self.periods = None, False, 0.0, ""
         self.verdict = self.outcome, self.message
@@ -73,6 +73,10 @@ class Recorded:
             SimpleNamespace(name=f"energy.{name}", unit="J", components=(name,), column=i, sentence="")
             for i, name in enumerate(names)
         ]
+
+    @property
+    def verdict(self):
+        return self.outcome, self.message
 
     def missing_units(self):
         return ()
