@@ -12,11 +12,14 @@ Each relation sees some errors and not others:
       B_ii = k / (8 pi rho g c_g) int |X_i|^2 d(heading),        c_g the group velocity.
 
   It sees a factor on excitation or damping and forces that stand for other coordinates, and no error of a phase. With
-  headings all around it holds exactly. With a few of them the integral is estimated in long waves, in which a force
-  goes like the slope of the wave along its coordinate, or is the same for all headings (heave).
+  headings all around it holds exactly, as long as they resolve how fast the forces change with the heading: |X|^2 of a
+  hull of length L has harmonics up to about k L, and n headings integrate those below n. With a few of them the
+  integral is estimated in long waves, in which a force goes like the slope of the wave along its coordinate, or is the
+  same for all headings (heave).
 * In long waves a hull feels the water's weight and acceleration: heave is in phase with the wave (or opposite, below
   the water), surge and sway a quarter of a period apart, and heave is rho g times the water plane. It sees a phase that
-  is turned, and nothing if the database has no wave that is long.
+  is turned, and nothing if the database has no wave that is long. Weight and acceleration are opposite: columns on
+  pontoons feel little heave already in long waves, so nothing is said where the acceleration counts.
 
 Source: Faltinsen, *Sea Loads on Ships and Offshore Structures* (1990), chapter 3; Newman, "The exciting forces on fixed
 bodies in waves", J. Ship Res. 6 (1962).
@@ -58,6 +61,10 @@ SEEN = 0.03
 
 WIDEST_STEP = np.deg2rad(46.0)
 """Between headings that stand for all around."""
+HARMONICS = 3
+"""Of |X|^2 beyond k L, which headings have to resolve too."""
+SHORT = 8.0 * np.pi
+"""Of k L: a quarter of the length of the hull; in shorter waves panels do not give forces and damping well."""
 HASKIND = 2.0
 """Factor between damping and that of the excitation; as a median over the frequencies."""
 RADIATING = 0.1
@@ -69,6 +76,8 @@ SLOPE = 1.0
 """Ratio of the wrong to the right part of a force in a long wave: half a right angle."""
 WATER_PLANE = 2.0
 """Factor between heave in a long wave and the stiffness of the water plane."""
+ACCELERATION = 0.5
+"""Share of that stiffness which the acceleration of hull and water may take for heave to be told."""
 
 
 def check_plausibility(database: HydrodynamicDatabase) -> None:
@@ -184,8 +193,9 @@ def group_velocity(database: HydrodynamicDatabase) -> NDArray[np.float64]:
 def haskind_damping(database: HydrodynamicDatabase) -> NDArray[np.float64]:
     """(nw, 6N) damping of each coordinate by Haskind's relation; NaN where the headings do not tell.
 
-    With headings all around it is the integral over them; else in long waves that of the shape that the force has
-    there: cos^2 of surge and pitch, sin^2 of sway and roll, the same for all headings of heave.
+    With headings all around it is the integral over them, in waves whose forces they resolve; else in long waves that
+    of the shape that the force has there: cos^2 of surge and pitch, sin^2 of sway and roll, the same for all headings
+    of heave.
     """
     k = database.wave_numbers()
     scale = k / (8.0 * np.pi * database.density * database.gravity * group_velocity(database))
@@ -203,7 +213,10 @@ def haskind_damping(database: HydrodynamicDatabase) -> NDArray[np.float64]:
     )
     if gaps.max() <= WIDEST_STEP:
         weights = 0.5 * (gaps + np.roll(gaps, 1))
-        return np.asarray(scale[:, None] * np.einsum("h,whi->wi", weights, squares))
+        found = scale[:, None] * np.einsum("h,whi->wi", weights, squares)
+        resolved = min(2.0 * np.pi / gaps.max() - HARMONICS, SHORT)
+        found[k * (_length(database) + _widest(database)) > resolved] = np.nan
+        return np.asarray(found)
     cosine, sine = np.cos(headings) ** 2, np.sin(headings) ** 2
     shapes = np.stack([cosine, sine, np.ones_like(cosine), sine, cosine, 0.0 * cosine], axis=1)
     shapes = np.tile(shapes, database.body_count)
@@ -220,6 +233,12 @@ def _length(database: HydrodynamicDatabase) -> float:
     """Length of a bar that has the largest gyradius of the added mass [m]."""
     smallest = float(length_scales(database).min())
     return np.inf if not smallest > 0.0 else float(np.sqrt(12.0) / smallest)
+
+
+def _widest(database: HydrodynamicDatabase) -> float:
+    """Largest distance between the reference points of hulls [m]."""
+    points = database.reference_points[:, :2]
+    return float(np.linalg.norm(points[:, None] - points[None], axis=2).max())
 
 
 def _check_haskind(database: HydrodynamicDatabase) -> None:
@@ -260,11 +279,18 @@ def _check_long_waves(database: HydrodynamicDatabase) -> None:
         heave = complex(force[:, 6 * body + 2].sum())
         horizontal = complex(along[:, body].sum())
         of_hull = f" of {name!r}" if database.body_count > 1 else ""
-        for what, wrong, right in (
-            ("heave", abs(heave.imag), abs(heave.real)),
-            ("the force along the wave", abs(horizontal.real), abs(horizontal.imag)),
+        plane = 0.0
+        if database.hydrostatic_stiffness is not None:
+            plane = float(database.hydrostatic_stiffness[body, 2, 2])
+        inertia = float(database.omega[0] ** 2 * mass_scales(database)[6 * body + 2])
+        little = (
+            inertia > ACCELERATION * plane > 0.0
+        )  # weight and acceleration of the water leave little heave
+        for what, wrong, right, told in (
+            ("heave", abs(heave.imag), abs(heave.real), not little),
+            ("the force along the wave", abs(horizontal.real), abs(horizontal.imag), True),
         ):
-            if wrong > SLOPE * right:
+            if told and wrong > SLOPE * right:
                 raise InputError(
                     f"in the longest wave, {2.0 * np.pi / k:.3g} m, {what}{of_hull} is "
                     f"{np.rad2deg(np.arctan2(wrong, right)):.0f} deg off the phase that a small hull has",
@@ -273,13 +299,8 @@ def _check_long_waves(database: HydrodynamicDatabase) -> None:
                     expected="phases relative to a crest at the origin of the database: heave in phase with the wave, "
                     "surge and sway a quarter of a period from it",
                 )
-        if database.hydrostatic_stiffness is None:
-            continue
-        plane, size = (
-            float(database.hydrostatic_stiffness[body, 2, 2]),
-            float(np.abs(force[:, 6 * body + 2]).mean()),
-        )
-        if plane > 0.0 and not 1.0 / WATER_PLANE <= size / plane <= WATER_PLANE:
+        size = float(np.abs(force[:, 6 * body + 2]).mean())
+        if plane > 0.0 and not little and not 1.0 / WATER_PLANE <= size / plane <= WATER_PLANE:
             raise InputError(
                 f"in the longest wave, {2.0 * np.pi / k:.3g} m, heave{of_hull} is {size:.4g} N/m, "
                 f"{size / plane:.2g} times the stiffness of the water plane, {plane:.4g} N/m",

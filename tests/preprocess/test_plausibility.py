@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, at_frequencies
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 from heavylift.preprocess.hydrodynamics.plausibility import (
     check_plausibility,
@@ -140,6 +140,71 @@ def test_the_frequency_that_is_named_is_that_to_leave_out(barge):
 @pytest.mark.parametrize("case", ["transport_barge/barge", "spring_barge/barge", "two_barges/two_barges"])
 def test_sound_databases_pass(case):
     check_plausibility(read_netcdf(CASES / f"{case}.nc"))
+
+
+@pytest.mark.parametrize("case", ["transport_barge/barge", "two_barges/two_barges"])
+@pytest.mark.parametrize("spacing", [2, 3, 9])
+def test_sound_databases_with_fewer_headings_pass(case, spacing):
+    """Every 20, 30 and 90 degrees: short waves have forces between two headings."""
+    whole = read_netcdf(CASES / f"{case}.nc")
+    few = replace(few_headings(whole, *range(0, 19, spacing)), symmetric=True)
+    check_plausibility(few)
+    with pytest.raises(InputError, match="Haskind"):
+        check_plausibility(replace(few, excitation=3.0 * few.excitation))
+
+
+@pytest.mark.parametrize("case", ["transport_barge/barge", "spring_barge/barge"])
+@pytest.mark.parametrize("kept", [slice(0, 6), slice(6, 18), slice(-15, None), slice(-8, None)])
+def test_a_part_of_the_frequencies_passes(case, kept):
+    whole = read_netcdf(CASES / f"{case}.nc")
+    check_plausibility(at_frequencies(whole, np.arange(len(whole.omega))[kept]))
+
+
+@pytest.mark.parametrize("count", [8, 12, 36])
+def test_headings_tell_only_of_waves_that_they_resolve(barge, count):
+    """Heave of a slender hull, F sin(q) / q with q = k L / 2 cos(heading), integrated over thousands of headings."""
+    omega = np.linspace(0.2, 2.5, 60)
+    k, headings = omega**2 / 9.81, 2.0 * np.pi * np.arange(count) / count
+
+    def force(headings):
+        return np.sinc(k[:, None] * 100.0 / (2.0 * np.pi) * np.cos(headings))
+
+    excitation = np.zeros((60, count, 6), dtype=complex)
+    excitation[:, :, HEAVE] = force(headings)
+    inertia = np.array([1.0, 1.0, 1.0, 0.0, 0.5, 0.5]) * 1e7 * 100.0 ** np.array([0, 0, 0, 2, 2, 2])
+    slender = replace(
+        barge,
+        omega=omega,
+        headings=headings,
+        excitation=excitation,
+        added_mass=np.repeat(np.diag(inertia)[None], 60, axis=0),
+        added_mass_infinite=np.diag(inertia) / 4.0,
+        damping=np.zeros((60, 6, 6)),
+        depth=np.inf,
+        gravity=9.81,
+        symmetric=False,
+        drift=None,
+    )
+    found = haskind_damping(slender)[:, HEAVE]
+    every = (force(2.0 * np.pi * np.arange(5000) / 5000) ** 2).mean(axis=1) * 2.0 * np.pi
+    expected = k / (8.0 * np.pi * slender.density * 9.81 * group_velocity(slender)) * every
+    told = np.isfinite(found)
+    assert told.sum() > 5
+    np.testing.assert_allclose(found[told], expected[told], rtol=0.15)
+
+
+def test_little_heave_in_long_waves_is_no_fault(barge):
+    """Columns on pontoons: what the water's acceleration takes of its weight is said by the mass of hull and water."""
+    plane = barge.omega[0] ** 2 * (barge.added_mass[0, HEAVE, HEAVE] + barge.density * barge.volumes[0])
+    stiffness = barge.hydrostatic_stiffness.copy()
+    stiffness[0, HEAVE, HEAVE] = 1.2 * plane
+    excitation = barge.excitation.copy()
+    excitation[:, :, HEAVE] *= 0.2 * plane / np.abs(excitation[0, 0, HEAVE])
+    damping = barge.damping.copy()
+    damping[:, HEAVE, HEAVE] *= (0.2 * plane / np.abs(barge.excitation[0, 0, HEAVE])) ** 2
+    check_plausibility(
+        replace(barge, excitation=excitation, hydrostatic_stiffness=stiffness, damping=damping)
+    )
 
 
 def test_what_no_relation_sees(barge):
