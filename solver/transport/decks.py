@@ -17,16 +17,18 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from heavylift.numerics.arrays import Floats1, Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyDirection, BodyPoint, NameOf, Quantity, Shape
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.descriptions import no_rows
 from heavylift.solver.scene.transport import TRANSPORT, Bump
 
-__all__ = ["NO_ROAD", "STEEPEST", "Deck", "corner_table", "dilated_height"]
+__all__ = ["NO_ROAD", "STEEPEST", "Deck", "corner_table", "dilated_height", "wheel_heights"]
 
 NO_ROAD = -1e300
 """Height where a wheel touches nothing of a deck."""
@@ -148,7 +150,7 @@ class Deck:
             if radius == 0.0:
                 steepest = np.inf
             else:
-                z = [dilated_height(corners, 0, len(corners), radius, float(x)) for x in places]
+                z = wheel_heights(corners, 0, len(corners), radius, places)
                 steepest = float(np.max(np.abs(np.diff(z)) / np.diff(places), initial=0.0))
             if steepest > STEEPEST:
                 raise InputError(
@@ -215,6 +217,25 @@ def dilated_height(corners: NDArray[np.float64], first: int, count: int, radius:
             if x0 <= at <= corners[i + 1, 0]:
                 best = max(best, h0 + slope * (x - x0) + radius * (secant - 1.0))
     return best
+
+
+@entry
+def fill_wheel_heights(
+    corners: Floats2, first: int, count: int, radius: float, places: Floats1, heights: Floats1
+) -> None:
+    """Heights of a wheel at some stations of a profile, as `dilated_height`."""
+    for i in range(places.shape[0]):
+        heights[i] = dilated_height(corners, first, count, radius, places[i])
+
+
+def wheel_heights(
+    corners: NDArray[np.float64], first: int, count: int, radius: float, places: ArrayLike
+) -> NDArray[np.float64]:
+    """Heights of a wheel at some stations of a profile [m], shape (n,), as `dilated_height`."""
+    at = np.array(places, dtype=np.float64)
+    heights = np.zeros(len(at))
+    fill_wheel_heights(np.ascontiguousarray(corners, dtype=np.float64), first, count, radius, at, heights)
+    return heights
 
 
 def corner_table(decks: Sequence[Deck]) -> tuple[NDArray[np.float64], list[int], list[int]]:

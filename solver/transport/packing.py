@@ -17,7 +17,7 @@ from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
-from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, dilated_height
+from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, wheel_heights
 from heavylift.solver.transport.stand import Stand, even_loads, refuse_unstable
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
@@ -245,7 +245,7 @@ class _Places:
             places += [float(x), float(y)]
             count = len(deck.profile[0])
             if deck.sides[0] <= y <= deck.sides[1]:
-                height = dilated_height(corners, first, count, self.transporter.wheel_radius, float(x))
+                height = float(wheel_heights(corners, first, count, self.transporter.wheel_radius, [x])[0])
                 if height > NO_ROAD and (found < 0 or height - z > lift):
                     found, lift = d, float(height - z)
             first += count

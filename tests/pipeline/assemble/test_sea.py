@@ -35,6 +35,8 @@ from heavylift.preprocess.surfaces.refinement import refined_triangles
 from heavylift.solver.scene.sea import Radiation, Water
 from heavylift.solver.water.wind.packing import fluid_pieces
 
+pytestmark = pytest.mark.usefixtures("numbers_of_no_hull")
+
 HERE = Path(__file__).parents[1]
 CASES = HERE.parents[1] / "cases"
 L, B, D = 40.0, 15.0, 5.0
