@@ -462,6 +462,8 @@ def read_document(file: Path) -> dict[str, Any]:
                 expected=f"at most {LARGEST_FILE:,}; histories and meshes in files of their own",
             )
         return tomllib.loads(file.read_bytes().decode("utf-8"))
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(
             "does not exist",
