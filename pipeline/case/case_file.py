@@ -445,23 +445,30 @@ LARGEST_INTEGER = 2**63 - 1
 """What TOML asks of those who read it; a larger number is written with a point or an exponent."""
 
 
+def _check_file(file: Path) -> None:
+    """See that it is a file, and one that a person may have written."""
+    if file.exists() and not file.is_file():
+        raise InputError(
+            "is a folder" if file.is_dir() else "is no regular file",
+            source=file,
+            expected=f"a readable {CASE_FILE}",
+        )
+    size = file.stat().st_size
+    if size > LARGEST_FILE:
+        raise InputError(
+            f"has {size:,} bytes",
+            source=file,
+            expected=f"at most {LARGEST_FILE:,}; histories and meshes in files of their own",
+        )
+
+
 def read_document(file: Path) -> dict[str, Any]:
     """Read a TOML file; a syntax error is one line with its place."""
     try:
-        if file.exists() and not file.is_file():
-            raise InputError(
-                "is a folder" if file.is_dir() else "is no regular file",
-                source=file,
-                expected=f"a readable {CASE_FILE}",
-            )
-        size = file.stat().st_size
-        if size > LARGEST_FILE:
-            raise InputError(
-                f"has {size:,} bytes",
-                source=file,
-                expected=f"at most {LARGEST_FILE:,}; histories and meshes in files of their own",
-            )
+        _check_file(file)
         return tomllib.loads(file.read_bytes().decode("utf-8"))
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(
             "does not exist",

@@ -27,6 +27,9 @@ _STEP_OR_TOLERANCE: dict[str, Any] = {
     ]
 }
 
+MOST_STEPS = 1e15
+"""Of a run: what counts them exactly, and takes more than ten years with the fastest of steps."""
+
 
 class SimulateSection(Section):
     """Time integration."""
@@ -81,6 +84,12 @@ class SimulateSection(Section):
         if "output_interval" not in self.model_fields_set:
             reject("is missing", "a value", key="output_interval")
         _refuse_a_part(self.duration, "output_interval", self.output_interval, key="duration")
+        if self.duration / self.solver_step > MOST_STEPS:
+            reject(
+                f"{self.duration / self.solver_step:.3g} steps of {self.solver_step:.3g} s",
+                f"at most {MOST_STEPS:.0e} in {self.duration:g} s",
+                key="output_interval" if self.step is None else "step",
+            )
         if self.step is None and self.tolerance is None and self.integrator == "dele2":
             reject("neither 'step' nor 'tolerance'", "'step' (fixed) or 'tolerance' (adaptive)")
         return self

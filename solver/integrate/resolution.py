@@ -28,7 +28,11 @@ ENOUGH = 20.0
 phase a radian."""
 
 SMALLEST_SHARE = 1e-3
-"""Of the energy of all motion, below which a body is not looked at."""
+"""Of the energy of all motion, below which a body is not looked at, unless it moves fast."""
+
+FAST_SHARE = 1e-2
+"""Of the largest energy of a mass [J/kg]: a body that moves a tenth as fast as the fastest is looked at, however light
+it is beside others. A load on a crane has a thousandth of the energy of the ship that carries both."""
 
 SUDDEN_SHARE = 0.1
 """Energy that a rope, spring or stop stores, of that of the motion of the lightest body that it holds, from which on it
@@ -181,12 +185,15 @@ def step_warning(layout: Layout, floor: float) -> str:
     counts = _counts(layout)
     if counts is None:
         return ""
-    owner, _ = _owners(layout)
+    owner, inertia = _owners(layout)
     periods, energy = counts.of_bodies(owner, len(layout.body_names))
     parts, steps = [], []
-    least = max(floor, SMALLEST_SHARE * float(energy.sum()))
-    fast = [(layout.body_names[i], float(periods[i])) for i in np.argsort(periods) if energy[i] > least]
-    fast = [one for one in fast if one[1] < ENOUGH]
+    mass = np.zeros(len(energy))
+    np.maximum.at(mass, owner, inertia)
+    specific = np.divide(energy, mass, out=np.zeros_like(energy), where=mass > 0.0)
+    counted = (energy > SMALLEST_SHARE * energy.sum()) | (specific > FAST_SHARE * specific.max(initial=0.0))
+    counted &= (energy > floor) & (periods < ENOUGH)
+    fast = [(layout.body_names[i], float(periods[i])) for i in np.argsort(periods) if counted[i]]
     if fast:
         steps.append(fast[0][1])
         parts.append(

@@ -140,3 +140,35 @@ def test_steps_that_vary_are_not_counted() -> None:
     simulation = ran(scene, 0.1, 20, tolerance=1e-4)
     assert simulation.periods == ""
     assert "steps in a period" not in simulation.warning
+
+
+@pytest.mark.parametrize(("steps", "told"), [(6.0, True), (60.0, False)])
+def test_a_light_load_beside_a_ship_is_looked_at(steps: float, told: bool) -> None:
+    """It has a ten thousandth of the energy of what moves slowly beside it, and a fifth of its speed."""
+    ship = RigidBody(
+        "ship",
+        2e7,
+        2e7 * np.eye(3),
+        position=np.array([0.0, 50.0, 0.0]),
+        velocity=np.array([2.0, 0.0, 0.0]),
+    )
+    frequency = 2.0 * math.pi / 0.5
+
+    def spring(body: str, y: float, stiffness: float) -> Spring:
+        return Spring(
+            name=f"spring_{body}",
+            body_a=GROUND,
+            point_a=np.array([-20.0, y, 0.0]),
+            body_b=body,
+            point_b=np.zeros(3),
+            stiffness=stiffness,
+            length=20.0,
+        )
+
+    scene = Scene(
+        (ship, load(0.0, 0.0, 0.0, velocity=(0.4, 0.0, 0.0))),
+        (spring("ship", 50.0, 2e7 * 0.3**2), spring("load", 0.0, MASS * frequency**2)),
+    )
+    simulation = ran(scene, 0.5 / steps, int(20.0 * steps))
+    assert ("'load'" in simulation.warning) is told
+    assert "'ship'" not in simulation.warning

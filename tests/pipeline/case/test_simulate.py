@@ -139,3 +139,20 @@ def test_an_error_of_the_solver_names_the_place_in_the_file(folder):
             raise error
         assert str(caught.value).startswith(f"{folder / 'case.toml'}: {key}: ")
         assert caught.value.expected == error.expected
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key"),
+    [
+        (("simulate.step=1e-300",), "simulate.step"),
+        (
+            (*ADAPTIVE, "simulate.integrator=accurate", "simulate.output_interval=1e-300"),
+            "simulate.output_interval",
+        ),
+    ],
+)
+def test_more_steps_than_are_counted(folder, overrides, key):
+    """Beyond 2^63 their number would be another one, or none."""
+    with pytest.raises(InputError, match=rf"{key}: 1e\+30\d steps") as caught:
+        load_case(folder, overrides)
+    assert "at most 1e+15" in str(caught.value)
