@@ -151,7 +151,15 @@ def eigenmodes(
     dense = len(body.unknowns) <= _DENSE_UNKNOWNS or (
         6 * count > len(body.unknowns) and len(body.unknowns) <= _DENSE_LIMIT
     )
-    values, shapes = _dense(body, count) if dense else _iterative(body, count)
+    try:
+        values, shapes = _dense(body, count) if dense else _iterative(body, count)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"no modes are found: {str(error).lower()}",
+            source=model.name or "finite element model",
+            key="modes",
+            expected="sizes, densities and moduli whose products a computer can hold",
+        ) from None
     shapes = signed(shapes)
     residuals = relative_residuals(model, values, shapes, free=body.unknowns)
     orthogonality = orthogonality_error(model, shapes)

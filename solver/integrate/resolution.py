@@ -127,8 +127,12 @@ def _count(steps: float) -> str:
 
 
 def _stores(layout: Layout) -> Iterator[tuple[str, Any, float, NDArray[np.int64]]]:
-    """What stores energy from step to step: name, store, own period [s] and first velocities of what it holds."""
+    """What stores energy from step to step: name, store, own period [s] and first velocities of what it holds.
+
+    Of fenders these are all: they may hold any body.
+    """
     counts, periods = _counts(layout), _law_periods(layout)
+    moving = np.flatnonzero(counts.inertia > 0.0)
     for kind in layout.joints:
         if "state" not in kind._fields or "store" not in (kind.state.dtype.names or ()):
             continue
@@ -151,6 +155,13 @@ def _stores(layout: Layout) -> Iterator[tuple[str, Any, float, NDArray[np.int64]
             if contacts.table[c]["force_law"] == LINEAR and masses:
                 period = 2.0 * math.pi / math.sqrt(values["stiffness"] * sum(1.0 / mass for mass in masses))
             yield name, store, period, dofs
+    owners = {channel.column: channel.name.rpartition(".")[0] for channel in layout.channels}
+    for kind in layout.forces:  # fenders, which belong to no rows
+        if "state" in kind._fields and "store" in (kind.state.dtype.names or ()):
+            for entry, state in zip(kind.table, kind.state, strict=True):
+                if (store := state["store"])["change"] > 0.0:
+                    period = 2.0 * math.pi * float(store["largest"] / store["change"]) * counts.step
+                    yield owners[int(entry["column"])], store, period, moving
 
 
 def _sudden(

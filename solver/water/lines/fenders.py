@@ -15,7 +15,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, Positive, Quantity, Shape
 from heavylift.numerics.records import Record, Records, records
-from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import Extremes, Store, largest_of, note_stored, note_value, smallest_of
 from heavylift.solver.interface import (
     FORCES,
     Workspace,
@@ -123,14 +123,16 @@ class FenderState(Record):
     ----------
     start_energy, started
         Energy at the start [J], and whether that is known.
-    time, rate, force
-        Last evaluation [s]: how fast it was compressed [m/s], and its force [N].
+    time, rate, force, energy
+        Last evaluation [s]: how fast it was compressed [m/s], its force [N] and what it stores [J].
     mean_time, mean_rate, before_time, before_rate
         The same in the middles of the last step and the one before.
     steps
         How many of them are known, at most two.
     extremes
         Of the force.
+    store
+        What it stores in the middles of the steps.
     """
 
     start_energy: float
@@ -138,12 +140,14 @@ class FenderState(Record):
     time: float
     rate: float
     force: float
+    energy: float
     mean_time: float
     mean_rate: float
     before_time: float
     before_rate: float
     steps: int
     extremes: Extremes
+    store: Store
 
 
 class Fenders(Arrays):
@@ -295,6 +299,13 @@ def _push(kind: Fenders, i: int, depth: float, rate: float) -> tuple[float, floa
     return force + damping * rate, stiffness, damping
 
 
+@kernel(internal=True)
+def _stored(kind: Fenders, i: int, depth: float) -> float:
+    """What a fender stores at a depth [J]."""
+    fender, pressed = kind.table[i], max(depth, 0.0)
+    return pressed * mean_force(kind.curves, fender.first, fender.count, fender.stiffness, 0.0, pressed)[0]
+
+
 @implement(add_forces, Fenders)
 @kernel(internal=True)
 def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
@@ -310,6 +321,7 @@ def add_fenders(kind: Fenders, time: float, work: Workspace) -> None:
         depth, rate = _compression(kind, i, work)
         force, stiffness, damping = _push(kind, i, depth, rate)
         kind.state[i].time, kind.state[i].rate, kind.state[i].force = time, rate, force
+        kind.state[i].energy = _stored(kind, i, depth)
         n1, n2, n3 = work.markers[n].point[0], work.markers[n].point[1], work.markers[n].point[2]
         normal = (n1, n2, n3)
         for j in range(3):
@@ -331,6 +343,7 @@ def watch_fenders(kind: Fenders, work: Workspace) -> None:
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
         note_value(state.extremes, work.control.interval, state.force)
+        note_stored(state.store, state.energy)
         state.before_time, state.before_rate = state.mean_time, state.mean_rate
         state.mean_time, state.mean_rate = state.time, state.rate
         state.steps = min(state.steps + 1, 2)
@@ -350,15 +363,14 @@ def _end_rate(state: FenderState, time: float, rate: float) -> float:
 def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
     """Force and compression; the stored energy moves from the work of outer forces to its own."""
     for i in range(kind.table.shape[0]):
-        fender, state = kind.table[i], kind.state[i]
-        column, first, count = fender.column, fender.first, fender.count
+        state, column = kind.state[i], kind.table[i].column
         depth, rate = _compression(kind, i, work)
         row[column] = force = _push(kind, i, depth, _end_rate(state, time, rate))[0]
         depth = max(depth, 0.0)
         row[column + 1] = depth
         row[column + 2] = largest_of(state.extremes, work.control.interval, force)
         row[column + 3] = smallest_of(state.extremes, work.control.interval, force)
-        energy = depth * mean_force(kind.curves, first, count, fender.stiffness, 0.0, depth)[0]
+        energy = _stored(kind, i, depth)
         if not state.started:
             state.start_energy, state.started = energy, True
         work.sums.elastic += energy

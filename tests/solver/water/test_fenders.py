@@ -18,6 +18,9 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.packing import MarkerBook
 from heavylift.solver.scene.channels import channel_width
+from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.sea import Sea, Water
+from heavylift.solver.simulation import Simulation
 from heavylift.solver.water.lines.fenders import Fender, Fenders, fender_markers, pack_fenders
 
 TABLE = np.array([0.0, 0.2, 0.5]), np.array([0.0, 1e5, 1e6])
@@ -187,3 +190,23 @@ def test_a_damper_records_the_rate_of_its_steps() -> None:
         if n > 0:  # a velocity that has jumped against its growth counts as that of the middle
             expected = middle + (0.01 if ring > 0.0 else 0.0)
             assert bench.row[0] == pytest.approx(0.2 * 1e6 + 1e5 * expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(("step", "told"), [(1e-3, False), (0.1, True), (0.25, True)])
+def test_a_blow_that_the_step_does_not_resolve_is_told(step: float, told: bool) -> None:
+    """10 t at 1 m/s on 2 MN/m: a period of 0.44 s; its work is that of an outer force, so the balance tells nothing."""
+    hits = RigidBody(
+        "boat", 1e4, 1e4 * np.eye(3), position=np.array([2.13, 0.0, 0.0]), velocity=np.array([-1.0, 0.0, 0.0])
+    )
+    bumper = Fender(
+        name="bumper",
+        body_a="ground",
+        point_a=np.zeros(3),
+        body_b="boat",
+        point_b=np.zeros(3),
+        direction=np.array([1.0, 0.0, 0.0]),
+        stiffness=2e6,
+    )
+    simulation = Simulation(Scene(bodies=(hits,), sea=Sea(water=Water(), fenders=(bumper,))), step)
+    simulation.advance(round(4.0 / step))
+    assert ("taken up within a few steps by 'bumper'" in simulation.warning) == told
