@@ -81,6 +81,8 @@ class GantryCrane:
     """On the girder."""
     sheave_radius: Annotated[float, Positive("length")]
     """Of all sheaves [m]."""
+    efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
+    """Of each sheave, as that of ropes."""
     block: HookBlock
     """Each hook block."""
     rope: FallsRope
@@ -129,6 +131,7 @@ class GantryCrane:
                     "crown": {"body": body, "point": [*hoist.at, 0.0]},
                     "parts": hoist.parts,
                     "sheave_radius": said.sheave_radius,
+                    "efficiency": said.efficiency,
                     "drop": hoist.drop,
                     "block": _said(said.block),
                     "rope": _said(said.rope),
