@@ -181,9 +181,9 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         work.markers[marker].point[:] = vector
     kinds: tuple[Any, ...] = (tuple(bodies), tuple(made.joints), tuple(made.systems))
     if scene.scenario is not None:
-        from heavylift.solver.scenario.packing import reserve_winches
+        from heavylift.solver.scenario.packing import carried_ropes, reserve_winches
 
-        ropes = [rope.name for rope in scene.ropes]
+        ropes = [rope.name for rope in carried_ropes(scene.ropes)]
         kinds = (kinds[0], reserve_winches(kinds[1], scene.scenario, ropes), kinds[2])
     if (
         scene.touches or scene.scenario is not None

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages.stages import load_changed_case, run_case
+from heavylift.solver.scenario.packing import carried_ropes
 from heavylift.solver.scene.scenario import Connect, Release, WinchLength, WinchSpeed
 
 if TYPE_CHECKING:
@@ -208,7 +209,7 @@ def scenario_command(
     assert scenario is not None
     kinds = [kind for kind in layout.joints if isinstance(kind, Ropes)]
     starts = [float(value) for kind in kinds for value in kind.table["start_length"]]
-    lengths = {rope.name: length for rope, length in zip(scene.ropes, starts, strict=True)}
+    lengths = {rope.name: length for rope, length in zip(carried_ropes(scene.ropes), starts, strict=True)}
     phases = plan(scenario, lengths)
     return _document(phases, lengths), _lines(scenario, phases, lengths)
 

@@ -217,7 +217,12 @@ def pack_laws(
 
 
 def _rope_groups(scene: Scene) -> list[list[Any]]:
-    """Ropes with one tension, and those with sheaves that rub: a kind each, if there are any."""
+    """Ropes with one tension, and those with sheaves that rub: a kind each, if there are any.
+
+    A scenario commands the ropes of one kind, which is then that of sheaves for all.
+    """
+    if scene.scenario is not None and scene.ropes:
+        return [list(scene.ropes)]
     groups: tuple[list[Any], list[Any]] = [], []
     for rope in scene.ropes:
         groups[bool(rubbing_places(rope))].append(rope)

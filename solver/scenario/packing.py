@@ -48,7 +48,12 @@ from heavylift.solver.scene.scenario import (
     check_scenario,
 )
 
-__all__ = ["pack_scenario", "reserve_winches"]
+__all__ = ["carried_ropes", "pack_scenario", "reserve_winches"]
+
+
+def carried_ropes(ropes: Sequence[Any]) -> list[Any]:
+    """Ropes of the kind that a scenario commands, in its order: all but equalized ones."""
+    return [rope for rope in ropes if rope.WORD != "equalized"]
 
 
 def reserve_winches(joints: Sequence[Any], scenario: Scenario, names: Sequence[str]) -> tuple[Any, ...]:
@@ -123,6 +128,7 @@ def pack_scenario(
         If a channel is not there, or an action does not fit.
     """
     check_scenario(scenario, ropes)
+    ropes = carried_ropes(ropes)
     numbers = {rope.name: i for i, rope in enumerate(ropes)}
     kind = next((kind for kind in joints if isinstance(kind, Ropes)), None) or _no_ropes()
     told = _told(scenario)

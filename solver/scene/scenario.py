@@ -289,7 +289,7 @@ def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:
     known = {rope.name: rope for rope in ropes}
     loose = set()
     for index, name in enumerate(scenario.prepared):
-        _rope(name, known, f"prepared.{index}")
+        _wire(name, known, f"prepared.{index}")
         loose.add(name)
     names: set[str] = set()
     for index, phase in enumerate(scenario.phases):
@@ -315,7 +315,8 @@ def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:
             _check_action(action, known, loose, f"{key}.actions.{number}")
 
 
-def _rope(name: str, known: dict[str, Any], key: str) -> Any:
+def _wire(name: str, known: dict[str, Any], key: str) -> None:
+    """Refuse what is no rope of type 'wire'."""
     if name not in known:
         near = get_close_matches(name, known, 1)
         raise InputError(
@@ -323,7 +324,9 @@ def _rope(name: str, known: dict[str, Any], key: str) -> Any:
             key=key,
             expected=f"one of: {', '.join(known) or 'there are none'}",
         )
-    return known[name]
+    word = getattr(known[name], "type", None) or known[name].WORD  # of a table of a case, or of an object
+    if word != "wire":
+        raise InputError(f"{name!r} is a rope of type {word!r}", key=key, expected="a rope of type 'wire'")
 
 
 def _check_action(action: Action, known: dict[str, Any], loose: set[str], key: str) -> None:
@@ -331,13 +334,7 @@ def _check_action(action: Action, known: dict[str, Any], loose: set[str], key: s
     if isinstance(action, Note):
         return
     word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
-    rope = _rope(action.rope, known, f"{key}.{word}")
-    if not hasattr(rope, "axial_stiffness"):
-        raise InputError(
-            f"{action.rope!r} is a rope of type 'spring'",
-            key=f"{key}.{word}",
-            expected="a rope of type 'wire'",
-        )
+    _wire(action.rope, known, f"{key}.{word}")
     if isinstance(action, Release):
         if action.rope in loose:
             raise InputError(
