@@ -86,11 +86,14 @@ def stop_message(layout: Layout, when: str) -> str:
 def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
     """What a law is called whose positions have left the elongation that it carries, how far, and what may help."""
     for kind in layout.joints:
-        if "table" not in kind._fields or "largest_drift" not in (kind.table.dtype.names or ()):
+        told = ("lines", "line") if "lines" in kind._fields else ("table", "state")
+        if told[0] not in kind._fields or "largest_drift" not in (getattr(kind, told[0]).dtype.names or ()):
             continue
-        for entry, state in zip(kind.table, kind.state, strict=True):
+        entries, states = (getattr(kind, field) for field in told)
+        for entry, state in zip(entries, states, strict=True):
             if entry["block"] == block:
-                word, unit = ("rope", " m") if "rest" in (kind.state.dtype.names or ()) else ("law of", "")
+                names = states.dtype.names or ()
+                word, unit = ("rope", " m") if {"rest", "depth"} & set(names) else ("law of", "")
                 reason = f": positions have left the elongation that makes its force, by {state['drift']:.3g}{unit}"
                 return word, reason, "a smaller step: a third of a period of what hangs on it is too long"
     return "", "", ""

@@ -86,6 +86,8 @@ class Falls:
     """Of all sheaves [m]."""
     sheave_spacing: Annotated[float | None, Positive("length")] = None
     """Of sheaves beside each other [m]; a quarter of their radius if absent."""
+    efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
+    """Of each sheave, as that of ropes: 0.98 on roller bearings, 0.96 on plain ones; with one drum or none."""
     drop: Annotated[float, Positive("length")]
     """Height of the axis of the crown above that of the block at the start [m]."""
     block: HookBlock
@@ -110,6 +112,12 @@ class Falls:
                 f"{said.drop:.6g} m with sheaves of {said.sheave_radius:.6g} m",
                 key="drop",
                 expected=f"more than {2.0 * said.sheave_radius:.6g} m",
+            )
+        if said.efficiency < 1.0 and said.drum is not None and said.other_drum is not None:
+            raise InputError(
+                "two drums, and a rope runs over sheaves with an efficiency to one alone",
+                key="efficiency",
+                expected="one drum, or 1",
             )
         check_moves(said.moves, "moves")
         highest = np.cumsum([move.distance for move in said.moves]).max(initial=0.0)
@@ -140,17 +148,19 @@ class Falls:
             point = places.local(said.crown.body, crown + x * along + y * across)
             return {"body": said.crown.body, "point": listed(point)}
 
+        rubs = {"efficiency": said.efficiency} if said.efficiency < 1.0 else {}
+
         def sheave(y: float) -> dict[str, Any]:
             start = places.local(said.crown.body, crown)
             axis = places.local(said.crown.body, crown + across) - start
-            return on_crown(0.0, y) | {"radius": r, "axis": listed(axis)}
+            return on_crown(0.0, y) | {"radius": r, "axis": listed(axis)} | rubs
 
         path = [on_crown(r, float(aside[0]))]
         if said.drum is not None:
             path = [_drum(said, "drum", crown, along, places), sheave(float(aside[0]))]
         for k in range(count):
             lower = {"body": f"{name}_block", "point": [0.0, float(aside[k]), 0.0]}
-            path.append(lower | {"radius": r, "axis": [0.0, 1.0, 0.0]})
+            path.append(lower | {"radius": r, "axis": [0.0, 1.0, 0.0]} | rubs)
             if k < count - 1:
                 path.append(sheave(0.5 * float(aside[k] + aside[k + 1])))
         if said.other_drum is None:
@@ -161,6 +171,8 @@ class Falls:
         rope["damping"] = said.rope.damping
         if said.moves:
             rope["winch"] = speeds_of(said.moves, float(said.parts))
+        if said.drum is None and said.other_drum is not None:
+            rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": "last"}
         made.add("ropes", rope, "rope")
         middle = places.local(said.crown.body, crown)
         lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}

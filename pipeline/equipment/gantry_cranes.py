@@ -19,7 +19,7 @@ from annotated_types import Interval
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Least, Positive, Quantity
 from heavylift.pipeline.equipment.falls import FallsRope, HookBlock
-from heavylift.pipeline.equipment.moves import Move, check_moves, positions_of
+from heavylift.pipeline.equipment.moves import Move, check_moves, speeds_of
 from heavylift.pipeline.equipment.parts import EQUIPMENT, listed
 
 if TYPE_CHECKING:
@@ -81,6 +81,8 @@ class GantryCrane:
     """On the girder."""
     sheave_radius: Annotated[float, Positive("length")]
     """Of all sheaves [m]."""
+    efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
+    """Of each sheave, as that of ropes."""
     block: HookBlock
     """Each hook block."""
     rope: FallsRope
@@ -114,13 +116,13 @@ class GantryCrane:
         """Write girder, trolleys and falls."""
         name = said.name
         middle = np.array(said.position) + np.array([0.0, 0.0, said.girder_height])
-        along = {"y": positions_of(said.moves)} if said.moves else {}
+        along = {"y": speeds_of(said.moves)} if said.moves else {}
         size = (said.span, 6.0, 6.0)
         _driven(made, f"{name}_girder", said.mass, size, middle, along, "mass")
         for i, trolley in enumerate(said.trolleys):
             body, key = f"{name}_trolley_{i + 1}", f"trolleys.{i}"
             place = middle + np.array([trolley.position, 0.0, 0.0])
-            frame = along | ({"x": positions_of(trolley.moves)} if trolley.moves else {})
+            frame = along | ({"x": speeds_of(trolley.moves)} if trolley.moves else {})
             reach = 2.0 * np.abs([hoist.at for hoist in trolley.hoists]).max(axis=0)
             _driven(made, body, trolley.mass, (reach[0] + 4.0, reach[1] + 4.0, 2.0), place, frame, key)
             for k, hoist in enumerate(trolley.hoists):
@@ -129,6 +131,7 @@ class GantryCrane:
                     "crown": {"body": body, "point": [*hoist.at, 0.0]},
                     "parts": hoist.parts,
                     "sheave_radius": said.sheave_radius,
+                    "efficiency": said.efficiency,
                     "drop": hoist.drop,
                     "block": _said(said.block),
                     "rope": _said(said.rope),

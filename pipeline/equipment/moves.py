@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
-
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive, Quantity
 from heavylift.pipeline.equipment.parts import EQUIPMENT
@@ -14,15 +12,7 @@ from heavylift.pipeline.equipment.parts import EQUIPMENT
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-__all__ = ["Move", "check_moves", "positions_of", "speeds_of"]
-
-ROWS = 40
-"""Rows of a table of positions along a ramp: a spline through them leaves the way by less than 1e-4 of it."""
-
-PAUSE = 8
-"""Rows at either end of a pause: the spline swings less by a factor of 4 from each to the next."""
+__all__ = ["Move", "check_moves", "speeds_of"]
 
 
 @EQUIPMENT.part
@@ -74,8 +64,8 @@ def check_moves(moves: Sequence[Any], key: str) -> None:
             )
 
 
-def speeds_of(moves: Sequence[Any], factor: float) -> dict[str, list[float]]:
-    """Times [s] and speeds [m/s] of a winch that hauls `factor` times what the moves take."""
+def speeds_of(moves: Sequence[Any], factor: float = 1.0) -> dict[str, list[float]]:
+    """Times [s] and speeds [m/s], linear between them, of a drive, or of a winch, which hauls `factor` times that."""
     times: list[float] = []
     speeds: list[float] = []
     for move in moves:
@@ -95,55 +85,3 @@ def _joined(times: list[float], speeds: list[float]) -> dict[str, list[float]]:
     """Rows without those at one time, where a move follows another at once."""
     kept = [i for i in range(len(times)) if i == 0 or times[i] > times[i - 1] + 1e-9]
     return {"times": [times[i] for i in kept], "speeds": [speeds[i] for i in kept]}
-
-
-def positions_of(moves: Sequence[Any]) -> dict[str, list[float]]:
-    """Times [s] and distances gone [m], dense enough for the spline that goes through them."""
-    times: list[float] = [0.0]
-    gone: list[float] = [0.0]
-    at = 0.0
-    for move in moves:
-        sign = 1.0 if move.distance > 0.0 else -1.0
-        ramp, whole = float(move.ramp), duration_of(move)
-        steady = np.arange(ramp, whole - ramp, ramp / ROWS)
-        rows: NDArray[np.float64] = np.unique(
-            np.concatenate(
-                [np.linspace(0.0, ramp, ROWS + 1), steady, whole - np.linspace(0.0, ramp, ROWS + 1)]
-            )
-        )
-        rows = rows[np.append(True, np.diff(rows) > 1e-6 * ramp)]
-        for t in rows:
-            along = _along(float(t), ramp, whole, float(move.speed))
-            if move.start + t > times[-1] + 1e-9:
-                times.append(float(move.start + t))
-                gone.append(at + sign * along)
-        at += float(move.distance)
-    return _held(times, gone)
-
-
-def _along(t: float, ramp: float, whole: float, speed: float) -> float:
-    """Way [m] after a time of a move."""
-    rest = whole - t
-    if t <= ramp:
-        return 0.5 * speed * t * t / ramp
-    if rest <= ramp:
-        return speed * (whole - ramp) - 0.5 * speed * rest * rest / ramp
-    return speed * (t - 0.5 * ramp)
-
-
-def _held(times: list[float], gone: list[float]) -> dict[str, list[float]]:
-    """With rows in pauses as near to each other as those beside them."""
-    found_t, found_x = [times[0]], [gone[0]]
-    for i in range(1, len(times)):
-        if gone[i] == gone[i - 1]:
-            after = times[i + 1] - times[i] if i + 1 < len(times) else times[i] - times[i - 1]
-            step = min(after, times[i] - times[i - 1])
-            near = [times[i - 1] + step * k for k in range(1, PAUSE + 1)]
-            near += [times[i] - step * k for k in range(1, PAUSE + 1)]
-            for time in sorted(near):
-                if found_t[-1] + 0.5 * step < time < times[i] - 0.5 * step:
-                    found_t.append(time)
-                    found_x.append(gone[i])
-        found_t.append(times[i])
-        found_x.append(gone[i])
-    return {"times": found_t, "values": found_x}

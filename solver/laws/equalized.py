@@ -31,7 +31,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Least, Positive, Quantity, Shape
 from heavylift.numerics.records import Record, Records
 from heavylift.numerics.records import Vector as VectorField
-from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -44,7 +44,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
-from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.laws.rows import RETURN, check_drift, fit_law, put_law, put_residual, row_rate
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import ROPES, RopePoint
@@ -179,6 +179,8 @@ class EqualizedLine(Record):
         Depths of the pulley at its stops [m].
     damping
         Of its own row [N s/m].
+    largest_drift
+        Of the carried depth from the geometry that ends a run [m].
     """
 
     outlet: int
@@ -195,6 +197,7 @@ class EqualizedLine(Record):
     low: float
     high: float
     damping: float
+    largest_drift: float
 
 
 class LineState(Record):
@@ -240,6 +243,8 @@ class EqualizedState(Record):
         Of the rope at the end of the last step [N].
     extremes
         Of the tension.
+    agreement
+        Of twice the recorded tension with the depths of the geometry.
     """
 
     fresh: bool
@@ -249,6 +254,7 @@ class EqualizedState(Record):
     loss: float
     tension: float
     extremes: Extremes
+    agreement: Agreement
 
 
 class EqualizedLines(Arrays):
@@ -517,12 +523,30 @@ def _end_force(kind: EqualizedLines, i: int, rate: float) -> float:
 @implement(watch_joints, EqualizedLines)
 @kernel(internal=True)
 def watch_equalized(kind: EqualizedLines, work: Workspace, system: RowArrays) -> None:
-    """Tensions at the end of the step."""
+    """Tensions at the end of the step; depths that have left what is carried end the run."""
     for i in range(kind.table.shape[0]):
         entry, state = kind.table[i], kind.state[i]
+        for k in range(entry.first, entry.first + entry.count):
+            check_drift(kind.lines[k].block, kind.line[k].drift, kind.lines[k].largest_drift, work)
         rate = _rate(system, entry.block, entry.attachments, work) if entry.damping > 0.0 else 0.0
         state.tension = 0.5 * _end_force(kind, i, rate)
         note_value(state.extremes, work.control.interval, state.tension)
+
+
+@kernel(internal=True)
+def _compare_force(kind: EqualizedLines, i: int, time: float) -> None:
+    """The force of all lines is that of the geometry and, of the damper, of the mean rates of the last two steps."""
+    entry, state = kind.table[i], kind.state[i]
+    excess, stiffness = _all_lines(kind, i)
+    for k in range(entry.first, entry.first + entry.count):
+        if kind.line[k].stop == 0:
+            excess += kind.line[k].drift
+    low = high = 0.0
+    if excess > 0.0:
+        elastic, change = stiffness * excess, abs(state.growth)
+        low = max(0.0, elastic + entry.damping * (state.rate - change))
+        high = max(0.0, elastic + entry.damping * (state.rate + change))
+    compare_force(state.agreement, time, 2.0 * state.tension, low, high)
 
 
 @implement(record_joints, EqualizedLines)
@@ -535,9 +559,12 @@ def record_equalized(
         entry, state = kind.table[i], kind.state[i]
         for k in range(entry.first, entry.first + entry.count):
             _compare(kind, i, k, _find_depth(kind, k, work))
+            work.sums.drift = max(work.sums.drift, abs(kind.line[k].drift))
         if state.fresh:
             _settle(kind, i)
             state.tension = 0.5 * _end_force(kind, i, 0.0)
+        elif state.paced:
+            _compare_force(kind, i, time)
         column, interval = entry.column, work.control.interval
         row[column] = state.tension
         row[column + 1] = largest_of(state.extremes, interval, state.tension)

@@ -20,6 +20,7 @@ from heavylift.solver.laws.equalized import (
     LineState,
     SharedLines,
 )
+from heavylift.solver.laws.rope_packing import LARGEST_DRIFT, LARGEST_SHARE
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import Attachment
@@ -80,8 +81,9 @@ def pack_equalized(
             ]
             length = float(rope.lengths[k])
             numbers = (length, rope.line_stiffness * cosine**2 / length)
+            drift = min(LARGEST_DRIFT, LARGEST_SHARE * length)
             stops = (rope.depth - rope.up, rope.depth + rope.down)
-            lines.append((*markers, own, len(pair), *ends, *numbers, *stops, rope.damping))
+            lines.append((*markers, own, len(pair), *ends, *numbers, *stops, rope.damping, drift))
         compliance = rope.rope_length / (4.0 * rope.axial_stiffness)
         of_all = (count * rope.depth, compliance, rope.damping / count)
         table.append((block, len(held), first, count, column, *of_all))

@@ -39,7 +39,7 @@ from heavylift.solver.scene.connections import (
 )
 from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["pack_ropes"]
+__all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "pack_ropes"]
 
 LARGEST_DRIFT, LARGEST_SHARE = 1.0, 0.1
 """Of a carried stretch from the path [m], and relative to the length: the smaller one ends the run. Ropes break at a

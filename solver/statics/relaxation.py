@@ -196,6 +196,8 @@ class _Motion:
         went = h * self.v + h * h * ((0.5 - beta) * self.b + beta * b)
         v = self.v + h * ((1.0 - gamma) * self.b + gamma * b)
         multipliers = self.progress.multipliers
+        if not np.isfinite(went).all():
+            return None
         begin, force_before = problem.snapshot(), self._work_force()
         problem.move(went)
         for rounds in range(PATIENCE):
@@ -212,7 +214,7 @@ class _Motion:
             if solver is None:
                 return None
             dx, dl = solver.solve(left, -now.gap)
-            if large(problem, went + dx) > LONGEST_MOVE * 3.0:
+            if not large(problem, went + dx) <= LONGEST_MOVE * 3.0:  # nor a factor whose numbers are none
                 return None
             problem.move(dx)
             went = went + dx

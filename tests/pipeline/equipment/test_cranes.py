@@ -9,11 +9,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.equipment.moves import positions_of, speeds_of
+from heavylift.pipeline.equipment.moves import speeds_of
+from heavylift.solver.drive import pack_profile, profile_value
+from heavylift.solver.scene.bodies import Profile
 
 G = 9.81
 CASES = Path(__file__).parents[3] / "cases"
@@ -39,6 +40,11 @@ start = "equilibrium"
 step = 0.01
 output_interval = 0.1
 duration = {duration}
+"""
+
+
+TWO_DRUMS = """drum = { body = "ground", point = [-6, 0, 40] }
+other_drum = { body = "ground", point = [6, 0, 40] }
 """
 
 
@@ -81,12 +87,36 @@ moves = [{ start = 1, distance = 0.5, speed = 0.05, ramp = 2 }, { start = 13, di
     assert np.abs(results["hook_lead.lead_angle"]).max() < 1e-3
 
 
-def test_two_drums_haul_in_together(tmp_path):
-    more = """
-drum = { body = "ground", point = [-6, 0, 40] }
-other_drum = { body = "ground", point = [6, 0, 40] }
+def lead_line_factors():
+    """Rows of a table of the handbook's formula: 1/efficiency, parts, drum line over the load."""
+    text = (Path(__file__).parent / "reeving_lead_line.csv").read_text()
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return [(float(row["K"]), int(row["parts"]), float(row["lead_line_factor"])) for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "parts", "expected"),
+    [row for row in lead_line_factors() if row[:2] in {(1.02, 4), (1.04, 4), (1.09, 4), (1.04, 12)}],
+)
+@pytest.mark.parametrize("drum", ["drum", "other_drum"])
+def test_the_drum_line_pulls_by_the_lead_line_factor(ratio, parts, expected, drum, tmp_path):
+    more = f"""
+efficiency = {1.0 / ratio}
+{drum} = {{ body = "ground", point = [{-6 if drum == "drum" else 6}, 0, 40] }}
+moves = [{{ start = 0.5, distance = 1, speed = 0.1, ramp = 2 }}]
 """
-    results = run(tmp_path / "drums", FALLS.format(parts=4, mass=100e3, more=more, duration=0.1))
+    text = FALLS.format(parts=parts, mass=100e3, more=more, duration=10)
+    results = run(tmp_path / "lead", text.replace("256.5e6", "256.5e6, damping = 2e5"))
+    tensions = results["hook_rope.segment_tension"][60:100]  # it hoists with a constant speed
+    lead, others = (
+        (tensions[:, 0], tensions[:, 1:]) if drum == "drum" else (tensions[:, -1], tensions[:, :-1])
+    )
+    assert lead / others.sum(axis=1) == pytest.approx(expected, rel=1e-6)
+    assert lead.mean() / (100e3 * G) == pytest.approx(expected, rel=1e-3)
+
+
+def test_two_drums_haul_in_together(tmp_path):
+    results = run(tmp_path / "drums", FALLS.format(parts=4, mass=100e3, more=TWO_DRUMS, duration=0.1))
     lead = math.sqrt(36.0 - 0.25) + 0.5 * (0.5 * math.pi + math.asin(0.5 / 6.0))
     length = float(results["hook_rope.rest_length"].ravel()[0])
     assert length == pytest.approx(4 * 40.0 + 3 * 0.5 * math.pi + 2.0 * lead, rel=1e-5)
@@ -114,6 +144,14 @@ other_drum = { body = "ground", point = [6, 0, 40] }
             "6 m from the crown along 'along'",
         ),
         (
+            (
+                "block =",
+                TWO_DRUMS + "efficiency = 0.98\nblock =",
+            ),
+            "falls.0.efficiency",
+            "two drums",
+        ),
+        (
             ('"ground", point = [0, 0, 40]', '"jib", point = [0, 0, 40]'),
             "falls.0.crown.body",
             "'jib' does not exist",
@@ -136,15 +174,12 @@ def test_tables_of_moves():
         SimpleNamespace(start=2.0, distance=6.0, speed=0.3, ramp=5.0),
         SimpleNamespace(start=60.0, distance=-3.0, speed=0.5, ramp=6.0),  # ramps alone
     ]
-    table = positions_of(moves)
     times = np.linspace(0.0, 90.0, 9001)
     speeds = np.interp(times, [2, 7, 22, 27], [0, 0.3, 0.3, 0]) + np.interp(times, [60, 66, 72], [0, -0.5, 0])
-    exact = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))])
-    spline = CubicSpline(table["times"], table["values"], bc_type="clamped")
-    found = spline(np.clip(times, table["times"][0], table["times"][-1]))
-    assert np.abs(found - exact).max() < 1e-4
-    assert np.abs(found - exact)[(times > 32) & (times < 55)].max() < 1e-6
-    assert np.abs(found[times < 1.0]).max() < 1e-6  # nothing moves before its time
+    gone = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))])
+    drive = pack_profile(Profile(**{key: np.array(v) for key, v in speeds_of(moves).items()}))
+    found = np.array([profile_value(drive, 0, t)[:2] for t in times])
+    np.testing.assert_allclose(found, np.transpose([gone, speeds]), rtol=0.0, atol=1e-12)
     winch = speeds_of(moves, 12.0)
     assert np.allclose(np.interp(times, winch["times"], winch["speeds"]), 12.0 * speeds, atol=1e-12)
 

@@ -10,6 +10,7 @@ from law_scenes import DOWN, NONE, G, body, eye, scene, slider, wire
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.forces.spring import Spring
+from heavylift.solver.laws.equalized import SharedLines
 from heavylift.solver.scene.connections import GROUND, Limits
 from heavylift.solver.scene.scene import Scene
 from heavylift.solver.simulation import Simulation
@@ -82,3 +83,46 @@ def test_a_stop_that_left_its_joint_is_told_or_ends_the_run(shift: float, outcom
     assert simulation.outcome is outcome
     told = simulation.warning if outcome is Outcome.COMPLETED else simulation.message
     assert "'slide'" in told
+
+
+def equalized(length: float) -> Scene:
+    """A load that swings below two lines of one force, which no pulley reaches a stop of."""
+    path = tuple(
+        point for x in (-0.1, 0.1) for point in (eye(GROUND, (x, 0.0, 0.0)), eye("load", (x, 0.0, 0.0)))
+    )
+    lines = SharedLines(
+        name="lines",
+        path=path,
+        lengths=np.full(2, length - 1.0),
+        depth=1.0,
+        up=0.9,
+        down=5.0,
+        axial_stiffness=1e8,
+        rope_length=5.0,
+        line_stiffness=1e8,
+    )
+    aside = 0.3 * length
+    start = np.array([aside, 0.0, -1.0 - math.sqrt((length - 1.0) ** 2 - aside**2)])
+    return scene([body("load", 1e4, start, (0.0, 1.0, 0.0))], ropes=[lines])
+
+
+@pytest.mark.parametrize("share", [1.0, 1.0 / 3.0])
+def test_depths_of_equalized_lines_that_leave_the_geometry_end_the_run(share: float) -> None:
+    period = 2.0 * math.pi * math.sqrt(10.0 / G)
+    simulation, _ = ran(equalized(10.0), share * period, 300)
+    assert simulation.outcome is Outcome.NOT_CLOSED
+    assert "rope 'lines': positions have left the elongation" in simulation.message
+
+
+def test_depths_of_equalized_lines_are_compared_with_the_geometry() -> None:
+    simulation, found = ran(equalized(10.0), 0.01, 2000)
+    assert simulation.outcome is Outcome.COMPLETED
+    assert not simulation.warning
+    assert 0.0 < found["monitor.carried_drift"].max() < 1e-4
+    kind = next(kind for kind in simulation._layout.joints if type(kind).__name__ == "EqualizedLines")
+    kind.line["depth"] += 1e-3
+    simulation.advance(5)
+    assert "'lines' has a recorded force" in simulation.warning
+    kind.lines["largest_drift"] = 1e-4
+    simulation.advance(5)
+    assert simulation.outcome is Outcome.NOT_CLOSED

@@ -153,3 +153,16 @@ def test_a_winch_passes_its_lengths_and_none_beyond() -> None:
 def test_bad_starts_are_refused(more: dict[str, object], words: str) -> None:
     with pytest.raises(InputError, match=words):
         Simulation(partly_lifted(**more), 0.01)
+
+
+def test_relaxation_takes_no_step_that_is_no_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A step whose change is no number is not taken: SciPy would refuse to turn bodies by it, without a name."""
+
+    class Singular:
+        def solve(self, force: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            return np.full(len(force), np.nan), np.full(len(gap), np.nan)
+
+    monkeypatch.setattr("heavylift.solver.statics.relaxation.factorise", lambda *_, **__: Singular())
+    swinging = scene([body("load", 1e3, (1.0, 0.0, -1.0))], ropes=[wire(eye(GROUND), eye("load"))])
+    with pytest.raises(InputError, match="simulation: start: no static equilibrium found"):
+        Simulation(swinging, 1e-2, start="relax").advance(1)

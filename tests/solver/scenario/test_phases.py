@@ -12,6 +12,7 @@ import pytest
 from law_scenes import G, body, eye, pulley, run, scene, slider, wire
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.laws.equalized import SharedLines
 from heavylift.solver.scenario.director import plan_length
 from heavylift.solver.scene.connections import GROUND, Winch
 from heavylift.solver.scene.scenario import (
@@ -469,3 +470,73 @@ def test_other_integrators_have_no_scenarios() -> None:
         with pytest.raises(InputError, match="scenario"):
             Simulation(falling(Phase("a")), 0.01, name)
     assert Simulation(falling(Phase("a")), 0.01, "auto").integrator == "dele2"
+
+
+def beside(*phases: Phase, others: tuple[str, ...] = (), efficiency: float = 1.0) -> Scene:
+    """A load on a rope over a sheave, and ropes of other kinds that hold another one, named before and behind it."""
+    sheave = replace(pulley(GROUND, (0.0, 0.0, 0.0), 0.3), efficiency=efficiency)
+    path = (eye(GROUND, (-3.0, 0.0, -1.0)), sheave, eye("load"))
+    hauled = replace(wire(*path, stiffness=EA, damping=1e4), name="rope")
+    spots = [(x, 0.0, z) for x in (-0.5, 0.5) for z in (0.0, -REACH)]
+    held = [eye(("other", GROUND)[z == 0.0], (x, y, z if z == 0.0 else 0.0)) for x, y, z in spots]
+    made = {
+        "equalized": SharedLines(
+            name="equalized",
+            path=tuple(held),
+            lengths=np.full(2, REACH - 1.0),
+            depth=1.0,
+            up=0.9,
+            down=2.0,
+            axial_stiffness=EA,
+            rope_length=5.0,
+            line_stiffness=EA,
+        ),
+        "rubbing": replace(
+            wire(
+                eye(GROUND, (2.0, 0.0, 0.0)),
+                replace(eye(GROUND, (5.0, 0.0, 0.0)), efficiency=0.9),
+                eye("other"),
+            ),
+            name="rubbing",
+        ),
+    }
+    loads = [body("load", MASS, (0.3, 0.0, -REACH)), body("other", MASS, (0.0, 0.0, -REACH))]
+    ropes = [made[name] for name in others] + [hauled]
+    return replace(scene(loads, ropes=ropes), scenario=Scenario(phases))
+
+
+@pytest.mark.parametrize("others", [("equalized",), ("rubbing",), ("equalized", "rubbing")])
+def test_a_winch_is_told_beside_ropes_of_other_kinds(others: tuple[str, ...]) -> None:
+    """The load goes as it does alone: the right rope is hauled in, whatever else holds other loads."""
+    phases = (
+        Phase("hoist", (WinchSpeed("rope", 0.2, 0.5),), (Condition(None, 2.0),)),
+        Phase("drop", (Release("rope"),), (Condition(None, 0.2),)),
+        Phase("catch", (Connect("rope", 0.1),), (Condition(None, 1.0),)),
+        Phase("stop", (WinchLength("rope", 12.0, 0.2, 0.5),)),
+    )
+    alone, found = (run(beside(*phases, others=names), 2e-3, 5.0) for names in ((), others))
+    np.testing.assert_allclose(found["load.position"], alone["load.position"], atol=1e-9)
+    np.testing.assert_allclose(found["rope.rest_length"], alone["rope.rest_length"], atol=1e-9)
+    assert np.ptp(found["rope.rest_length"]) > 0.3
+
+
+def test_a_winch_of_a_rope_over_sheaves_with_an_efficiency_is_told() -> None:
+    """A part of the tension is lost on the way up, as where the winch has a table of its own."""
+    winch = Winch(np.array([0.5, 1.5]), np.array([0.0, 0.2]))
+    phases = (
+        Phase("wait", (), (Condition(None, 0.5),)),
+        Phase("hoist", (WinchSpeed("rope", 0.2, 1.0),)),
+    )
+    told = beside(*phases, efficiency=0.95)
+    tabled = replace(told, scenario=None, ropes=(replace(told.ropes[0], winch=winch),))
+    found, expected = (run(one, 2e-3, 3.0) for one in (told, tabled))
+    np.testing.assert_allclose(found["load.position"], expected["load.position"], atol=1e-9)
+    parts = found["rope.segment_tension"][-1]
+    assert parts[1] / parts[0] == pytest.approx(0.95, rel=1e-6)
+
+
+def test_equalized_lines_have_no_winch() -> None:
+    with pytest.raises(
+        InputError, match=r"phases.0.actions.0.winch.*'equalized' is a rope of type 'equalized'"
+    ):
+        Simulation(beside(Phase("hoist", (WinchSpeed("equalized", 0.2),)), others=("equalized",)), 1e-3)
