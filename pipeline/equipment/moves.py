@@ -1,8 +1,9 @@
-"""Moves of hooks, trolleys and cranes: a distance with a speed that grows and falls along ramps."""
+"""Moves of hooks, trolleys, booms, cranes: a distance or an angle, with a speed that grows and falls along ramps."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Move", "check_moves", "positions_of", "speeds_of"]
+__all__ = ["Move", "Turn", "check_moves", "positions_of", "speeds_of", "turned"]
 
 ROWS = 40
 """Rows of a table of positions along a ramp: a spline through them leaves the way by less than 1e-4 of it."""
@@ -42,13 +43,47 @@ class Move:
     @staticmethod
     def check(said: Any) -> None:
         """Both ramps fit into the distance."""
-        least = said.speed * said.ramp
-        if abs(said.distance) < least * (1.0 - 1e-12):
-            raise InputError(
-                f"{said.distance:.6g} m, and ramps of {said.ramp:.6g} s to {said.speed:.6g} m/s take {least:.6g} m",
-                key="distance",
-                expected=f"at least {least:.6g} m, a lower speed or a shorter ramp",
-            )
+        _check_ramps(said, "distance", said.distance, "m")
+
+
+@EQUIPMENT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Turn:
+    """A turn through an angle: from rest to a speed along a ramp, on, and to rest along another one."""
+
+    start: Annotated[float, Quantity("time", minimum=0.0, closed=True)]
+    """When it begins [s]."""
+    angle: Annotated[float, Quantity("angle")]
+    """How far [rad]; a boom upwards, a table anticlockwise if positive."""
+    speed: Annotated[float, Positive("angular velocity")]
+    """Largest speed [rad/s]."""
+    ramp: Annotated[float, Positive("time")] = 5.0
+    """How long the speed grows, and falls [s]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Both ramps fit into the angle."""
+        _check_ramps(said, "angle", said.angle, "rad")
+
+
+def turned(turns: Sequence[Any]) -> list[Any]:
+    """Turns as moves, their angles as distances."""
+    return [
+        SimpleNamespace(start=turn.start, distance=turn.angle, speed=turn.speed, ramp=turn.ramp)
+        for turn in turns
+    ]
+
+
+def _check_ramps(said: Any, key: str, distance: float, unit: str) -> None:
+    """Both ramps fit into a distance or an angle."""
+    least = said.speed * said.ramp
+    if abs(distance) < least * (1.0 - 1e-12):
+        raise InputError(
+            f"{distance:.6g} {unit}, and ramps of {said.ramp:.6g} s to {said.speed:.6g} {unit}/s take "
+            f"{least:.6g} {unit}",
+            key=key,
+            expected=f"at least {least:.6g} {unit}, a lower speed or a shorter ramp",
+        )
 
 
 def duration_of(move: Any) -> float:
