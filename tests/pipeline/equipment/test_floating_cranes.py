@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, load_results, run_case
 
 G = 9.81
+CASES = Path(__file__).parents[3] / "cases"
 
 CRANE = """
 title = "A boom of 180 m on a hull that stands still"
@@ -166,3 +169,22 @@ def test_errors_stand_at_the_keys_of_the_crane(change, key, words, tmp_path):
     lines = str(refused.value).splitlines()
     assert f"{key}" in lines[0]
     assert words in lines[0]
+
+
+def test_rest_of_a_hull_off_its_trim(tmp_path):
+    folder = tmp_path / "lift"
+    shutil.copytree(CASES / "floating_crane_lift", folder, ignore=shutil.ignore_patterns("out"))
+    lift = (folder / "case.toml").read_text()
+    lift = lift[: lift.index("[report]")].replace('"-43.03520296 m"', '"-3.2 m"')
+    results = run(folder, lift.replace('duration = "120 s"', 'duration = "0.1 s"'))
+    ropes = [12.0 * float(results[f"crane_hook_{i}_rope.tension"].ravel()[0]) for i in range(1, 5)]
+    assert sum(ropes) == pytest.approx(1200e3 * G, rel=2e-3)
+    lines = np.array([results[f"loader_{i}_rope.segment_tension"][0] for i in range(1, 5)])
+    assert lines.mean() == pytest.approx(1000e3 * G / 20.0, rel=2e-3)
+    assert np.abs(lines / lines.mean(axis=1, keepdims=True) - 1.0).max() < 5e-3
+    # moment of the moved ballast over rho g I + displacement x z_B - weights x their heights
+    stiffness = 1025.0 * G * 5102166.667 - 18152.75e3 * G * 1.75
+    heights = 11600e3 * 7.0 + 900e3 * 57.5 + 1200e3 * 102.9 - 4452.75e3 * 1.0
+    trim = 4452.75e3 * G * (43.035 - 3.2) / (stiffness - G * heights)
+    q = results["hull.orientation"][0]
+    assert 2.0 * math.asin(float(np.linalg.norm(q[1:]))) == pytest.approx(trim, rel=0.03)
