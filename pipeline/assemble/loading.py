@@ -76,7 +76,7 @@ def scene_loading(scene: Scene, hulls: Iterable[str], name: str) -> Loading:
 
 
 def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
-    """The same before there is a scene, as databases need it: flexible bodies from their meshes."""
+    """The same before there is a scene, as databases need it: flexible bodies from meshes, with what hangs on it."""
     from heavylift.pipeline.assemble.scene import assemble_rigid
 
     group, beyond = joined_to_hull(case, name)
@@ -84,6 +84,11 @@ def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
     assert section.type == "rigid"
     hull, _ = assemble_rigid(name, section)
     loads = [_of_section(case, other, folder) for other in case.bodies if other in group]
+    hanging = case.hulls[name].hanging if name in case.hulls else None
+    if hanging is not None:
+        origin = np.array(section.centre_of_mass) if section.frame.origin == "centre_of_mass" else np.zeros(3)
+        place = hull.position + rotation_matrix(hull.orientation) @ (np.array(hanging.point) - origin)
+        loads.append(_Load("what hangs on ropes", hanging.mass, place))
     return _sum(hull, loads, beyond, shared_with_hulls(case, name))
 
 

@@ -83,6 +83,15 @@ HullName = Annotated[str, AfterValidator(_floats)]
 """Name of a rigid body that floats."""
 
 
+class HangingSection(Section):
+    """What hangs on a hull by ropes, as if its mass were where it hangs."""
+
+    mass: Annotated[float, Positive("mass")]
+    """Mass [kg]."""
+    point: LengthVector
+    """Where it hangs, in the coordinates of the geometry of the hull [m]."""
+
+
 class _RestoredSection(Section):
     """What gives a hull its buoyancy, and where."""
 
@@ -95,6 +104,9 @@ class _RestoredSection(Section):
     in `linear` or of the surface where it floats by itself; ``none``: of a body that is weighed under water."""
     open_deck: Annotated[float, Quantity("length")] | None = None
     """Height in the coordinates of the geometry [m] from which on the surface may be open."""
+    hanging: HangingSection | None = None
+    """What hangs on ropes while it rests: for linear restoring, a database of the surface, and `hydrostatics`, which
+    count what joints hold, and no ropes. In the run ropes pull as they do."""
 
     @property
     def kind(self) -> str:

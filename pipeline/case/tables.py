@@ -316,6 +316,11 @@ class SceneTables(Section):
         Table("Gantry cranes", "gantry crane", records=(), move=_move_crane),
     ] = ()
     """Gantry cranes: trolleys that run on a girder, with hoists."""
+    floating_cranes: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="floating_cranes")], ...],
+        Table("Floating cranes", "floating crane", records=()),
+    ] = ()
+    """Floating cranes: a boom that luffs on a hull, with hooks on falls."""
     falls: Annotated[
         tuple[Annotated[Any, Chosen(EQUIPMENT, word="falls")], ...],
         Table("Falls", "falls", records=(), move=_move_hook),

@@ -4,6 +4,7 @@ from typing import Any
 
 from heavylift.pipeline.equipment.equalizers import Equalizer
 from heavylift.pipeline.equipment.falls import Falls
+from heavylift.pipeline.equipment.floating_cranes import FloatingCrane
 from heavylift.pipeline.equipment.gantry_cranes import GantryCrane
 from heavylift.pipeline.equipment.parts import EQUIPMENT
 from heavylift.pipeline.equipment.spreaders import Spreader
@@ -12,6 +13,7 @@ __all__ = ["BUILDERS", "EQUIPMENT"]
 
 BUILDERS: dict[str, Any] = {
     "gantry_cranes": GantryCrane,
+    "floating_cranes": FloatingCrane,
     "falls": Falls,
     "equalizers": Equalizer,
     "spreaders": Spreader,

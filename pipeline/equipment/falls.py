@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, NameOf, Positive, Quantity, Square
 from heavylift.pipeline.equipment.moves import Move, check_moves, speeds_of
-from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, heading, listed
+from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, given, heading, listed
+from heavylift.solver.scene.connections import Winch
 
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
@@ -100,6 +101,8 @@ class Falls:
     """Second drum; the rope ends at the crown if absent. Both haul in together."""
     moves: tuple[Move, ...] = ()
     """How the hook is hoisted, upwards if positive: distances and speeds of the hook, one move after the other."""
+    winch: Winch | None = None
+    """In place of `moves`, how the rope is hauled in, n times as fast as the hook moves."""
 
     @staticmethod
     def check(said: Any) -> None:
@@ -119,6 +122,8 @@ class Falls:
                 key="efficiency",
                 expected="one drum, or 1",
             )
+        if said.moves and said.winch is not None:
+            raise InputError("both 'moves' and 'winch'", key="winch", expected="one of them, or neither")
         check_moves(said.moves, "moves")
         highest = np.cumsum([move.distance for move in said.moves]).max(initial=0.0)
         if said.drop - highest <= 2.0 * said.sheave_radius:
@@ -171,6 +176,8 @@ class Falls:
         rope["damping"] = said.rope.damping
         if said.moves:
             rope["winch"] = speeds_of(said.moves, float(said.parts))
+        elif said.winch is not None:
+            rope["winch"] = given(said.winch)
         if said.drum is None and said.other_drum is not None:
             rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": "last"}
         made.add("ropes", rope, "rope")

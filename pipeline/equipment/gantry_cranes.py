@@ -20,7 +20,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Least, Positive, Quantity
 from heavylift.pipeline.equipment.falls import FallsRope, HookBlock
 from heavylift.pipeline.equipment.moves import Move, check_moves, speeds_of
-from heavylift.pipeline.equipment.parts import EQUIPMENT, listed
+from heavylift.pipeline.equipment.parts import EQUIPMENT, given, listed
 
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
@@ -133,16 +133,11 @@ class GantryCrane:
                     "sheave_radius": said.sheave_radius,
                     "efficiency": said.efficiency,
                     "drop": hoist.drop,
-                    "block": _said(said.block),
-                    "rope": _said(said.rope),
-                    "moves": [_said(move) for move in hoist.moves],
+                    "block": given(said.block),
+                    "rope": given(said.rope),
+                    "moves": [given(move) for move in hoist.moves],
                 }
                 made.add("falls", falls, f"{key}.hoists.{k}")
-
-
-def _said(part: Any) -> dict[str, Any]:
-    """A table as it is given on."""
-    return {name: getattr(part, name) for name in part.model_fields_set}
 
 
 def _driven(

@@ -19,7 +19,7 @@ from heavylift.solver.scene.descriptions import Family
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["DOWN", "EQUIPMENT", "Made", "Part", "Places", "heading", "listed", "upright"]
+__all__ = ["DOWN", "EQUIPMENT", "Made", "Part", "Places", "given", "heading", "listed", "upright"]
 
 EQUIPMENT: Family[Any] = Family("table", "heavylift.pipeline.equipment", typed=False)
 """Builders, by the list of a case file in which their tables stand."""
@@ -91,6 +91,11 @@ class Made:
     def add(self, table: str, entry: dict[str, Any], key: str) -> None:
         """An entry of a list of tables."""
         self.parts.append(Part(table, entry["name"], entry, key))
+
+
+def given(part: Any) -> dict[str, Any]:
+    """A table of a builder as it is given on."""
+    return {name: getattr(part, name) for name in part.model_fields_set}
 
 
 def listed(point: ArrayLike) -> list[float]:

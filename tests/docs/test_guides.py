@@ -195,7 +195,7 @@ def test_the_case_of_equipment_runs_and_passes(tmp_path):
     assert run_case(case, stages=("simulate",)).outcome is Outcome.COMPLETED
     checks = evaluate_checks(case, case.output_folder)
     assert [check.id for check in checks if not check.passed] == []
-    assert len(checks) == 5
+    assert len(checks) == 6
 
 
 def test_the_page_on_editors_shows_what_taplo_reads():

@@ -177,3 +177,13 @@ def test_what_two_hulls_carry_together_is_counted_on_neither() -> None:
     assert (b.mass, b.bodies) == (2.1e6, ("boom",))
     assert a.left_out == ("bridge ('b' carries a part of it)", "joints to b")
     assert b.left_out[0] == "bridge ('a' carries a part of it)"
+
+
+def test_what_hangs_on_ropes_keeps_a_hull_level(folder: Path) -> None:
+    aft = f"bodies.barge.centre_of_mass=[{TRIMMED - 1.0!r}, 0, 0]"  # against 1.2e5 kg at 10 m
+    out = OutputFolder(folder / "out")
+    with pytest.raises(InputError, match=r"a hull that floats upright.*'hanging'"):
+        linear_restoring(load_case(folder, [aft, *MESH_ONLY]), "barge", out)
+    hung = "hulls.barge.hanging={mass = 1.2e5, point = [10, 0, 12]}"
+    linear = linear_restoring(load_case(folder, [aft, hung, *MESH_ONLY]), "barge", out)
+    assert linear.volume == pytest.approx((ALL + 1.2e5) / RHO, rel=1e-9)
