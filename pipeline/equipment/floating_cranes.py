@@ -159,6 +159,14 @@ class FloatingCrane:
             )
         for i, hook in enumerate(said.hooks):
             check_moves(hook.moves, f"hooks.{i}.moves")
+            lowest = said.boom.length * (np.sin(angles.min()) - np.sin(said.boom.angle))
+            if said.level and hook.drop + lowest <= 2.0 * said.sheave_radius:
+                raise InputError(
+                    f"the boom comes down by {-float(lowest):.6g} m to a hook that keeps its height, {hook.drop:.6g} m "
+                    "below it",
+                    key=f"hooks.{i}.drop",
+                    expected=f"more than {2.0 * said.sheave_radius - float(lowest):.6g} m",
+                )
         if said.stay is not None:
             along, _ = heading(said.along, "along")
             for angle in angles:

@@ -152,6 +152,7 @@ def test_slewing_with_a_drive(tmp_path):
         ),
         (('hull = "hull"', 'hull = "ship"'), "floating_cranes.0.hull", "'ship' does not exist"),
         (("parts = 12", "parts = 5"), "floating_cranes.0.hooks.0", "5 parts"),
+        (("drop = 40", "drop = 18"), "floating_cranes.0.hooks.0.drop", "comes down by 17.9966 m"),
         (
             ("mass = 10.0", "mass = 1e6, centre = 200"),
             "floating_cranes.0.boom.centre",
@@ -161,7 +162,7 @@ def test_slewing_with_a_drive(tmp_path):
     ],
 )
 def test_errors_stand_at_the_keys_of_the_crane(change, key, words, tmp_path):
-    whole = text(60, more=STAY + LUFFING)
+    whole = text(60, more=STAY + LUFFING + "level = true\n")
     assert change[0] in whole
     (tmp_path / "case.toml").write_text(whole.replace(*change))
     with pytest.raises(InputError) as refused:
