@@ -331,7 +331,7 @@ id = "edge_share"
 quantity = "deviation.edge_share"
 reference = 0.0
 tolerance = { absolute = 1.5e-3 }
-source = "a_l/(a_u + a_l) = 1/3 at rest at 0, 15, 30, 45 and 60 degrees: all lugs are in the plane of the centre of mass"
+source = "a_l/(a_u + a_l) = 1/3 at rest at 0, 15, 30, 45 and 60 degrees: lugs in the plane of the centre of mass"
 
 [[check]]
 id = "edge_share_least"
