@@ -38,7 +38,7 @@ class FakeSimulation:
 
     def __init__(self, step: float = 0.5, record_every: int = 10) -> None:
         self.step, self.record_every = step, record_every
-        self.step_index, self.cpu_seconds = 0, 0.0
+        self.step_index, self.cpu_seconds, self.ended = 0, 0.0, False
         self.outcome, self.message = Outcome.COMPLETED, ""
         self.x = np.array([0.1, 0.2, 0.3])
         self.diverge_at: int | None = None
