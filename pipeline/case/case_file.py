@@ -342,8 +342,13 @@ class Case(SceneTables, _CaseHeading):
 
     @property
     def name(self) -> str:
-        """Name of the case folder; letters that are no UTF-8 as escapes, so that every file can hold it."""
-        return self._file.resolve().parent.name.encode("utf-8", "backslashreplace").decode()
+        """Name of the case folder, with that of a file other than ``case.toml``.
+
+        Letters that are no UTF-8 are escapes, so that every file can hold it.
+        """
+        file = self._file.resolve()
+        name = file.parent.name if file.name == CASE_FILE else f"{file.parent.name}_{file.stem}"
+        return name.encode("utf-8", "backslashreplace").decode()
 
     @property
     def document(self) -> dict[str, Any]:
@@ -357,8 +362,9 @@ class Case(SceneTables, _CaseHeading):
 
     @property
     def output_folder(self) -> Path:
-        """Where results go unless another folder is chosen."""
-        return self.folder / "out"
+        """Where results go unless another folder is chosen: a folder each for case files beside each other."""
+        out = self.folder / "out"
+        return out if self._file.name == CASE_FILE else out / self._file.stem
 
 
 def _yields(body: Body) -> bool:
@@ -377,7 +383,7 @@ def load_case(
     Parameters
     ----------
     path
-        A case folder, or its ``case.toml``.
+        A case folder, or a case file: its ``case.toml``, or one of several with other names.
     overrides
         Changes such as ``"simulate.step=0.1 us"``: dotted key, ``=``, a TOML value or plain text; without a value
         the key is removed.

@@ -524,6 +524,8 @@ def _results_file(source: Case | Path | str, out: Path | str | None) -> Path:
         return path
     if path.name == "case.toml":
         path = path.parent
+    elif path.suffix == ".toml":
+        path = path.parent / "out" / path.stem
     if (path / "case.toml").is_file():
         path = path / "out"
     return OutputFolder(path).results

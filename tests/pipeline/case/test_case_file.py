@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from heavylift.numerics.outcome import InputError, InputErrors
-from heavylift.pipeline import load_case
+from heavylift.pipeline import load_case, load_results
 
 CASES = Path(__file__).parents[3] / "cases"
 
@@ -49,6 +49,24 @@ def test_every_case_of_the_project_is_valid(name):
     assert case.title
     assert case.sources
     assert (CASES / name / "README.md").is_file()
+
+
+@pytest.mark.parametrize("number", range(1, 7))
+def test_case_files_beside_each_other_have_names_and_results_of_their_own(number):
+    case = load_case(CASES / "tank_erection" / f"wave_{number}.toml")
+    assert case.name == f"tank_erection_wave_{number}"
+    assert case.output_folder == CASES / "tank_erection" / "out" / f"wave_{number}"
+    assert case.title
+    assert case.sources
+
+
+def test_the_results_of_a_case_file_are_found_by_its_name(small_case):
+    (small_case / "other.toml").write_text((small_case / "case.toml").read_text())
+    for file, folder in (("case.toml", "out"), ("other.toml", "out/other")):
+        with pytest.raises(InputError, match="no results") as caught:
+            load_results(small_case / file)
+        assert str(small_case / folder / "simulate") in str(caught.value)
+        assert load_case(small_case / file).output_folder == small_case / folder
 
 
 def test_values_are_si(small_case):
