@@ -405,6 +405,14 @@ source = "energy balance with the work of winches and trolleys, and what ropes a
 """.replace("DURATION", f"{DURATION:g}")
 
 
+def references():
+    """Times and shares of the edge hooks of the plate and of the upper fall of the block, by file."""
+    rests = plate_moves()[2][:5]
+    edge = np.column_stack([np.concatenate([[0.0], rests]), np.full(6, LOWER / (UPPER + LOWER))])
+    shares = 0.5 + BLOCK_HEIGHT * np.tan(BLOCK_ANGLES) / (2.0 * BLOCK_ARM)
+    return {"edge_share.csv": edge, "block_share.csv": np.column_stack([block_moves()[2], shares])}
+
+
 def main() -> None:
     """Write the case and both tables."""
     text = HEAD + thin_plate()
@@ -417,11 +425,8 @@ def main() -> None:
     rests = plate_moves()[2][:5]
     text = text.replace("EDGE", f"{rests[-1]:.9g}").replace("BLOCK", f"{block_moves()[2][-1]:.9g}")
     (HERE / "case.toml").write_text(text, encoding="utf-8")
-    edge = np.column_stack([np.concatenate([[0.0], rests]), np.full(6, LOWER / (UPPER + LOWER))])
-    shares = 0.5 + BLOCK_HEIGHT * np.tan(BLOCK_ANGLES) / (2.0 * BLOCK_ARM)
-    block_shares = np.column_stack([block_moves()[2], shares])
-    for name, table in (("edge_share", edge), ("block_share", block_shares)):
-        np.savetxt(HERE / f"{name}.csv", table, "%.9g", ",", header="time,value", comments="")
+    for name, table in references().items():
+        np.savetxt(HERE / name, table, "%.9g", ",", header="time,value", comments="")
 
 
 if __name__ == "__main__":

@@ -67,7 +67,6 @@ class Recorded:
         self.start_seconds, self.energy_drift = 0.25, 0.0
         self.outcome, self.message = Outcome.COMPLETED, ""
         self.operation, self.ended, self.energy_drift, self.periods = None, False, 0.0, ""
-        self.verdict = self.outcome, self.message
         names = ("kinetic", "elastic", "balance")
         self.channels = [
             SimpleNamespace(name=f"energy.{name}", unit="J", components=(name,), column=i, sentence="")

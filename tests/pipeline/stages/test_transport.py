@@ -57,7 +57,6 @@ def test_a_vehicle_that_drives_off_its_deck_ends_the_run(tmp_path) -> None:
     faster = (("speed = 0.25", "speed = 2"), ("velocity = [0.25, 0, 0]", "velocity = [2, 0, 0]"))
     report = run(tmp_path, *faster)
     assert report.outcome is Outcome.OFF_ROAD
-    assert int(report.outcome) == 15
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def test_closed_start_is_taken(name: str) -> None:
     expected = ["reaction_force", "reaction_moment"]
     if "hinge" in name or name in {"cylindrical", "screw"}:
         expected += ["angle", "angular_rate"]
-    if "slider" in name or name in {"cylindrical", "screw"}:
+    if "slider" in name or name in {"cylindrical", "guide", "screw"}:
         expected += ["travel", "travel_rate"]
     if name == "screw":
         expected += ["thread_force"]
