@@ -279,6 +279,10 @@ def hull_warning(layout: Layout) -> str:
     return "; ".join(parts)
 
 
+DEEPEST = 0.01
+"""Of its size, by which a contact without compliance that bears may be inside what it touches."""
+
+
 def contact_warning(layout: Layout) -> str:
     """Steps in which impacts had no end, or impulses were found roughly, as a sentence; empty if none.
 
@@ -294,6 +298,11 @@ def contact_warning(layout: Layout) -> str:
             parts.append(
                 f"in {tally.exhausted_steps} steps impacts of contacts followed each other without end: the rest of"
                 " these steps was taken without restitution"
+            )
+        if tally.deepest > DEEPEST:
+            parts.append(
+                f"contacts without compliance that bear are inside each other by up to {tally.deepest:.2g} of their"
+                f" size: bodies are crushed, or come too far in a step; try {COMPLIANT_LAW}, or a smaller step"
             )
         if tally.rough:
             parts.append(

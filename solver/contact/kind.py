@@ -458,11 +458,14 @@ class Tally(Record):
         Whole steps whose rest was taken without impacts of its own.
     rough, roughest
         Solutions that were accepted although the solver found none of its accuracy, and their largest residual.
+    deepest
+        Largest depth of a closed contact without compliance at the end of a step, over its size.
     """
 
     exhausted_steps: int
     rough: int
     roughest: float
+    deepest: float
 
 
 class Features(Table):

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import importlib.util
 import os
 import random
 import shutil
@@ -170,14 +169,9 @@ def _reference(place: Path, name: str) -> Reference:
     if name == "collisions":
         shutil.copyfile(PIPELINE / "tank.stl", folder / "tank.stl")
     if name == "sea":
-        from heavylift.preprocess.hydrodynamics.netcdf_files import write_netcdf
-
-        spec = importlib.util.spec_from_file_location("sea_database", PIPELINE / "sea_database.py")
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        write_netcdf(folder / "still.nc", module.smooth_database())
+        for part in (PIPELINE.parents[1] / "cases" / "irregular_sea").iterdir():
+            if part.suffix in {".toml", ".nc", ".csv"}:
+                shutil.copyfile(part, folder / part.name)
     made = Reference(folder, CASES[name], {}, {}, {}, 1, 0)
     seconds, operations, code = {}, {}, 0
     # once here, so that what the processes below import and compile is there already

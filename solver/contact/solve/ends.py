@@ -330,6 +330,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
             stays = stays or (state.closed and state.end_gap <= gap_tolerance(contacts, c, a))
         stays = stays or (state.new and a <= REST * abs(state.rate))
         state.closed = stays
+        if total > 0.0:
+            contacts.tally[0].deepest = max(contacts.tally[0].deepest, -state.end_gap / values.length_scale)
     first = 2 if kind == CURVE else 1
     bound = values.friction * abs(total)
     held = 0.0

@@ -102,9 +102,9 @@ class GoneContacts(Record):
     ----------
     impulse, impact_impulse, loss, impacts, slip_path
         Sums.
-    jumps, lost_jumps
-        Of the pair: sum of what its contacts have stored less by jumps, and the largest that it has been [J]. What they
-        store more again comes from nowhere, so it is not taken off what is lost but stays in the balance.
+    jumps
+        Of the pair: sum of what its contacts have stored less by jumps [J]. While it is positive it is lost, though it
+        may come back; a negative one comes from nowhere, so it is no negative loss but stays in the balance.
     forces, gaps
         Extremes of the sum of the normal forces and of the smallest gap.
     """
@@ -115,7 +115,6 @@ class GoneContacts(Record):
     impacts: int
     slip_path: float
     jumps: float
-    lost_jumps: float
     forces: Extremes
     gaps: Extremes
 

@@ -76,7 +76,6 @@ def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int)
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
-        gone.lost_jumps = max(gone.lost_jumps, gone.jumps)
         if contacts.control.uncut or one.law == COMPLIANT:
             note_value(gone.forces, interval, one.force)
         if one.gap < one.reach:
@@ -106,7 +105,7 @@ def _record_sums(
         row[at + k] = 0.0
     sums = collision_columns(row, at)
     sums.gap = meshes.pairs[pair].reach
-    sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss + gone.lost_jumps, gone.impacts
+    sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss + max(gone.jumps, 0.0), gone.impacts
     sums.impact_impulse = gone.impact_impulse
     highest = -1.0
     first, last = contacts.counts.of_contours, contact_count(contacts)

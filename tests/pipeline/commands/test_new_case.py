@@ -74,6 +74,7 @@ def test_a_first_lift_compiles_what_it_needs_and_no_more(tmp_path: Path) -> None
         "RigidBodies",
         "Ropes",
         "RowSystem1",
+        "StepCounts",
         "UniformGravity",
         "the time loop",
     }
