@@ -52,6 +52,9 @@ class FallsRope:
     """EA [N]."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Tension per rate of elongation [N s/m], while it is taut."""
+    brake: Annotated[float | None, Positive("force")] = None
+    """Tension at which the brake of its winch slips [N]: a scenario can let such a winch keep a tension, or hooks a
+    load level."""
 
 
 @EQUIPMENT.part
@@ -180,6 +183,14 @@ class Falls:
             rope["winch"] = given(said.winch)
         if said.drum is None and said.other_drum is not None:
             rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": "last"}
+        if said.rope.brake is not None:
+            if said.efficiency < 1.0:
+                raise InputError(
+                    "a brake that answers to the tension, on a rope over sheaves with an efficiency",
+                    key="rope.brake",
+                    expected="no 'brake', or an efficiency of 1",
+                )
+            rope["winch"] = rope.get("winch", {}) | {"brake": said.rope.brake}
         made.add("ropes", rope, "rope")
         middle = places.local(said.crown.body, crown)
         lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}

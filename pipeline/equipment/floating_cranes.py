@@ -322,6 +322,8 @@ def _add_stay(said: Any, made: Made, along: NDArray[np.float64], on_carrier: Cal
 
         times = _times(turned(said.luffing))
         rope["winch"] = {"times": times, "speeds": [-rate for rate in _rates(said, times, length)]}
+    if stay.rope.brake is not None:
+        rope["winch"] = rope.get("winch", {}) | {"brake": stay.rope.brake}
     made.add("ropes", rope, "stay")
 
 

@@ -91,7 +91,7 @@ def _listed(sentences: Sequence[str]) -> str:
 def operation_log(operation: Operation) -> dict[str, Any]:
     """Names of the phases, and what happened, as plain values."""
     return {
-        "phases": [phase.name for phase in operation.scenario.phases],
+        "phases": [phase.name for phase in operation.scenario.all_phases],
         "log": [[line.time, line.phase, line.event, line.what, line.value] for line in operation.log],
     }
 
