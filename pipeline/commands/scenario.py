@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.log import Log
+    from heavylift.pipeline.stages.told import Word
     from heavylift.solver.scene.scenario import Phase, Scenario
 
-__all__ = ["PlannedPhase", "plan", "scenario_command"]
+__all__ = ["PlannedPhase", "plan", "scenario_command", "tell_command"]
 
 
 @dataclass(frozen=True)
@@ -215,6 +216,28 @@ def scenario_command(
     }
     phases = plan(scenario, lengths)
     return _document(phases, lengths), _lines(scenario, phases, lengths)
+
+
+def tell_command(path: Path, word: Word, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:
+    """Say a word to the run that goes on in the output folder of a case.
+
+    Returns
+    -------
+    str
+        Words for a person.
+
+    Raises
+    ------
+    InputError
+        If something is wrong with the case, it has no scenario, or no run goes on.
+    """
+    from heavylift.pipeline.stages.told import tell
+
+    case = load_changed_case(path, overrides)
+    if case.scenario is None:
+        raise InputError("no scenario", source=case.file, key="scenario", expected="a case with one")
+    tell(case.output_folder if out is None else out, word)
+    return f"{word}: told; the run takes it within a second"
 
 
 def _document(phases: Sequence[PlannedPhase], lengths: Mapping[str, float]) -> dict[str, Any]:

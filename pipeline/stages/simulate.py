@@ -15,6 +15,7 @@ from heavylift.pipeline.results.provenance import simulate_digest, source_digest
 from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.advance import Advancer, stop_requests
 from heavylift.pipeline.stages.stages import StageReport
+from heavylift.pipeline.stages.told import Told, words_there
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -127,6 +128,7 @@ def simulate_stage(work: Work) -> StageReport:
         log.say(f"simulate: {folder.results} is {state}, simulated again")
     if forced:
         remove_segments(folder.segments)
+        Told.forget(folder.root)
     cut_off = bool(manifest) and not manifest.get("finished")
     return _simulate(work, digest, cut_off=cut_off)
 
@@ -154,6 +156,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
+    old_words = words_there(folder.root)
     scene = assemble_scene(work.case, folder)
     for note in collision_notes(work.case):
         log.say(f"simulate: {note}")
@@ -198,6 +201,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     elif advancer.restart_reason or cut_off:
         forced = "--force" if "simulate" in work.force else "nothing had been written"
         log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
+    if simulation.operation is not None:
+        advancer.told = Told(folder.root, digest, simulation.operation, old_words)
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)

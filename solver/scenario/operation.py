@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scenario.director import (
     ACTION,
@@ -113,6 +115,11 @@ class Operation:
         return found
 
     @property
+    def told_count(self) -> int:
+        """How many words came from outside so far."""
+        return int(np.count_nonzero(self.director.log["event"][: int(self.director.state.logged)] == TOLD))
+
+    @property
     def unfinished(self) -> str:
         """What it still waits for, as words; empty if the last phase is done, or waits for nothing."""
         for row, track in zip(self.scenario.rows, self.director.track_state, strict=True):
@@ -164,6 +171,8 @@ class Operation:
         if why <= 0:
             return Outcome.COMPLETED, ""
         outcome, last = Outcome(why), self.log[-1]
+        if last.event == EVENTS[TOLD]:
+            return outcome, f"stopped from outside at t = {last.time:.9g} s, phase {last.phase!r}"
         what = f": {last.what} is {last.value:.6g}" if last.what else f" after {last.value:.6g} s"
         return outcome, f"{outcome.text} at t = {last.time:.9g} s, phase {last.phase!r}{what}"
 
