@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.stages import Work
     from heavylift.solver.scenario.operation import Operation
+    from heavylift.solver.scene.scene import Scene
     from heavylift.solver.simulation import Simulation
 
 __all__ = [
@@ -169,6 +170,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     with in_case(work.case):
         simulation = Simulation(scene, section.solver_step, section.integrator, **options)
     _refuse_beyond_disk(work, simulation)
+    if simulation.operation is not None:
+        _check_plan(work, scene, simulation.operation)
     with contextlib.suppress(FileNotFoundError):
         folder.results.unlink()  # from here on it would belong to other inputs
     save_meshes(folder.meshes, meshes)
@@ -241,6 +244,14 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
+
+
+def _check_plan(work: Work, scene: Scene, operation: Operation) -> None:
+    """Refuse an operation that is certain to fail."""
+    from heavylift.pipeline.assemble.operation_plan import check_plan, plan, starts_of
+
+    starts = starts_of(scene, operation)
+    check_plan(work.case, plan(operation.scenario, starts), starts)
 
 
 def _refuse_beyond_disk(work: Work, simulation: Simulation) -> None:

@@ -115,6 +115,13 @@ class Operation:
         return found
 
     @property
+    def rope_lengths(self) -> dict[str, float]:
+        """Unstretched lengths of the wire ropes at the start [m], by name."""
+        kinds = (self.director.ropes, self.director.rubbing, self.director.held)
+        lengths = [float(entry.start_length) for kind in kinds for entry in kind.table]
+        return dict(zip(self._ropes, lengths, strict=True))
+
+    @property
     def told_count(self) -> int:
         """How many words came from outside so far."""
         return int(np.count_nonzero(self.director.log["event"][: int(self.director.state.logged)] == TOLD))

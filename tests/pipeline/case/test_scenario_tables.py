@@ -11,6 +11,8 @@ import pytest
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.case.case_file import Case
+from heavylift.pipeline.commands.scenario import scenario_command
+from heavylift.pipeline.log import Log
 from heavylift.solver.scene.scenario import (
     Condition,
     Connect,
@@ -255,3 +257,54 @@ all = [
     z = results["hook_1_block.position"][:, 2]
     assert z[-1] == pytest.approx(-18.0, abs=0.01)
     assert results["trolley.position"][-1, 0] == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("phase", "words"),
+    [
+        (
+            'actions = [{ hook = "hook_2", distance = 19.5, speed = 1 }]\nuntil = { arrived = "hook_2" }',
+            "phase 'go' hoists the block of 'hook_2', 20 m below its crown, by 19.5 m; expected less than 19 m",
+        ),
+        (
+            'actions = [{ winch = "tag", speed = 5 }]\nuntil = { time = 10 }',
+            "phase 'go' hauls in 50 m of 'tag' or more, which has 40 m",
+        ),
+    ],
+)
+def test_what_is_certain_to_go_wrong_is_refused_before_it_runs(
+    phase: str, words: str, tmp_path: Path
+) -> None:
+    made = case(tmp_path, f'[[scenario.phases]]\nname = "go"\n{phase}\n[[scenario.phases]]\nname = "end"\n')
+    with pytest.raises(InputError, match=words):
+        run_case(made, stages=("mesh", "simulate"))
+
+
+def test_a_dry_run_tells_ranges_and_limits(tmp_path: Path) -> None:
+    """By the command: times that are known, how high hooks come, where a drive goes."""
+    case(
+        tmp_path,
+        """
+[[scenario.phases]]
+name = "up"
+actions = [{ hook = "hook_*", distance = "2 m", speed = "0.2 m/s", ramp = "3 s" }, { winch = "tag", follow = "hook_1_rope", ratio = -0.25 }]
+until = { arrived = "hook_*" }
+
+[[scenario.phases]]
+name = "along"
+actions = [{ drive = "trolley.x", position = "1 m", speed = "0.25 m/s", acceleration = "0.25 m/s^2", jerk = "1 m/s^3" }]
+until = { arrived = "trolley.x" }
+""",
+    )
+    log = Log(quiet=True)
+    document, lines = scenario_command(tmp_path, log=log)
+    up, along = document["tracks"][0]
+    assert up["takes_s"] == pytest.approx([13.0, 13.0])
+    assert along["takes_s"] == pytest.approx([4.0 + 1.25, 4.0 + 1.25])
+    start = document["start"]
+    assert start["hook_2_rope"] - up["end"]["hook_2_rope"][0] == pytest.approx(12.0)
+    assert up["end"]["tag"] == pytest.approx([42.0, 42.0])
+    assert along["end"]["trolley.x"] == pytest.approx([1.0, 1.0])
+    assert up["largest_speed"]["hook_1_rope"] == pytest.approx(0.8)
+    (hook,) = (line for line in lines if line.startswith("hook_1_rope:"))
+    assert "hook at most 2.000 m above its start, 18.000 m below its crown" in hook

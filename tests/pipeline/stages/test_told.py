@@ -92,7 +92,9 @@ def test_words_are_taken_and_logged_and_taken_again(tmp_path: Path, monkeypatch:
         np.testing.assert_array_equal(other["load.position"], first["load.position"])
 
 
-def test_stop_ends_a_run_and_old_words_are_not_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stop_ends_a_run_and_old_words_are_not_for_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder = prepared(tmp_path / "case")
     (folder / "out").mkdir()
     (folder / "out" / WORDS_FILE).write_text("stop\n")
