@@ -122,7 +122,7 @@ class _Course:
     speed: float = 0.0
     acceleration: float = 0.0
     rows: Any = None
-    target: float | None = None
+    target: Range | None = None
     arrived: bool = False
     largest: float = 0.0
     leader: str = ""
@@ -138,14 +138,19 @@ class _Course:
 
     def go_to(self, target: float, most: float, ramp: float, acceleration: float, jerk: float) -> None:
         """Come to rest at a place."""
+        if self.value.known:
+            self.go_by(target - self.value.low, most, ramp, acceleration, jerk)
+        else:  # the time that it takes is not known
+            self.rows, self.largest, self.arrived = None, most, False
+        self.target = Range(target, target)
+
+    def go_by(self, way: float, most: float, ramp: float, acceleration: float, jerk: float) -> None:
+        """Come to rest after a way."""
         limit = most / ramp if ramp > 0.0 else acceleration
         rows = records(MoveRow, MOVE_ROWS)
-        way, self.arrived = target - self.value.low, False
-        if not self.value.known:  # the time that it takes is not known
-            self.rows, self.target, self.largest = None, target, most
-            return
         count = plan_move(0.0, self.speed, self.acceleration, way, most, limit, jerk, rows)
-        self.rows, self.target = rows[:count], target
+        self.rows, self.arrived = rows[:count], False
+        self.target = Range(self.value.low + way, self.value.high + way)
         self.largest = float(np.abs(self.rows["speed"]).max())
 
     @property
@@ -206,9 +211,9 @@ class _Course:
         there = target is not None and (arrives or takes.low >= self.arrives * (1.0 - 1e-12))
         if there:
             assert target is not None
-            found = Range(target, target)
+            found = target
         elif target is not None and self.rows is None:
-            found = Range(min(self.value.low, target), max(self.value.high, target))
+            found = Range(min(self.value.low, target.low), max(self.value.high, target.high))
         else:
             times = [takes.low, takes.high]
             inside = [] if self.rows is None else self.rows["time"].tolist() + self._turns()
@@ -345,16 +350,12 @@ def _tell(courses: Mapping[str, _Course], name: str, action: Action) -> None:
         course.go_to(action.length, action.speed, *limits)
     elif isinstance(action, DriveTo) and not action.by:
         course.go_to(action.place, action.speed, *limits)
-    elif (
-        isinstance(action, (DriveTo, WinchHaul))
-        and getattr(action, "signal", None) is None
-        and course.value.known
-    ):
+    elif isinstance(action, (DriveTo, WinchHaul)) and getattr(action, "signal", None) is None:
         way = action.place if isinstance(action, DriveTo) else -action.length
-        course.go_to(course.value.low + way, action.speed, *limits)
+        course.go_by(way, action.speed, *limits)
     elif isinstance(action, WinchFollow):
         course.leader, course.ratio = action.leader, action.ratio
-    elif isinstance(action, (DriveTo, WinchHaul)):
+    elif isinstance(action, WinchHaul):
         course.value, course.largest, course.rows, course.target = ANYTHING, action.speed, None, None
     elif isinstance(action, WinchTension):
         course.value, course.largest, course.rows, course.target = ANYTHING, action.speed, None, None
