@@ -99,6 +99,8 @@ class Slewing:
     """For its inertia, that of a disc [m]."""
     moves: tuple[Turn, ...] = ()
     """How it turns."""
+    driven: bool = False
+    """Whether it has a drive though it has no moves: it stands until a scenario tells the drive ``NAME_slewing``."""
 
 
 @EQUIPMENT.describe("floating_cranes")
@@ -123,6 +125,9 @@ class FloatingCrane:
     """What holds the boom; a drive of its hinge if absent."""
     luffing: tuple[Turn, ...] = ()
     """How the boom luffs, upwards if positive."""
+    driven: bool = False
+    """Whether the hinge of a boom without stay has a drive though it does not luff: it stands until a scenario tells the
+    drive ``NAME_hinge``."""
     level: bool = False
     """Whether the winches of the falls pay out and haul in so that hooks keep their height as the boom luffs."""
     slewing: Slewing | None = None
@@ -141,6 +146,12 @@ class FloatingCrane:
         """Moves follow each other; the boom stays between the deck and upright, and in front of its stay."""
         heading(said.along, "along")
         check_moves(turned(said.luffing), "luffing")
+        if said.driven and said.stay is not None:
+            raise InputError(
+                "a driven hinge under a boom that a stay holds",
+                key="driven",
+                expected="no 'stay'; or the winch of the stay, which a scenario tells as that of any rope",
+            )
         if said.slewing is not None:
             check_moves(turned(said.slewing.moves), "slewing.moves")
         angles = said.boom.angle + np.cumsum([0.0, *(turn.angle for turn in said.luffing)])
@@ -214,12 +225,13 @@ class FloatingCrane:
             "between": [carrier, f"{name}_boom"],
             "at": listed(foot),
         }
-        if said.stay is None and not said.luffing:
+        if said.stay is None and not (said.luffing or said.driven):
             made.add("joints", hinge | {"type": "fixed"}, "hinge")
         else:
             hinge |= {"type": "hinge", "axis": listed(-frame[:, 1])}
             if said.stay is None:
-                hinge["drive"] = speeds_of(turned(said.luffing))
+                standing = {"times": [0.0], "speeds": [0.0]}
+                hinge["drive"] = speeds_of(turned(said.luffing)) if said.luffing else standing
             made.add("joints", hinge, "hinge")
         if said.stay is not None:
             _add_stay(said, made, along, on_carrier)
@@ -283,8 +295,8 @@ def _add_table(said: Any, places: Places, made: Made, axes: NDArray[np.float64])
         "between": [said.hull, name],
         "at": listed(centre),
     }
-    if table.moves:
-        drive = speeds_of(turned(table.moves))
+    if table.moves or table.driven:
+        drive = speeds_of(turned(table.moves)) if table.moves else {"times": [0.0], "speeds": [0.0]}
         joint |= {"type": "hinge", "axis": listed(axes[:, 2]), "drive": drive}
     else:
         joint["type"] = "fixed"

@@ -140,6 +140,29 @@ def test_slewing_with_a_drive(tmp_path):
     )
 
 
+def test_a_scenario_slews_and_luffs(tmp_path):
+    """Drives that stand until they are told: the tip goes round by 6 degrees, and then up by 4."""
+    more = "driven = true\n[floating_cranes.slewing]\ncentre = [40, 0, 8]\nmass = 1e6\ndriven = true\n"
+    more += """
+[[scenario.phases]]
+name = "slew"
+actions = [{ drive = "crane_slewing", position = "6 deg", speed = "0.5 deg/s", ramp = 4 }]
+until = { arrived = "crane_slewing" }
+
+[[scenario.phases]]
+name = "luff"
+actions = [{ drive = "crane_hinge", distance = "4 deg", speed = "0.5 deg/s", ramp = 4 }]
+"""
+    results = run(tmp_path, text(60, more=more, mass=1e6, duration=30))
+    turn, up = math.radians(6.0), math.radians(64.0)
+    foot = [10.0 + 40.0 + 10.0 * math.cos(turn), 20.0 + 10.0 * math.sin(turn), 15.0]
+    assert results["crane_boom.position"][-1] == pytest.approx(foot, abs=1e-5)
+    w, x, y, z = results["crane_boom.orientation"][-1]
+    along = [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)]
+    expected = [math.cos(up) * math.cos(turn), math.cos(up) * math.sin(turn), math.sin(up)]
+    assert along == pytest.approx(expected, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [
@@ -159,6 +182,7 @@ def test_slewing_with_a_drive(tmp_path):
             "200 m from the hinge",
         ),
         (("parts = 12", "parts = 12, winch = [200, 0, 2]"), "floating_cranes.0.hooks.0", "from the crown"),
+        (("level = true", "driven = true"), "floating_cranes.0.driven", "that a stay holds"),
     ],
 )
 def test_errors_stand_at_the_keys_of_the_crane(change, key, words, tmp_path):
