@@ -126,8 +126,8 @@ class FloatingCrane:
     luffing: tuple[Turn, ...] = ()
     """How the boom luffs, upwards if positive."""
     driven: bool = False
-    """Whether the hinge of a boom without stay has a drive though it does not luff: it stands until a scenario tells the
-    drive ``NAME_hinge``."""
+    """Whether the hinge of a boom without stay has a drive though it does not luff: it stands until a scenario tells
+    the drive ``NAME_hinge``."""
     level: bool = False
     """Whether the winches of the falls pay out and haul in so that hooks keep their height as the boom luffs."""
     slewing: Slewing | None = None

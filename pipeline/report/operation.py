@@ -19,8 +19,14 @@ def _log(results: Results | None) -> tuple[list[str], list[list[Any]]]:
 
 
 def phase_bands(results: Results) -> list[tuple[str, float, float]]:
-    """Name, begin and end [s] of each phase that began; empty without a scenario."""
-    _, log = _log(results)
+    """Name, begin and end [s] of each phase of the first track that began; empty without a scenario."""
+    names, log = _log(results)
+    count = (results.metadata.get("scenario") or {}).get("first_track", len(names))
+    return [band for band in _bands(results, log) if band[0] in names[:count]]
+
+
+def _bands(results: Results, log: list[list[Any]]) -> list[tuple[str, float, float]]:
+    """The same of all tracks."""
     begins = [(name, time) for time, name, event, *_ in log if event == "begins"]
     ends = {name: time for time, name, event, *_ in log if event == "done"}
     last = float(results.time[-1]) if len(results.time) else 0.0
@@ -32,7 +38,7 @@ def operation_section(results: Results | None) -> list[Section]:
     names, log = _log(results)
     if results is None or not names:
         return []
-    bands = {name: (begin, end) for name, begin, end in phase_bands(results)}
+    bands = {name: (begin, end) for name, begin, end in _bands(results, log)}
     done = {line[1]: line[3] for line in log if line[2] == "done"}
     stops = {line[1]: f"{line[2]}: {line[3]}".removesuffix(": ") for line in log if line[2].endswith("stop")}
     rows = []

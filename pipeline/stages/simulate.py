@@ -94,6 +94,7 @@ def operation_log(operation: Operation) -> dict[str, Any]:
     """Names of the phases, and what happened, as plain values."""
     return {
         "phases": [phase.name for phase in operation.scenario.all_phases],
+        "first_track": len(operation.scenario.phases),
         "log": [[line.time, line.phase, line.event, line.what, line.value] for line in operation.log],
     }
 

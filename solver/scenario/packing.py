@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record, Records, records
 from heavylift.numerics.small import aligned
+from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.carried import LINE
 from heavylift.solver.drive import DRIVE_HEAD
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
@@ -154,7 +155,7 @@ def reserve_tables(
         made = kind
         if isinstance(kind, Hulls) and pumped:
             made = _with_levels(kind, scene.sea.tanks, pumped, columns)
-        if frames and "constants" in kind._fields:
+        if frames and isinstance(kind, FrameBodies):
             made = _with_frame_profiles(made, frames)
         bodies.append(made)
     connections: list[Any] = []
@@ -309,12 +310,11 @@ def share_profiles(
     if not any(isinstance(action, (DriveSpeed, DriveTo)) for action in scenario.actions):
         return kinds, np.zeros(0)
     fields = [
-        (row, i, field)
-        for row, group in enumerate(kinds)
-        for i, kind in enumerate(group)
-        for field in (("constants",), ("profiles",))[row]
-        if field in kind._fields and (row == 1 or kind.driven)
+        (0, i, "constants")
+        for i, kind in enumerate(kinds[0])
+        if isinstance(kind, FrameBodies) and kind.driven
     ]
+    fields += [(1, i, "profiles") for i, kind in enumerate(kinds[1]) if "profiles" in kind._fields]
     arrays = [getattr(kinds[row][i], field) for row, i, field in fields]
     starts = np.cumsum([0, *(-(-len(array) // LINE) * LINE for array in arrays)])
     whole = aligned(int(starts[-1]))
@@ -455,7 +455,11 @@ def _profile_start(
     for row, group in enumerate(kinds):
         for kind in group:
             array = getattr(kind, ("constants", "profiles")[row], None)
-            if array is None or not np.may_share_memory(array, profiles):
+            if (
+                array is None
+                or (row == 0 and not isinstance(kind, FrameBodies))
+                or not np.may_share_memory(array, profiles)
+            ):
                 continue
             base = (array.ctypes.data - profiles.ctypes.data) // profiles.itemsize
             for entry in kind.table:

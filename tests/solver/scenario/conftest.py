@@ -1,8 +1,8 @@
-"""Puts the scenes of ropes on the path."""
+"""Puts the scenes of ropes, and those of bodies with modes, on the path."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "laws"))
+sys.path += [str(Path(__file__).resolve().parents[1] / "laws"), str(Path(__file__).resolve().parents[1])]

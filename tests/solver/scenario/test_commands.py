@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from law_scenes import G, body, eye, run, scene, slider, wire
+from point_masses import System, make_cloud
+from scenarios import start_of
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.hinge import Hinge
@@ -537,3 +539,30 @@ def test_a_drive_with_harmonics_is_not_told() -> None:
     swell = replace(STANDING, harmonics=(Harmonic(0.1, 0.2),))
     with pytest.raises(InputError, match="harmonics are added to 'slide'"):
         Simulation(sliding(*told(DriveSpeed("slide", 0.1)), drive=swell), 0.01)
+
+
+def test_a_frame_of_a_body_with_modes_is_driven() -> None:
+    """As one that follows tables of the same speeds: modes, reactions and work, beside bodies of other kinds."""
+    cloud = make_cloud(seed=8)
+    speeds = {
+        "x": Profile(times=np.array([0.0, 0.1, 0.2, 0.3, 0.4]), speeds=np.array([0.0, 0.0, 0.5, 0.5, 0.0])),
+        "angle": Profile(times=np.array([0.0, 0.2, 0.3]), speeds=np.array([0.0, 0.0, 0.6])),
+    }
+    phases = (
+        Phase("wait", until=after(0.1)),
+        Phase("go", (DriveTo("body.x", 0.1, 0.5, 0.1),), after(0.1)),
+        Phase("turn", (DriveSpeed("body.angle", 0.6, 0.1),)),
+    )
+    load = body("load", MASS, (0, 0, -REACH))
+    still = Driven(x=STANDING, angle=STANDING)
+    tabled, told = (
+        System(cloud, start_of(8), motion=motion, gravity=np.array([0.0, 0.0, -G])).scene()
+        for motion in (Driven(**speeds), still)
+    )
+    tabled, told = (replace(one, bodies=(*one.bodies, load)) for one in (tabled, told))
+    expected, found = (run(one, 1e-3, 0.5) for one in (tabled, replace(told, scenario=Scenario(phases))))
+    corners = np.isin(np.round(found.times, 6), [0.1, 0.2, 0.3, 0.4])  # where accelerations have two values
+    for name in ("position", "orientation", "modal_position", "reaction_force"):
+        one, other = (run[f"body.{name}"][~corners] for run in (found, expected))
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
+    assert np.ptp(found["body.position"][:, 0]) > 0.09
