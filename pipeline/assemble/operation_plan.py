@@ -402,7 +402,7 @@ def starts_of(scene: Scene, operation: Operation) -> dict[str, float]:
 
 
 def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Mapping[str, float]) -> None:
-    """Refuse what is certain to go wrong: a rope that is hauled in whole, a hook that comes to its crown.
+    """Refuse what is certain to go wrong: too little time, a rope hauled in whole, a hook that comes to its crown.
 
     Raises
     ------
@@ -411,8 +411,18 @@ def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Map
     """
     ropes = {rope.name for rope in case.ropes}
     falls = {f"{one.name}_rope": one for one in case.falls}
+    duration = math.inf if case.simulate is None else case.simulate.duration or math.inf
     for row, track in enumerate(phases):
+        needed = 0.0
         for i, phase in enumerate(track):
+            needed += phase.takes.low
+            if needed > duration * (1.0 + 1e-9):
+                raise InputError(
+                    f"phase {phase.name!r} ends at {needed:.6g} s at the earliest, and the run takes {duration:.6g} s",
+                    source=case.file,
+                    key=f"scenario.tracks.{row - 1}.phases.{i}" if row else f"scenario.phases.{i}",
+                    expected="a longer duration",
+                )
             key = f"scenario.tracks.{row - 1}.phases.{i}" if row else f"scenario.phases.{i}"
             for name, value in phase.values.items():
                 if name not in ropes or not math.isfinite(value.high):

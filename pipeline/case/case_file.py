@@ -275,7 +275,9 @@ class Case(SceneTables, _CaseHeading):
         movable = self._movable
         wire = [name for name, rope in movable["ropes"].items() if rope.DESCRIBED.WORD == "wire"]
         hooks = {one.name: Hook(one.parts, one.block.hook_depth) for one in self.falls}
-        return Known(self._names, tuple(wire), tuple(movable["tanks"]), tuple(movable["drives"]), hooks)
+        return Known(
+            self._names, tuple(wire), tuple(tank.name for tank in self.tanks), tuple(movable["drives"]), hooks
+        )
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

@@ -612,7 +612,7 @@ class ActionSection(Section):
             return tuple(
                 TankRate(name, self.rate, self.mass) for name in known.fitting("tank", self.tank, known.tanks)
             )
-        limits = {"acceleration": self.acceleration or 0.0, "jerk": self.jerk or 0.0}
+        limits: dict[str, Any] = {"acceleration": self.acceleration or 0.0, "jerk": self.jerk or 0.0}
         if self.drive is not None:
             assert self.speed is not None
             place, by = (self.position, False) if self.distance is None else (self.distance, True)
@@ -644,7 +644,10 @@ class ActionSection(Section):
             return WinchFollow(rope, self.follow, self.ratio)
         if self.tension is not None:
             return WinchTension(rope, self.tension, speed, self.dead_band)
-        limits = {"acceleration": n * (self.acceleration or 0.0), "jerk": n * (self.jerk or 0.0)}
+        limits: dict[str, Any] = {
+            "acceleration": n * (self.acceleration or 0.0),
+            "jerk": n * (self.jerk or 0.0),
+        }
         if self.length is not None:
             return WinchLength(rope, self.length, speed, self.ramp, **limits)
         if self.distance is not None:

@@ -118,7 +118,7 @@ def with_drives(scene: Any) -> Any:
         if not axes or not isinstance(motion, (Fixed, Driven)):
             return body
         given = motion if isinstance(motion, Driven) else Driven()
-        missing = {axis: standing for axis in axes if getattr(given, axis) is None}
+        missing: dict[str, Any] = {axis: standing for axis in axes if getattr(given, axis) is None}
         return replace(body, motion=replace(given, **missing))
 
     return replace(scene, bodies=tuple(map(ready, scene.bodies)))
@@ -142,7 +142,7 @@ def reserve_tables(
     winches = {columns[name] for name in _told_winches(scene) if name in columns}
     drives = {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}
     joints = {columns[name] for name in drives if name in columns}
-    frames = {
+    frames: dict[int, set[int]] = {
         columns[name.rpartition(".")[0]]: set() for name in drives if name.rpartition(".")[0] in columns
     }
     for name in drives:
@@ -388,7 +388,7 @@ def pack_scenario(
     tables = _Tables(scenario, movers.numbers, known, weight)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
-    held = of_sort[HELD_ROPE]
+    plain, rubbing, held = of_sort
     logged = 2 * len(tables.phases) + len(tables.actions) + len(tables.limits) + 2 + TOLD_LINES
     return Director(
         tracks=_table(TrackEntry, tables.tracks),
@@ -399,14 +399,14 @@ def pack_scenario(
         signals=_table(SignalEntry, tables.signals),
         terms=_table(TermEntry, tables.terms),
         movers=_table(Mover, movers.rows),
-        ropes=of_sort[PLAIN_ROPE],
-        rubbing=of_sort[RUBBING_ROPE],
+        ropes=plain,
+        rubbing=rubbing,
         held=held,
         controlled=held,
-        rope_table=of_sort[PLAIN_ROPE].table,
-        winches=of_sort[PLAIN_ROPE].winches,
-        rubbing_table=of_sort[RUBBING_ROPE].table,
-        rubbing_winches=of_sort[RUBBING_ROPE].winches,
+        rope_table=plain.table,
+        winches=plain.winches,
+        rubbing_table=rubbing.table,
+        rubbing_winches=rubbing.winches,
         held_table=held.table,
         held_winches=held.winches,
         controls=held.controls,

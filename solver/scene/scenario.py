@@ -624,6 +624,7 @@ class _Checker:
         self.loose = set(prepared)
         self.braked: set[str] = set()
         self.planned: dict[str, float] = {}
+        self.lengths: dict[str, float] = {}
         self.arriving: set[str] = set()
 
     def rope(self, name: str, key: str) -> Any:
@@ -752,9 +753,13 @@ class _Checker:
                     expected="a winch that follows none",
                 )
             self.planned[name] = action.ratio * self.planned.get(action.leader, 0.0)
+            self.arriving.add(name)
             return
         self._check_speed(action.speed, rope, key)
         self.planned[name] = action.speed if isinstance(action, WinchSpeed) else 0.0
+        self.lengths.pop(name, None)
+        if isinstance(action, WinchLength):
+            self.lengths[name] = action.length
         if not isinstance(action, WinchSpeed) or action.speed == 0.0:
             self.arriving.add(name)
         else:
@@ -854,6 +859,14 @@ def _why_never(condition: Condition, checker: _Checker) -> tuple[str, str] | Non
         return None
     if kind == "tension" and not condition.below and value > 0.0 and owner in checker.loose:
         return f"{owner!r} is not connected, and has no tension", "a rope that is connected"
+    if kind == "rest_length" and owner in checker.lengths:
+        length = checker.lengths[owner]
+        if value < length if condition.below else value > length:
+            return (
+                f"the winch of {owner!r} stops at {length:g} m, and it waits for {condition.text}",
+                "a length that it reaches",
+            )
+        return None
     if kind == "rest_length":
         speed = checker.planned.get(owner, 0.0)
         if (speed > 0.0 and not condition.below) or (speed < 0.0 and condition.below):

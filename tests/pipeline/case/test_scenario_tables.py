@@ -204,6 +204,7 @@ def test_what_has_arrived_is_named_by_hooks_too(tmp_path: Path) -> None:
         ('until = { quantity = "tag.tensio", above = 9 }', "until.quantity", "tensio"),
         ('until = { quantity = "tog.tension", above = 9 }', "until.quantity", "'tog'"),
         ('until = { arrived = "hook_1" }', "until", "'hook_1_rope' has not been told to go anywhere"),
+        ('actions = [{ winch = "tag", length = 30, speed = 1 }]\nuntil = { quantity = "tag.rest_length", below = 29 }', "until", "the winch of 'tag' stops at 30 m"),
         ('until = { slack = "rope_*" }', "until.slack", "'rope_*' is no rope"),
         ('until = { time = "40 s" }', "until", "it waits for 40 s, and the run takes 30 s"),
         ('until = { time = 1, user = "continue" }', "until.time", "beside another condition"),
@@ -269,6 +270,10 @@ all = [
         (
             'actions = [{ winch = "tag", speed = 5 }]\nuntil = { time = 10 }',
             "phase 'go' hauls in 50 m of 'tag' or more, which has 40 m",
+        ),
+        (
+            'actions = [{ drive = "trolley.x", distance = 10, speed = 0.3 }]\nuntil = { arrived = "trolley.x" }',
+            "phase 'go' ends at 33.3333 s at the earliest, and the run takes 30 s",
         ),
     ],
 )
