@@ -73,7 +73,7 @@ class Falls:
     """A hook block on a rope of n parts, which a winch hauls in."""
 
     CHANNELS: ClassVar = ()
-    """None of its own: rope, block and the place of the block below its crown have theirs."""
+    """None of its own: what it writes has them, the hook load, which has its name, among them."""
 
     name: str
     crown: FallsCrown
@@ -135,7 +135,7 @@ class Falls:
 
     @staticmethod
     def build(said: Any, places: Places, made: Made) -> None:
-        """Write block, rope and the place of the block below its crown."""
+        """Write block, rope, what hangs on the hook, and the place of the block below its crown."""
         name, r, count = said.name, said.sheave_radius, said.parts // 2
         along, angle = heading(said.along, "along")
         across = np.cross(-DOWN, along)
@@ -181,6 +181,9 @@ class Falls:
         if said.drum is None and said.other_drum is not None:
             rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": "last"}
         made.add("ropes", rope, "rope")
+        if places.has_steps():
+            load = {"name": name, "body": f"{name}_block", "ropes": [f"{name}_rope"]}
+            made.add("hook_loads", load, "block")
         middle = places.local(said.crown.body, crown)
         lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}
         lead |= {

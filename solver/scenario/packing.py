@@ -11,6 +11,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record, Records, records
+from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
 from heavylift.solver.laws.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
 from heavylift.solver.scenario.director import (
@@ -210,6 +211,7 @@ def _no_ropes() -> Ropes:
         records(PlaceGradient, 0),
         records(RopeState, 0),
         np.zeros(0),
+        records(RopePull, 0),
     )
 
 
