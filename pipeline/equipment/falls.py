@@ -28,7 +28,7 @@ from heavylift.solver.scene.connections import Winch
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
 
-__all__ = ["Falls"]
+__all__ = ["Falls", "sheaves_aside"]
 
 
 @EQUIPMENT.part
@@ -140,8 +140,8 @@ class Falls:
         along, angle = heading(said.along, "along")
         across = np.cross(-DOWN, along)
         crown = places.world(said.crown.body, said.crown.point)
+        aside = sheaves_aside(said.parts, r, said.sheave_spacing)
         spacing = said.sheave_spacing or 0.25 * r
-        aside = (np.arange(count) - 0.5 * (count - 1)) * spacing
         depth, mass, width = said.block.hook_depth, said.block.mass, count * spacing
         box = [mass * (a * a + b * b) / 12.0 for a, b in ((width, depth), (2 * r, depth), (2 * r, width))]
         place = crown + said.drop * DOWN
@@ -191,6 +191,12 @@ class Falls:
             for key, way in (("axis", DOWN), ("normal", across))
         }
         made.add("leads", lead | {"points": [list(said.crown.point), [0.0, 0.0, 0.0]]}, "crown")
+
+
+def sheaves_aside(parts: int, radius: float, spacing: float | None) -> NDArray[np.float64]:
+    """Places of the sheaves of a block along their axis [m], shape (parts / 2,)."""
+    count = parts // 2
+    return np.asarray((np.arange(count) - 0.5 * (count - 1)) * (spacing or 0.25 * radius))
 
 
 def _drum(

@@ -114,10 +114,10 @@ def test_luffing_by_the_stay(tmp_path):
     assert away == pytest.approx(np.full(len(away), 40.0), abs=1e-3)
 
 
-# a lead to a drum on deck also wraps less about its sheave: a fifth of its radius, a twelfth of that at the hook
-@pytest.mark.parametrize(("winch", "tolerance"), [("", 1e-3), (", winch = [-20, 0, 2]", 1e-2)])
+# a lead to a drum on deck wraps less about its sheave: a fifth of its radius, 8 mm at the hook
+@pytest.mark.parametrize("winch", ["", ", winch = [-20, 0, 2]", ", winch = [-20, 6, 2]"])
 @pytest.mark.parametrize("stay", ["", STAY])
-def test_level_luffing(winch, tolerance, stay, tmp_path):
+def test_level_luffing(winch, stay, tmp_path):
     results = run(
         tmp_path, text(60, more=f"{stay}{LUFFING}level = true\n", hook=winch, mass=1e6, duration=20)
     )
@@ -126,7 +126,7 @@ def test_level_luffing(winch, tolerance, stay, tmp_path):
     assert height[0] - height[-1] == pytest.approx(
         180.0 * (math.sin(math.pi / 3) - math.sin(math.pi / 3.6)), abs=5e-3
     )
-    assert away - away[0] == pytest.approx(height - height[0], abs=tolerance)
+    assert away - away[0] == pytest.approx(height - height[0], abs=1e-3)
 
 
 def test_slewing_with_a_drive(tmp_path):
