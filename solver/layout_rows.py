@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
 from heavylift.solver.interface import FORCES
+from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes, watch_ropes_of
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
@@ -129,7 +131,8 @@ def _pack(
         from heavylift.solver.layout_sea import pack_sea
 
         packed.sea, packed.column = pack_sea(scene, book, packed.channels, packed.column)
-    _pack_forces(scene, packed)
+    watched = _watched(scene, integrator)
+    _pack_forces(scene, packed, watched)
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
     if scene.joints:
@@ -142,7 +145,9 @@ def _pack(
         packed.joints, make_system, packed.block_names = pack_joints(
             scene.joints, columns, book, attachment, inverse_scales(ordered), ordered
         )
-    laws = _pack_laws(scene, ordered, packed, attachment, integrator) if _has_laws(scene) else None
+    laws = None
+    if _has_laws(scene):
+        laws = _pack_laws(scene, ordered, packed, attachment, watched, integrator)
     if laws is not None:
         packed.joints += tuple(laws.joints)
         packed.block_names += laws.block_names
@@ -176,7 +181,15 @@ def point_forces(scene: Scene) -> list[Any]:
     ]
 
 
-def _pack_forces(scene: Scene, packed: PackedConnections) -> None:
+def _watched(scene: Scene, integrator: str) -> WatchedRopes:
+    """Ropes whose pulls something watches."""
+    measures = [force for force in scene.forces if isinstance(force, WatchesRopes)]
+    pulling = [np.asarray(force.acceleration) for force in scene.forces if isinstance(force, Gravity)]
+    gravity: NDArray[np.float64] = np.sum([np.zeros(3), *pulling], axis=0)
+    return watch_ropes_of(measures, scene.ropes, scene.bodies, gravity, integrator)
+
+
+def _pack_forces(scene: Scene, packed: PackedConnections, watched: WatchedRopes) -> None:
     """Forces that their modules pack, one kind a sort, with their channels."""
     groups: dict[str, list[tuple[PackedForce, int]]] = {}
     for force in scene.forces:
@@ -185,7 +198,9 @@ def _pack_forces(scene: Scene, packed: PackedConnections) -> None:
             packed.column = add_channels(force.name, force.CHANNELS, packed.channels, packed.column)
     for module, members in groups.items():
         pack = importlib.import_module(module).pack
-        packed.forces.append(pack([force for force, _ in members], [at for _, at in members], packed.book))
+        more = (watched,) if isinstance(members[0][0], WatchesRopes) else ()
+        forces, columns = [force for force, _ in members], [at for _, at in members]
+        packed.forces.append(pack(forces, columns, packed.book, *more))
 
 
 def _contact_markers(scene: Scene, book: MarkerBook) -> list[Any]:
@@ -236,7 +251,12 @@ def _add_contacts(
 
 
 def _pack_laws(
-    scene: Scene, ordered: Sequence[AnyBody], packed: PackedConnections, attachment: Any, integrator: str
+    scene: Scene,
+    ordered: Sequence[AnyBody],
+    packed: PackedConnections,
+    attachment: Any,
+    watched: WatchedRopes,
+    integrator: str,
 ) -> PackedLaws:
     """Ropes, springs, stops, friction, motors."""
     from heavylift.solver.laws.packing import add_law_channels, law_owners, pack_laws
@@ -252,6 +272,7 @@ def _pack_laws(
         packed.book,
         attachment,
         inverse_scales(ordered),
+        watched,
         first_block=len(scene.joints),
         integrator=integrator,
     )

@@ -17,7 +17,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.assemble.connections import assemble_joint
 from heavylift.pipeline.assemble.described import assemble
-from heavylift.pipeline.assemble.scene import assemble_rigid, motion_of, points_on, start_of_frame
+from heavylift.pipeline.assemble.scene import MEASURED, assemble_rigid, motion_of, points_on, start_of_frame
 from heavylift.pipeline.assemble.sides import start_sides
 from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.fields import GROUND
@@ -38,8 +38,7 @@ __all__ = ["scene_errors"]
 DESCRIBED = (
     "forces",
     "sensors",
-    "relative_motions",
-    "leads",
+    *MEASURED,
     "ropes",
     "tanks",
     "fluid_loads",
@@ -287,8 +286,11 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
     forces = [
         force for force in known("forces", made["forces"]) if getattr(force, "joint", None) in {None, *along}
     ]
-    forces += known("relative_motions", made["relative_motions"])
-    forces += known("leads", made["leads"])
+    ropes = known("ropes", made["ropes"])
+    pulling = {rope.name for rope in ropes}
+    for key in MEASURED:
+        watching = known(key, made[key])
+        forces += [one for one in watching if pulling.issuperset(getattr(one, "watched_ropes", ()))]
     decks, transporters = known("decks", made["decks"]), known("transporters", made["transporters"])
     road_known = len(decks) == len(case.decks)
     from heavylift.solver.layout import pack_scene
@@ -300,7 +302,7 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
                 tuple(forces),
                 tuple(known("sensors", made["sensors"])),
                 joints=tuple(held),
-                ropes=tuple(known("ropes", made["ropes"])),
+                ropes=tuple(ropes),
                 decks=tuple(decks),
                 transporters=tuple(transporters) if road_known else (),
             ),

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.sea import Sea
 
 __all__ = [
+    "MEASURED",
     "assemble_rigid",
     "assemble_scene",
     "modal_coordinates",
@@ -49,6 +50,9 @@ __all__ = [
     "points_on",
     "start_of_frame",
 ]
+
+MEASURED = ("relative_motions", "leads", "lugs", "hook_loads", "rope_groups")
+"""Lists of tables of what only watches, as `heavylift.solver.scene.connections.MEASURES` describes it."""
 
 
 def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
@@ -97,8 +101,8 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     sides = start_sides(bodies, origins)
     forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
     forces += assemble_list(case, "forces", sides)
-    forces += assemble_list(case, "relative_motions", sides)
-    forces += assemble_list(case, "leads", sides)
+    for key in MEASURED:
+        forces += assemble_list(case, key, sides)
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:

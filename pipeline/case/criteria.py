@@ -68,7 +68,6 @@ __all__ = [
     "SlingCriterion",
     "TiltCriterion",
     "check_criterion",
-    "lug_end",
     "parts_to",
     "phase_names",
     "sensor_at",
@@ -184,33 +183,44 @@ class _OneChannel:
         return core_schema.with_info_after_validator_function(self.check, handler(str))
 
 
-def _ropes(given: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
-    """Names of ropes, and of what else has a tension, that names and patterns stand for, each once."""
-    context = CaseContext.of(info)
-    if context is None:
-        return given
-    found: list[str] = []
-    for index, pattern in enumerate(given):
-        try:
-            members = channel_members(f"{pattern}.tension", context.names)
-            for member in members:
-                parse_quantity_name(f"channel.{member}.max", context.names)
-                if member.partition(".")[0] not in context.names.names:
-                    raise InputError(f"{pattern!r} does not exist", expected="a rope")  # noqa: TRY301
-        except InputError as error:
-            problem = error.problem if "exist" in error.problem else f"{pattern!r} has no tension"
-            owners = [name for name, own in context.names.channels.items() if "tension" in own]
-            reject(
-                problem if "no name fits" not in error.problem else f"no rope fits {pattern!r}",
-                f"ropes or patterns of ropes: {', '.join(owners[:20]) or 'the case has none'}",
-                key=str(index),
-            )
-        found += [member.partition(".")[0] for member in members]
-    return tuple(dict.fromkeys(found))
+class _Owners:
+    """Annotation of names, and patterns of names, of what has a channel; validates to all that they stand for."""
+
+    def __init__(self, one: str, channel: str, lacks: str) -> None:
+        self.one, self.channel, self.lacks = one, channel, lacks
+
+    def check(self, given: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        """Each name once."""
+        context = CaseContext.of(info)
+        if context is None:
+            return given
+        found: list[str] = []
+        for index, pattern in enumerate(given):
+            try:
+                members = channel_members(f"{pattern}.{self.channel}", context.names)
+                for member in members:
+                    parse_quantity_name(f"channel.{member}.max", context.names)
+                    if member.partition(".")[0] not in context.names.names:
+                        raise InputError(f"{pattern!r} does not exist", expected=f"a {self.one}")  # noqa: TRY301
+            except InputError as error:
+                problem = error.problem if "exist" in error.problem else f"{pattern!r} {self.lacks}"
+                owners = [name for name, own in context.names.channels.items() if self.channel in own]
+                reject(
+                    problem if "no name fits" not in error.problem else f"no {self.one} fits {pattern!r}",
+                    f"{self.one}s or patterns of {self.one}s: {', '.join(owners[:20]) or 'the case has none'}",
+                    key=str(index),
+                )
+            found += [member.partition(".")[0] for member in members]
+        return tuple(dict.fromkeys(found))
+
+    def __get_pydantic_core_schema__(self, _source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_after_validator_function(self.check, handler(_source))
 
 
-Ropes = Annotated[tuple[str, ...], Field(min_length=1), AfterValidator(_ropes)]
-"""Names of ropes and patterns; validates to all that they stand for."""
+Ropes = Annotated[tuple[str, ...], Field(min_length=1), _Owners("rope", "tension", "has no tension")]
+"""Names of ropes, and of what else has a tension, and patterns; validates to all that they stand for."""
+Lugs = Annotated[tuple[str, ...], Field(min_length=1), _Owners("lug", "out_of_plane", "is no lug")]
+"""Names of lugs and patterns; validates to all that they stand for."""
 Rated = Annotated[Rating, _Rated()]
 Moment = Annotated[str | float, _Moment()]
 Factor = Annotated[float, Quantity("number", minimum=1.0, closed=True)]
@@ -437,15 +447,11 @@ class ShackleCriterion(_Rigged):
 
 
 class LugCriterion(_Rigged):
-    """Forces of ropes on the lugs of a body, in the plane of the eye and across it, and their angle to that plane."""
+    """Forces of ropes on lugs, in the plane of the eye and across it, and their angle to that plane."""
 
     type: Literal["lug"]
-    ropes: Ropes
-    """Ropes that end on the body, by names or patterns."""
-    body: BodyName
-    """Body with the lugs."""
-    normal: Direction
-    """Normal of the plane of the eye, along its pin, in the coordinates of the geometry of the body."""
+    lugs: Lugs
+    """Lugs of ``[[lugs]]``, by names or patterns: ``["lug_*"]``."""
     in_plane: Rated | None = None
     """What a lug may carry in its plane; not judged if absent."""
     out_of_plane: Rated | None = None
@@ -646,26 +652,11 @@ def check_criterion(case: Any, index: int) -> None:
                         "a rope between the crane and the body of the hook",
                         key=f"{key}.fall",
                     )
-        case SlingAngleCriterion() | LugCriterion():
+        case SlingAngleCriterion():
             for number, name in enumerate(criterion.ropes):
                 _check_path(case, name, f"{key}.ropes.{number}")
-            if isinstance(criterion, LugCriterion):
-                _check_axes(case, criterion.body, f"{key}.body")
-                for number, name in enumerate(criterion.ropes):
-                    if lug_end(case, name, criterion.body) is None:
-                        reject(
-                            f"{name!r} does not end on {criterion.body!r}",
-                            "ropes with an end on this body",
-                            key=f"{key}.ropes.{number}",
-                        )
         case TiltCriterion():
             _check_axes(case, criterion.body, f"{key}.body")
-
-
-def lug_end(case: Any, rope: str, body: str) -> int | None:
-    """Index of the end of a rope that is on a body; None if neither is."""
-    path = next(one.path for one in case.ropes if one.name == rope)
-    return next((end for end in (len(path) - 1, 0) if path[end].body == body), None)
 
 
 def phase_names(case: Any) -> list[str]:

@@ -4,6 +4,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING
+from fnmatch import fnmatchcase
 from functools import cache, reduce
 from operator import or_
 from types import GenericAlias, UnionType
@@ -45,6 +46,7 @@ from heavylift.numerics.quantity import (
     quantity_schema,
 )
 from heavylift.pipeline.case.channel_kinds import joint_coordinate
+from heavylift.pipeline.case.channel_names import is_pattern
 from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.fields import (
     BodyName,
@@ -372,6 +374,37 @@ def _known_fluid(name: str, info: ValidationInfo) -> str:
     return name
 
 
+def _known_rope(name: str, info: ValidationInfo) -> str:
+    context = CaseContext.of(info)
+    if context:
+        refuse_unknown("rope", name, _ropes_of(context))
+    return name
+
+
+def _known_ropes(given: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+    """Names of ropes that names and patterns stand for, each once."""
+    context = CaseContext.of(info)
+    if context is None:
+        return given
+    found: list[str] = []
+    for index, name in enumerate(given):
+        if is_pattern(name):
+            fits = [rope for rope in _ropes_of(context) if fnmatchcase(rope, name)]
+            if not fits:
+                known = ", ".join(_ropes_of(context)[:20])
+                reject(f"no rope fits {name!r}", f"ropes of: {known or 'none'}", key=str(index))
+            found += fits
+        else:
+            refuse_unknown("rope", name, _ropes_of(context), key=str(index))
+            found.append(name)
+    return tuple(dict.fromkeys(found))
+
+
+def _ropes_of(context: CaseContext) -> list[str]:
+    """Names of what has a path along which there are tensions."""
+    return [name for name, channels in context.names.channels.items() if "segment_tension" in channels]
+
+
 _NAMES: Mapping[str, Any] = {
     "body": BodyName,
     "side": SideName,
@@ -379,6 +412,8 @@ _NAMES: Mapping[str, Any] = {
     "joint": Annotated[str, AfterValidator(_turns_or_slides)],
     "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
     "rope": str,  # what it follows is known where all ropes are
+    "known rope": Annotated[str, AfterValidator(_known_rope)],
+    "ropes": Annotated[tuple[str, ...], AfterValidator(_known_ropes)],
 }
 """By what a name is the name of."""
 

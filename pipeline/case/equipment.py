@@ -171,6 +171,7 @@ _ONE = {
     "joints": "joint",
     "ropes": "rope",
     "leads": "lead",
+    "hook_loads": "hook load",
     "falls": "falls",
     "surfaces": "surface",
 }
@@ -204,6 +205,11 @@ class _Places:
         if row.get("type") != "rigid":
             return None
         return self.world(body, _lengths(row.get("centre_of_mass", (0.0, 0.0, 0.0))))
+
+    def has_steps(self) -> bool:
+        """Whether the case is simulated with `dele2`, of which measures follow the steps."""
+        simulate = self._document.get("simulate")
+        return not isinstance(simulate, dict) or simulate.get("integrator", "dele2") == "dele2"
 
     def hangs_alone(self, body: str) -> bool:
         """Whether a body is free, and nothing is on it: nor in a builder but one, nor in another table."""
@@ -261,6 +267,9 @@ _WATCHING = frozenset(
         "sensors",
         "relative_motions",
         "leads",
+        "lugs",
+        "hook_loads",
+        "rope_groups",
         "surfaces",
         "report",
         "check",

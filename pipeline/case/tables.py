@@ -323,7 +323,7 @@ class SceneTables(Section):
     """Floating cranes: a boom that luffs on a hull, with hooks on falls."""
     falls: Annotated[
         tuple[Annotated[Any, Chosen(EQUIPMENT, word="falls")], ...],
-        Table("Falls", "falls", records=(), move=_move_hook),
+        Table("Falls", "falls", "apart", records=(), move=_move_hook),
     ] = ()
     """Hook blocks on ropes of n parts."""
     equalizers: Annotated[
@@ -429,6 +429,21 @@ class SceneTables(Section):
         Table("Leads", "lead", move=_move_sides),
     ] = ()
     """Angles of ropes against where they should point."""
+    lugs: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="lugs")], ...],
+        Table("Lugs", "lug"),
+    ] = ()
+    """Forces of ropes on lugs, in the plane of the eye and across it."""
+    hook_loads: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="hook_loads")], ...],
+        Table("Hook loads", "hook load"),
+    ] = ()
+    """What hangs on bodies that ropes carry."""
+    rope_groups: Annotated[
+        tuple[Annotated[Any, Chosen(MEASURES, word="rope_groups")], ...],
+        Table("Rope groups", "rope group"),
+    ] = ()
+    """Tensions of ropes that share a load."""
     scenario: ScenarioSection | None = None
     """Phases of an operation."""
 

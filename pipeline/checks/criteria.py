@@ -26,7 +26,6 @@ from heavylift.pipeline.case.criteria import (
     SlingAngleCriterion,
     SlingCriterion,
     TiltCriterion,
-    lug_end,
     parts_to,
     phase_names,
     sensor_at,
@@ -448,10 +447,17 @@ class _Forces(NamedTuple):
     seen: str
 
 
-def _forces(run: _Run, channels: dict[str, str], scale: float = 1.0, more: float = 0.0) -> _Forces:
+def _forces(
+    run: _Run,
+    channels: dict[str, str],
+    scale: float = 1.0,
+    more: float = 0.0,
+    amounts: dict[str, NDArray[np.float64]] | None = None,
+) -> _Forces:
     """Forces of channels ``"channel.fall.tension"``, by where: largest ones of the run, or those at rest with a factor.
 
-    `scale` is the number of parts of a fall, `more` what is added at rest [N].
+    `scale` is the number of parts of a fall, `more` what is added at rest [N]. `amounts` are the largest ones of the
+    run where forces have a sign that does not count.
     """
     criterion = run.criterion
     own = [
@@ -461,15 +467,15 @@ def _forces(run: _Run, channels: dict[str, str], scale: float = 1.0, more: float
     ]
     product = math.prod(factor.value or 1.0 for factor in own)
     if criterion.dynamic_factor is None:
-        values = {
-            where: product * (scale * run.history(name, "max") + more) for where, name in channels.items()
-        }
+        largest = amounts or {where: run.history(name, "max") for where, name in channels.items()}
+        values = {where: product * (scale * found + more) for where, found in largest.items()}
         daf = Factor("DAF", None, _IN_RUN)
         return _Forces(values, run.times, (daf, *own), run.seen(list(channels.values()), "max"))
     factor = criterion.dynamic_factor
+    resting = {where: run.at_rest(name) for where, name in channels.items()}
     values = {
-        where: np.array([product * factor * (scale * run.at_rest(name) + more)])
-        for where, name in channels.items()
+        where: np.array([product * factor * (scale * (abs(rest) if amounts else rest) + more)])
+        for where, rest in resting.items()
     }
     return _Forces(values, np.empty(0), (Factor("DAF", factor, _GIVEN), *own), "")
 
@@ -604,46 +610,60 @@ def _sling_angle(run: _Run, c: SlingAngleCriterion) -> list[CriterionResult]:
 
 
 def _lug(run: _Run, c: LugCriterion) -> list[CriterionResult]:
-    normal = np.array(c.normal, dtype=np.float64)
-    normals = np.asarray(run.rotations(c.body).apply(normal / np.linalg.norm(normal)))
-    sines = {}
-    for rope in c.ropes:
-        begins, ends = run.parts(rope)
-        d = begins[-1] - ends[-1] if lug_end(run.case, rope, c.body) else ends[0] - begins[0]
-        sine = np.sum(d * normals, axis=1) / np.linalg.norm(d, axis=1)
-        sines[rope] = np.clip(np.abs(sine), 0.0, 1.0)
-    angles = {rope: np.arcsin(sine) for rope, sine in sines.items()}
-    clause = run.default("maximum_angle", rules.clause("out-of-plane angle at padeyes"))
-    rows = [_angles(run, "angle to the plane of the eye", angles, c.maximum_angle, "<=", (clause,))]
-    forces = _forces(run, _tensions(c.ropes))
+    def channels(part: str) -> dict[str, str]:
+        return {lug: f"channel.{lug}.{part}" for lug in c.lugs}
+
+    def amounts(part: str) -> dict[str, NDArray[np.float64]]:
+        """Largest amounts since the record before of what has a sign."""
+        return {
+            lug: np.maximum(run.history(name, "max"), -run.history(name, "min"))
+            for lug, name in channels(part).items()
+        }
+
+    forces, angles = _forces(run, channels("force")), amounts("angle")
+    idle = [lug for lug in c.lugs if not run.history(f"channel.{lug}.force", "max").any()]
+    carrying = [lug for lug in c.lugs if lug not in idle]
+    rows = [
+        run.result(
+            "angle to the plane of the eye",
+            "rad",
+            [_Series(lug, angles[lug], c.maximum_angle) for lug in carrying]
+            or [_Series("", np.full(len(run.times), np.nan), c.maximum_angle)],
+            (run.default("maximum_angle", rules.clause("out-of-plane angle at padeyes")),),
+            seen=run.seen(list(channels("angle").values()), "max"),
+            note=f"never carries: {', '.join(idle)}" if idle else "",
+        )
+    ]
     point = rules.clause("lift point load")
-    judged = (
-        (c.in_plane, "force in the plane of the eye", (point,), lambda s: np.sqrt(1.0 - s * s), ()),
-        (
-            c.out_of_plane,
-            "force across the plane of the eye",
-            (point, run.default("lateral_share", rules.clause("lateral load at lift points"))),
-            lambda s: np.maximum(s, c.lateral_share),
-            (Factor("least lateral share", c.lateral_share, _GIVEN),),
-        ),
-    )
-    for rating, what, clauses, share, more in judged:
-        if rating is None:
-            continue
-        limit = run.newtons(rating)
+    if c.in_plane is not None:
+        inside = _forces(run, channels("in_plane"))
+        limit = run.newtons(c.in_plane)
         rows.append(
             run.result(
-                what,
+                "force in the plane of the eye",
+                "N",
+                [_Series(lug, values, limit) for lug, values in inside.values.items()],
+                (point,),
+                factors=inside.factors,
+                seen=inside.seen,
+                times=inside.times,
+            )
+        )
+    if c.out_of_plane is not None:
+        across = _forces(run, channels("out_of_plane"), amounts=amounts("out_of_plane"))
+        limit = run.newtons(c.out_of_plane)
+        rows.append(
+            run.result(
+                "force across the plane of the eye",
                 "N",
                 [
-                    _Series(
-                        rope, np.where(_carried(run, rope), forces.values[rope] * share(sine), 0.0), limit
-                    )
-                    for rope, sine in sines.items()
+                    _Series(lug, np.maximum(values, c.lateral_share * forces.values[lug]), limit)
+                    for lug, values in across.values.items()
                 ],
-                clauses,
-                factors=(*forces.factors, *more),
-                seen=forces.seen or run.records,
+                (point, run.default("lateral_share", rules.clause("lateral load at lift points"))),
+                factors=(*across.factors, Factor("least lateral share", c.lateral_share, _GIVEN)),
+                seen=across.seen,
+                times=across.times,
             )
         )
     return rows

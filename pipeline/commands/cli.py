@@ -29,7 +29,7 @@ from heavylift.pipeline.commands.command_line import (
     print_json,
     print_lines,
 )
-from heavylift.pipeline.commands.sea import SEA_COMMANDS
+from heavylift.pipeline.commands.sea import SEA_COMMANDS, Seeds
 from heavylift.pipeline.commands.start import main
 
 if TYPE_CHECKING:
@@ -192,10 +192,13 @@ def criteria(
     out: Out = None,
     set_: Set = (),
     force: Force = False,
+    seeds: Seeds = None,
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
     """Run a case and judge it by its [[criteria]]: what is used of each limit, when, where, by which clause.
+
+    With seeds the worst of all runs counts, and the distribution of what they use is told.
 
     Exit code: 0 if every criterion passed, 1 if some failed, 2 for bad input, above 2 if the run stopped.
     """
@@ -203,7 +206,7 @@ def criteria(
     def command(log: "Log") -> int:
         from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
 
-        judged = judge_case(case, out=out, overrides=set_, force=force, log=log)
+        judged = judge_case(case, out=out, overrides=set_, force=force, seeds=seeds, log=log)
         if json:
             print_json(criteria_document(judged))
         else:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.log import Log
 
@@ -33,7 +35,7 @@ class JudgedCase:
     results
         Lines of the table, if it got to its criteria.
     message
-        Why not, if it did not.
+        Why not, if it did not; of several runs which stopped by themselves.
     """
 
     case: str
@@ -43,9 +45,15 @@ class JudgedCase:
 
 
 def judge_case(
-    path: Path, *, out: Path | None, overrides: Sequence[str], force: bool, log: Log
+    path: Path,
+    *,
+    out: Path | None,
+    overrides: Sequence[str],
+    force: bool,
+    log: Log,
+    seeds: int | None = None,
 ) -> JudgedCase:
-    """Run what the criteria of a case need, and evaluate them.
+    """Run what the criteria of a case need, and evaluate them: of its run, or the worst of runs with so many seeds.
 
     Raises
     ------
@@ -59,6 +67,8 @@ def judge_case(
     case = load_changed_case(path, overrides)
     if not case.criteria:
         raise InputError("no criteria", source=case.file, expected="[[criteria]] with name and type")
+    if seeds is not None:
+        return _judge_seeds(case, path, out, overrides, seeds, force=force, log=log)
     stages: tuple[str, ...] = ("mesh", "modes", "simulate")
     if case.simulate is None:
         stages = needed_stages([text for one in case.criteria if (text := getattr(one, "quantity", ""))])
@@ -68,6 +78,62 @@ def judge_case(
     results = tuple(evaluate_criteria(case, report.folder.root))
     passed = all(result.passed for result in results)
     return JudgedCase(case.name, Outcome.COMPLETED if passed else Outcome.CHECK_FAILED, results)
+
+
+def _judge_seeds(
+    case: Case,
+    path: Path,
+    out: Path | None,
+    overrides: Sequence[str],
+    seeds: int,
+    *,
+    force: bool,
+    log: Log,
+) -> JudgedCase:
+    """The worst of several runs, line by line; one that stopped by itself has passed nothing."""
+    from heavylift.pipeline.checks.criteria import evaluate_criteria
+    from heavylift.pipeline.commands.statistics import simulate_seeds, told_stops
+
+    root = case.output_folder if out is None else out
+    runs = simulate_seeds(case, root, path, overrides, seeds, evaluate_criteria, log, force=force)
+    judged = [(run.seed, run.found) for run in runs if run.found is not None]
+    results = ()
+    if judged:
+        lines = zip(*(found for _, found in judged), strict=True)
+        results = tuple(_worst([seed for seed, _ in judged], line) for line in lines)
+    passed = all(result.passed for result in results)
+    outcome = Outcome.COMPLETED if passed else Outcome.CHECK_FAILED
+    stopped = [run.outcome for run in runs if run.found is None]
+    message = "\n".join(line.strip() for line in told_stops(runs))
+    return JudgedCase(case.name, stopped[0] if stopped else outcome, results, message)
+
+
+def _worst(seeds: Sequence[int], line: Sequence[CriterionResult]) -> CriterionResult:
+    """The run in which a line of the table has the least margin, relative to its limit, and what all runs use of it."""
+    from heavylift.pipeline.results.statistics import LEAST_RUNS, PROBABILITY, at_extreme, gumbel_fit
+
+    def room(result: CriterionResult) -> float:
+        scaled = result.margin / (abs(result.limit) or 1.0)
+        return scaled if math.isfinite(scaled) else -math.inf
+
+    place = min(range(len(line)), key=lambda one: (line[one].passed, room(line[one])))
+    worst, words = line[place], [f"the worst of {len(line)} seeds"]
+    used = [result.utilisation for result in line]
+    known = [value for value in used if value is not None]
+    if len(known) == len(line) >= LEAST_RUNS and not at_extreme(known):
+        fit = gumbel_fit(known)
+        low, high = fit.band(PROBABILITY)
+        expected, most = 100.0 * fit.mean, 100.0 * fit.quantile(PROBABILITY)
+        words.append(
+            f"expected to be used {expected:.4g} %; {most:.4g} % with {100.0 * PROBABILITY:g} % probability "
+            f"(Gumbel, between {100.0 * low:.4g} and {100.0 * high:.4g} % with 90 % confidence)"
+        )
+    return replace(
+        worst,
+        where=", ".join(filter(None, (worst.where, f"seed {seeds[place]}"))),
+        note="; ".join(filter(None, (worst.note, *words))),
+        warns=any(result.warns for result in line),
+    )
 
 
 def criteria_document(judged: JudgedCase) -> dict[str, Any]:

@@ -7,38 +7,54 @@ import io
 import math
 import os
 import shutil
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.pictures.plots import few_colours, figure_png
 from heavylift.pipeline.results.signals import scaled_unit
-from heavylift.pipeline.results.statistics import LEAST_RUNS, PROBABILITY, chosen_columns, column_statistics
+from heavylift.pipeline.results.statistics import (
+    LEAST_RUNS,
+    PROBABILITY,
+    chosen_columns,
+    column_statistics,
+    run_statistics,
+)
 from heavylift.pipeline.results.storage import OutputFolder, StopError, replacing, write_json
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.histories import Results
-    from heavylift.pipeline.results.statistics import ColumnStatistics, GumbelFit
+    from heavylift.pipeline.results.statistics import Column, ColumnStatistics, GumbelFit, RunStatistics
 
 __all__ = [
+    "SeedRun",
     "gumbel_plots",
     "seed_keys",
     "simulate_seeds",
     "spectrum_plots",
     "statistics_command",
+    "told_stops",
 ]
+
+T = TypeVar("T")
 
 PANELS = 6
 """Of a picture."""
 
 ENERGY_SHOWN = 0.999
 """Part of the variance up to which a spectrum is drawn."""
+
+ENDS_ALL = frozenset(
+    {Outcome.INTERRUPTED, Outcome.DISK_FULL, Outcome.LOCKED, Outcome.OUT_OF_MEMORY, Outcome.FAULT}
+)
+"""Ends of a run that say nothing of what is simulated."""
 
 _DPI = 110
 _INK, _GREY = "#1d2733", "#66707c"
@@ -184,11 +200,53 @@ def seed_keys(case: Case) -> dict[str, int]:
     return found
 
 
+@dataclass(frozen=True)
+class SeedRun(Generic[T]):
+    """The run of a seed.
+
+    Attributes
+    ----------
+    seed
+        The smallest of its seeds.
+    outcome, message
+        How it ended.
+    found
+        What was taken from its records; None of a run that stopped by itself.
+    """
+
+    seed: int
+    outcome: Outcome
+    message: str
+    found: T | None
+
+    def row(self) -> dict[str, Any]:
+        """As a document has it."""
+        return {"seed": self.seed, "outcome": self.outcome.name.lower(), "message": self.message}
+
+
 def simulate_seeds(
-    case: Case, root: Path, path: Path, overrides: Sequence[str], count: int, log: Log
-) -> tuple[list[int], list[Results]]:
-    """Runs of several seeds, each in a folder of its own below ``seeds``; those that are there are not repeated."""
-    from heavylift.pipeline.results.histories import load_results
+    case: Case,
+    root: Path,
+    path: Path,
+    overrides: Sequence[str],
+    count: int,
+    take: Callable[[Case, Path], T],
+    log: Log,
+    *,
+    force: bool = False,
+) -> list[SeedRun[T]]:
+    """Runs of several seeds, each in a folder of its own below ``seeds``; those that are there are not repeated.
+
+    Of each run `take` takes what is wanted from the case of its seed and its folder, so that the records of one run are
+    in memory. A run that stops by itself is one without, and the others go on.
+
+    Raises
+    ------
+    InputError
+        If nothing has a seed, or fewer runs are wanted than tell something.
+    StopError
+        If bodies could not be prepared, somebody interrupts, or the machine has no room.
+    """
     from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
     keys = seed_keys(case)
@@ -205,23 +263,36 @@ def simulate_seeds(
         raise InputError(
             "no [simulate] section", source=case.file, expected="step or tolerance, output_interval, duration"
         )
-    made = run_case(case, out=root, stages=("mesh", "modes"), log=log)
+    prepared = ("mesh", "modes")
+    made = run_case(case, out=root, stages=prepared, force=prepared if force else (), log=log)
     if made.outcome is not Outcome.COMPLETED:
         raise StopError(made.outcome, made.message)
     main = OutputFolder(root)
-    runs, first = [], min(keys.values())
+    runs: list[SeedRun[T]] = []
+    first = min(keys.values())
     for number in range(count):
         changes = [*overrides, *(f"{key}={seed + number}" for key, seed in keys.items())]
         varied = load_changed_case(path, changes)
         folder = root / "seeds" / f"seed_{first + number}"
         for stage in ("mesh", "modes"):  # the same for all seeds: surfaces and databases too
             _link(main.stage(stage), folder / stage)
-        log.say(f"statistics: seed {first + number}, run {number + 1} of {count}")
-        done = run_case(varied, out=folder, stages=("mesh", "modes", "simulate"), log=log)
-        if done.outcome is not Outcome.COMPLETED:
+        log.say(f"seed {first + number}, run {number + 1} of {count}")
+        again = ("simulate",) if force else ()
+        done = run_case(varied, out=folder, stages=("mesh", "modes", "simulate"), force=again, log=log)
+        if done.outcome in ENDS_ALL:
             raise StopError(done.outcome, f"seed {first + number}: {done.message}")
-        runs.append(load_results(varied, folder))
-    return [first + number for number in range(count)], runs
+        found = take(varied, folder) if done.outcome is Outcome.COMPLETED else None
+        runs.append(SeedRun(first + number, done.outcome, done.message, found))
+    return runs
+
+
+def told_stops(runs: Sequence[SeedRun[Any]]) -> list[str]:
+    """Lines of the runs that stopped by themselves."""
+    stopped = [run for run in runs if run.found is None]
+    if not stopped:
+        return []
+    lines = [f"  {len(stopped)} of {len(runs)} runs stopped by themselves and are in none of these numbers:"]
+    return [*lines, *(f"    seed {run.seed}: {run.message.splitlines()[0]}" for run in stopped)]
 
 
 def _link(source: Path, target: Path) -> None:
@@ -273,42 +344,58 @@ def statistics_command(
     InputError
         If there are no results, no seeds, unknown channels, or too few records after the begin.
     StopError
-        If a run stops by itself.
+        If so many runs stop by themselves that too few are left.
     """
     from heavylift.pipeline.results.histories import load_results
-    from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.pipeline.stages.stages import load_changed_case, locked
 
     case = load_changed_case(path, overrides)
     root = Path(out) if out is not None else case.output_folder
     begin = (0.0 if case.sea is None else case.sea.ramp) if after is None else after
-    first_seeds: list[int] = []
+
+    def take(run: Results) -> list[tuple[Column, RunStatistics]]:
+        return [(column, run_statistics(column, run, begin)) for column in chosen_columns(run, channels)]
+
+    runs: list[SeedRun[list[tuple[Column, RunStatistics]]]] = []
     if seeds is None:
-        runs = [load_results(case, root)]
-        if runs[0].outcome != "completed":
-            log.say(f"statistics: the run is not complete: {runs[0].outcome}")
+        results = load_results(case, root)
+        if results.outcome != "completed":
+            log.say(f"statistics: the run is not complete: {results.outcome}")
+        taken = [take(results)]
     else:
-        first_seeds, runs = simulate_seeds(case, root, path, overrides, seeds, log)
-    columns = chosen_columns(runs[0], channels)
-    found = [column_statistics(column, runs, begin) for column in columns]
+        runs = simulate_seeds(
+            case, root, path, overrides, seeds, lambda varied, at: take(load_results(varied, at)), log
+        )
+        taken = [run.found for run in runs if run.found is not None]
+        if len(taken) < LEAST_RUNS:
+            stopped = next(run for run in runs if run.found is None)
+            told = f"{len(taken)} of {len(runs)} runs completed; seed {stopped.seed}: {stopped.message}"
+            raise StopError(stopped.outcome, told)
+    found = [
+        column_statistics(column, [one[place][1] for one in taken])
+        for place, (column, _) in enumerate(taken[0])
+    ]
     folder = OutputFolder(root).stage("statistics")
-    document = {
+    document: dict[str, Any] = {
         "case": case.name,
         "after": begin,
-        "seeds": first_seeds,
+        "seeds": [run.seed for run in runs if run.found is not None],
+        "runs": [run.row() for run in runs],
         "channels": [one.entry() for one in found],
     }
     with locked(root):
-        files = _write(folder, document, found, first_seeds, case.name)
+        files = _write(folder, document, found, runs, case.name)
     document["files"] = [str(file) for file in files]
-    return document, [*_lines(document), "", *(f"  written: {file}" for file in files)]
+    stops = told_stops(runs)
+    lines = [*_lines(document), *([""] if stops else []), *stops]
+    return document, [*lines, "", *(f"  written: {file}" for file in files)]
 
 
 def _write(
     folder: Path,
     document: Mapping[str, Any],
     found: Sequence[ColumnStatistics],
-    seeds: Sequence[int],
+    runs: Sequence[SeedRun[Any]],
     case: str,
 ) -> list[Path]:
     """Tables and pictures."""
@@ -334,15 +421,22 @@ def _write(
             files.append(folder / f"spectra_{number}.png")
             with replacing(files[-1]) as temporary:
                 temporary.write_bytes(png)
-    if seeds:
+    if runs:
         files.append(folder / "extremes.csv")
-        header = ["seed", *(f"{one.column.name} {side}" for one in found for side in ("maximum", "minimum"))]
-        table_rows = [
-            [seed, *(value for one in found for value in (one.records[k].maximum, one.records[k].minimum))]
-            for k, seed in enumerate(seeds)
-        ]
+        sides = ("maximum", "minimum")
+        header = ["seed", "outcome", *(f"{one.column.name} {side}" for one in found for side in sides)]
+        table_rows: list[list[Any]] = []
+        completed = 0
+        for run in runs:
+            table_rows.append([run.seed, run.outcome.name.lower()])
+            if run.found is None:
+                table_rows[-1] += [""] * (len(header) - 2)
+                continue
+            records = [one.records[completed] for one in found]
+            table_rows[-1] += [value for one in records for value in (one.maximum, one.minimum)]
+            completed += 1
         _write_csv(files[-1], [header, *table_rows])
-        title = f"{case}: extremes of {len(seeds)} runs"
+        title = f"{case}: extremes of {completed} runs"
         for number, png in enumerate(gumbel_plots(found, title=title), start=1):
             files.append(folder / f"extremes_{number}.png")
             with replacing(files[-1]) as temporary:
@@ -384,17 +478,26 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
         lines.append(f"  {one['channel']:<{wide}s}{unit:<6s}{words}{period}")
     if not any("maxima" in one for one in document["channels"]):
         return lines
+    kept = f"{100.0 * PROBABILITY:g} %"
     lines += [
         "",
-        "  extremes of a run (Gumbel): most probable, expected, and the value that is kept with 90 %",
-        "",
+        f"  extremes of a run (Gumbel): most probable, expected, and what {kept} of runs keep within, its",
     ]
+    lines += ["  standard error, and where it is with 90 % confidence, as so many runs tell", ""]
     for side in ("maxima", "minima"):
         for one in document["channels"]:
             factor, unit = (180.0 / math.pi, "deg") if one["unit"] == "rad" else (1.0, one["unit"])
             fit = one[side]
+            if "tied" in fit:
+                words = (
+                    f"  {fit['tied']} of {fit['count']} runs share it: a limit, no distribution of extremes"
+                )
+                lines.append(f"  {one['channel']:<{wide}s}{unit:<6s}{side[:3]}{words}")
+                continue
             numbers = [fit["mode"], fit["expected"], fit[f"quantile_{PROBABILITY:g}"]]
             error = factor * fit[f"standard_error_{PROBABILITY:g}"]
             words = "".join(f"{factor * value:>12.5g}" for value in numbers)
-            lines.append(f"  {one['channel']:<{wide}s}{unit:<6s}{side[:3]}{words}  +- {error:.2g}")
+            low, high = (factor * end for end in fit[f"band_{PROBABILITY:g}"])
+            band = f"{low:.5g} to {high:.5g}"
+            lines.append(f"  {one['channel']:<{wide}s}{unit:<6s}{side[:3]}{words}  +- {error:.2g}  {band}")
     return lines

@@ -28,7 +28,7 @@ from heavylift.solver.scene.connections import Winch
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
 
-__all__ = ["Falls"]
+__all__ = ["Falls", "sheaves_aside"]
 
 
 @EQUIPMENT.part
@@ -76,7 +76,7 @@ class Falls:
     """A hook block on a rope of n parts, which a winch hauls in."""
 
     CHANNELS: ClassVar = ()
-    """None of its own: rope, block and the place of the block below its crown have theirs."""
+    """None of its own: what it writes has them, the hook load, which has its name, among them."""
 
     name: str
     crown: FallsCrown
@@ -138,13 +138,13 @@ class Falls:
 
     @staticmethod
     def build(said: Any, places: Places, made: Made) -> None:
-        """Write block, rope and the place of the block below its crown."""
+        """Write block, rope, what hangs on the hook, and the place of the block below its crown."""
         name, r, count = said.name, said.sheave_radius, said.parts // 2
         along, angle = heading(said.along, "along")
         across = np.cross(-DOWN, along)
         crown = places.world(said.crown.body, said.crown.point)
+        aside = sheaves_aside(said.parts, r, said.sheave_spacing)
         spacing = said.sheave_spacing or 0.25 * r
-        aside = (np.arange(count) - 0.5 * (count - 1)) * spacing
         depth, mass, width = said.block.hook_depth, said.block.mass, count * spacing
         box = [mass * (a * a + b * b) / 12.0 for a, b in ((width, depth), (2 * r, depth), (2 * r, width))]
         place = crown + said.drop * DOWN
@@ -192,6 +192,9 @@ class Falls:
                 )
             rope["winch"] = rope.get("winch", {}) | {"brake": said.rope.brake}
         made.add("ropes", rope, "rope")
+        if places.has_steps():
+            load = {"name": name, "body": f"{name}_block", "ropes": [f"{name}_rope"]}
+            made.add("hook_loads", load, "block")
         middle = places.local(said.crown.body, crown)
         lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}
         lead |= {
@@ -199,6 +202,12 @@ class Falls:
             for key, way in (("axis", DOWN), ("normal", across))
         }
         made.add("leads", lead | {"points": [list(said.crown.point), [0.0, 0.0, 0.0]]}, "crown")
+
+
+def sheaves_aside(parts: int, radius: float, spacing: float | None) -> NDArray[np.float64]:
+    """Places of the sheaves of a block along their axis [m], shape (parts / 2,)."""
+    count = parts // 2
+    return np.asarray((np.arange(count) - 0.5 * (count - 1)) * (spacing or 0.25 * radius))
 
 
 def _drum(

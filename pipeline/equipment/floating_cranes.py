@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Least, NameOf, Positive, Quantity, Shape
-from heavylift.pipeline.equipment.falls import FallsRope, HookBlock
+from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, sheaves_aside
 from heavylift.pipeline.equipment.moves import Move, Turn, check_moves, positions_of, speeds_of, turned
 from heavylift.pipeline.equipment.parts import EQUIPMENT, given, heading, listed
 
@@ -342,12 +342,24 @@ def _add_stay(said: Any, made: Made, along: NDArray[np.float64], on_carrier: Cal
 def _level(
     said: Any, hook: Any, crown: NDArray[np.float64], drum: NDArray[np.float64] | None
 ) -> dict[str, Any]:
-    """Winch of a hook that moves as it is told and not with the boom; `drum` from the hinge: ahead, left, up [m]."""
+    """Winch of a hook that moves as it is told and not with the boom; `drum` from the hinge: ahead, left, up [m].
+
+    The lead touches the sheave of the crown where its tangent does, wraps it to its far side, and leaves straight down.
+    The other end is at the crown, beside its axis, and turns with the boom.
+    """
+    r = float(said.sheave_radius)
+    first = float(sheaves_aside(hook.parts, r, None)[0])
 
     def needed(angle: float) -> float:
         place = _lift(angle) @ crown
-        lead = 0.0 if drum is None else float(np.linalg.norm(place - drum))
-        return hook.parts * float(place[2]) + lead
+        height = hook.parts * float(place[2])
+        if drum is None:  # both ends turn with the boom, one up and one down
+            return height
+        ahead, left, up = drum - place - [0.0, first, 0.0]
+        away = float(np.hypot(ahead, up))
+        lead = float(np.sqrt(away**2 - r**2 + left**2))
+        wrap = float(np.arctan2(up, ahead)) % (2.0 * np.pi) - float(np.arccos(r / away))
+        return height + lead + r * (wrap - float(np.sin(angle - said.boom.angle)))
 
     times = _times(turned(said.luffing))
     own = speeds_of(hook.moves, float(hook.parts)) if hook.moves else {"times": [0.0], "speeds": [0.0]}

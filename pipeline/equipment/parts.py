@@ -43,6 +43,9 @@ class Places(Protocol):
     def centre_of_mass(self, body: str) -> NDArray[np.float64] | None:
         """Centre of mass of a rigid body in the world [m]; None of what is computed later."""
 
+    def has_steps(self) -> bool:
+        """Whether the case is simulated with the integrator of which measures follow the steps."""
+
     def hangs_alone(self, body: str) -> bool:
         """Whether nothing is on a body beside what builders make."""
 

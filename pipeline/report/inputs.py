@@ -52,6 +52,9 @@ def input_section(case: Case) -> Section:
         )
     items += described_table("relative motion", case.relative_motions)
     items += described_table("lead", case.leads)
+    items += described_table("lug", case.lugs)
+    items += described_table("hook load", case.hook_loads)
+    items += described_table("rope group", case.rope_groups)
     return Section("Inputs", tuple(items))
 
 

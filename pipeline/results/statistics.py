@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -29,12 +30,15 @@ __all__ = [
     "GumbelFit",
     "PowerSpectrum",
     "RecordStatistics",
+    "RunStatistics",
+    "at_extreme",
     "chosen_columns",
     "column_statistics",
     "gumbel_fit",
     "power_spectrum",
     "rayleigh_extreme",
     "record_statistics",
+    "run_statistics",
 ]
 
 EULER = 0.5772156649015329
@@ -123,6 +127,21 @@ class GumbelFit:
         y = _reduced(probability)
         variance = self.mode_error**2 + 2.0 * y * self.covariance + (y * self.scale_error) ** 2
         return math.sqrt(max(variance, 0.0))
+
+    def band(self, probability: float, confidence: float = 0.9) -> tuple[float, float]:
+        """Where `quantile` of the true distribution lies with a confidence, as few records tell, lower value first.
+
+        Notes
+        -----
+        Of fits by likelihood. The distribution of ``(found - true) / found scale`` depends on the number of records
+        alone (L. J. Bain and M. Engelhardt, *Statistical Analysis of Reliability and Life-Testing Models*, 1991), and
+        is found from some thousand samples of that size: unlike the standard errors, which are asymptotic, it has the
+        bias of small samples.
+        """
+        low, high = _pivots(self.count, probability, confidence)
+        found = self.side * self.quantile(probability)
+        ends = sorted(self.side * (found - pivot * self.scale) for pivot in (low, high))
+        return ends[0], ends[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,9 +250,8 @@ def gumbel_fit(extremes: ArrayLike, *, method: str = "likelihood", minima: bool 
     mode = float(np.mean(x)) - EULER * scale
     factors = _MOMENT_FACTORS
     if method == "likelihood" and scale > 0.0:
-        scale = _likelihood_scale(x, scale)
-        low = float(np.min(x))  # keeps the exponentials in range
-        mode = low - scale * math.log(float(np.mean(np.exp(-(x - low) / scale))))
+        found = _likelihood_scale(x, np.array(scale))
+        scale, mode = float(found), float(_likelihood_mode(x, found))
         factors = _LIKELIHOOD_FACTORS
     unit = scale / math.sqrt(n)
     return GumbelFit(
@@ -351,29 +369,48 @@ _MOMENT_FACTORS = (
 """The same of the method of moments: var(mean) = s^2 / n, var(s) = s^2 (kurtosis - 1) / 4n, cov = s^2 skew / 2n."""
 
 
-def _likelihood_scale(x: NDArray[np.float64], start: float) -> float:
-    """Root of ``scale - mean + sum x w / sum w`` with ``w = exp(-x / scale)``, increasing in the scale."""
-    centred = x - np.min(x)
-    mean = float(np.mean(centred))
+def _likelihood_scale(x: NDArray[np.float64], start: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Root of ``scale - mean + sum x w / sum w`` with ``w = exp(-x / scale)``, increasing in the scale.
 
-    def residual(scale: float) -> float:
-        w = np.exp(-centred / scale)
-        return scale - mean + float(centred @ w / np.sum(w))
+    Of samples along the last axis of `x`; `start` are guesses > 0, shape (...,).
+    """
+    centred = x - np.min(x, axis=-1, keepdims=True)
+    mean = np.mean(centred, axis=-1)
+
+    def residual(scale: NDArray[np.float64]) -> NDArray[np.float64]:
+        w = np.exp(-centred / scale[..., None])
+        return np.asarray(scale - mean + np.sum(centred * w, axis=-1) / np.sum(w, axis=-1))
 
     low, high = 0.1 * start, 10.0 * start
-    while residual(low) > 0.0:
-        low *= 0.5
-    while residual(high) < 0.0:
-        high *= 2.0
+    while np.any(above := residual(low) > 0.0):
+        low = np.where(above, 0.5 * low, low)
+    while np.any(below := residual(high) < 0.0):
+        high = np.where(below, 2.0 * high, high)
     for _ in range(200):
         middle = 0.5 * (low + high)
-        if residual(middle) < 0.0:
-            low = middle
-        else:
-            high = middle
-        if high - low < 1e-15 * high:
+        below = residual(middle) < 0.0
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+        if np.all(high - low < 1e-15 * high):
             break
-    return 0.5 * (low + high)
+    return np.asarray(0.5 * (low + high))
+
+
+def _likelihood_mode(x: NDArray[np.float64], scale: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mode that belongs to the scale, of samples along the last axis."""
+    least = np.min(x, axis=-1)  # keeps the exponentials in range
+    weights = np.exp(-(x - least[..., None]) / scale[..., None])
+    return np.asarray(least - scale * np.log(np.mean(weights, axis=-1)))
+
+
+@cache
+def _pivots(count: int, probability: float, confidence: float) -> tuple[float, float]:
+    """Lower and upper quantile of ``(found quantile - true one) / found scale`` of samples of a size."""
+    x = np.random.default_rng(1958).gumbel(size=(max(1000, min(SAMPLES, 200_000 // count)), count))
+    scale = _likelihood_scale(x, np.sqrt(6.0) / math.pi * np.std(x, axis=-1, ddof=1))
+    y = _reduced(probability)
+    pivots = (_likelihood_mode(x, scale) + (scale - 1.0) * y) / scale
+    low, high = np.quantile(pivots, [0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)])
+    return float(low), float(high)
 
 
 def _reduced(probability: float) -> float:
@@ -420,6 +457,12 @@ PROBABILITY = 0.9
 LEAST_RUNS = 3
 """For a distribution of extremes."""
 
+MOST_TIES = 0.1
+"""Part of the runs that may share their extreme."""
+
+SAMPLES = 4000
+"""Of a size, from which bands are found."""
+
 
 SHORTEST = 64
 """Samples from which on a spectrum means something."""
@@ -438,6 +481,25 @@ class Column(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
+class RunStatistics:
+    """Of one column over one record.
+
+    Attributes
+    ----------
+    record
+        Its statistics.
+    spectrum
+        None if it is too short.
+    every_step
+        Whether its extremes are those of all steps.
+    """
+
+    record: RecordStatistics
+    spectrum: PowerSpectrum | None
+    every_step: bool
+
+
+@dataclass(frozen=True, eq=False)
 class ColumnStatistics:
     """Of one column over one or several records of equal length.
 
@@ -453,6 +515,9 @@ class ColumnStatistics:
         Fits to the extremes of the records; None for fewer than three.
     seen
         Of what the extremes are: ``"steps"`` or ``"records"``.
+    ties
+        How many runs share their largest value, and their smallest one, if more than one does: where that are more than
+        a tenth there is a limit, of which no distribution of extremes knows, and no fit.
     """
 
     column: Column
@@ -461,6 +526,7 @@ class ColumnStatistics:
     maxima: GumbelFit | None
     minima: GumbelFit | None
     seen: str = "records"
+    ties: tuple[int, int] = (0, 0)
 
     def entry(self) -> dict[str, Any]:
         """For a document: means over the records, extremes of all, fits."""
@@ -488,14 +554,18 @@ class ColumnStatistics:
             "extremes_of": self.seen,
             "cycles": sum(one.cycles for one in records),
         }
-        for key, fit in (("maxima", self.maxima), ("minima", self.minima)):
+        sides = (("maxima", self.maxima, self.ties[0]), ("minima", self.minima, self.ties[1]))
+        for key, fit, tied in sides:
             if fit is not None:
                 found[key] = {
                     **asdict(fit),
                     "expected": fit.mean,
                     f"quantile_{PROBABILITY:g}": fit.quantile(PROBABILITY),
                     f"standard_error_{PROBABILITY:g}": fit.standard_error(PROBABILITY),
+                    f"band_{PROBABILITY:g}": list(fit.band(PROBABILITY)),
                 }
+            elif tied:
+                found[key] = {"tied": tied, "count": len(records)}
         return found
 
 
@@ -569,17 +639,20 @@ def _angle(owner: str, name: str) -> Column:
     return Column(f"{owner}.{name}", "rad", f"{owner}.orientation", read)
 
 
-def column_statistics(column: Column, runs: Sequence[Results], begin: float) -> ColumnStatistics:
-    """Statistics of a column in each run, from a time on [s]; fits to extremes if there are three runs or more."""
-    histories = [(run.time, column.read(run)) for run in runs]
-    records = tuple(
-        _with_extremes(column, run, record_statistics(*history, begin=begin), begin)
-        for run, history in zip(runs, histories, strict=True)
-    )
-    spectra = []
-    for time, values in histories:
-        if np.count_nonzero(time >= begin) >= SHORTEST:
-            spectra.append(power_spectrum(time, values, begin=begin))
+def run_statistics(column: Column, run: Results, begin: float) -> RunStatistics:
+    """Statistics of a column of one run, from a time on [s]."""
+    time, values = run.time, column.read(run)
+    record = _with_extremes(column, run, record_statistics(time, values, begin=begin), begin)
+    spectrum = None
+    if np.count_nonzero(time >= begin) >= SHORTEST:
+        spectrum = power_spectrum(time, values, begin=begin)
+    return RunStatistics(record, spectrum, _sees_every_step(column, run))
+
+
+def column_statistics(column: Column, runs: Sequence[RunStatistics]) -> ColumnStatistics:
+    """Statistics of a column over runs; fits to extremes if there are three or more, and no limit cuts them off."""
+    records = tuple(run.record for run in runs)
+    spectra = [run.spectrum for run in runs if run.spectrum is not None]
     spectrum = None
     if spectra:
         first, count = spectra[0], min(len(one.density) for one in spectra)
@@ -593,13 +666,25 @@ def column_statistics(column: Column, runs: Sequence[Results], begin: float) -> 
             first.relative_error / math.sqrt(len(spectra)),
         )
     fits: list[GumbelFit | None] = [None, None]
+    ties = [0, 0]
     if len(runs) >= LEAST_RUNS:
+        sides = [record.maximum for record in records], [record.minimum for record in records]
+        ties = [at_extreme(values, minima=bool(side)) for side, values in enumerate(sides)]
         fits = [
-            gumbel_fit([one.maximum for one in records]),
-            gumbel_fit([one.minimum for one in records], minima=True),
+            None if tied > MOST_TIES * len(runs) else gumbel_fit(values, minima=bool(side))
+            for side, (values, tied) in enumerate(zip(sides, ties, strict=True))
         ]
-    every = all(_sees_every_step(column, run) for run in runs)
-    return ColumnStatistics(column, records, spectrum, fits[0], fits[1], "steps" if every else "records")
+    every = all(run.every_step for run in runs)
+    seen = "steps" if every else "records"
+    return ColumnStatistics(column, records, spectrum, fits[0], fits[1], seen, (ties[0], ties[1]))
+
+
+def at_extreme(values: Sequence[float], *, minima: bool = False) -> int:
+    """How many runs have one and the same extreme, as at a stop or of slack ropes; 0 if only one has it."""
+    x = np.asarray(values, dtype=np.float64)
+    extreme = x.min() if minima else x.max()
+    tied = int(np.count_nonzero(np.abs(x - extreme) <= 1e-9 * np.abs(x).max(initial=0.0)))
+    return tied if tied > 1 else 0
 
 
 def _sees_every_step(column: Column, run: Results) -> bool:

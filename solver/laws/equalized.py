@@ -44,6 +44,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
+from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rows import RETURN, check_drift, fit_law, put_law, put_residual, row_rate
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
@@ -144,6 +145,8 @@ class EqualizedEntry(Record):
         Its first line, and how many.
     column
         First record column.
+    shown
+        Place in `EqualizedLines.pulls` of its first outlet, -1 if nothing watches what it pulls with.
     total
         Z, sum of the depths of the pulleys [m].
     compliance
@@ -157,6 +160,7 @@ class EqualizedEntry(Record):
     first: int
     count: int
     column: int
+    shown: int
     total: float
     compliance: float
     damping: float
@@ -266,6 +270,8 @@ class EqualizedLines(Arrays):
         The equalizers, and the lines of all of them.
     state, line
         What they carry.
+    pulls
+        What ropes that are watched pull with, shared by all kinds of ropes and by what watches them.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state", "line")
@@ -274,6 +280,7 @@ class EqualizedLines(Arrays):
     lines: Records[EqualizedLine]
     state: Records[EqualizedState]
     line: Records[LineState]
+    pulls: Records[RopePull]
 
     @property
     def given(self) -> NDArray[np.int64]:
@@ -520,6 +527,30 @@ def _end_force(kind: EqualizedLines, i: int, rate: float) -> float:
     return max(0.0, stiffness * excess + kind.table[i].damping * stretching)
 
 
+@kernel(internal=True)
+def _line_force(kind: EqualizedLines, i: int, k: int) -> float:
+    """Force of a line along its guide at the end of a step [N]."""
+    line, own = kind.lines[k], kind.line[k]
+    if own.stop == 0:
+        return 2.0 * kind.state[i].tension
+    e = own.depth - _at_stop(kind, k)
+    return max(0.0, line.stiffness * e + line.damping * own.rate) if e > 0.0 else 0.0
+
+
+@kernel(internal=True)
+def _show_lines(kind: EqualizedLines, i: int) -> None:
+    """What each line pulls its outlet and its lug with."""
+    entry = kind.table[i]
+    if entry.shown < 0:
+        return
+    for k in range(entry.count):
+        own, force = kind.line[entry.first + k], _line_force(kind, i, entry.first + k)
+        outlet, lug = kind.pulls[entry.shown + 2 * k], kind.pulls[entry.shown + 2 * k + 1]
+        outlet.tension, lug.tension = force / own.cosine, 0.0
+        for j in range(3):
+            outlet.force[j], lug.force[j] = force * own.by_lug[j], -force * own.by_lug[j]
+
+
 @implement(watch_joints, EqualizedLines)
 @kernel(internal=True)
 def watch_equalized(kind: EqualizedLines, work: Workspace, system: RowArrays) -> None:
@@ -531,6 +562,7 @@ def watch_equalized(kind: EqualizedLines, work: Workspace, system: RowArrays) ->
         rate = _rate(system, entry.block, entry.attachments, work) if entry.damping > 0.0 else 0.0
         state.tension = 0.5 * _end_force(kind, i, rate)
         note_value(state.extremes, work.control.interval, state.tension)
+        _show_lines(kind, i)
 
 
 @kernel(internal=True)
@@ -570,11 +602,7 @@ def record_equalized(
         row[column + 1] = largest_of(state.extremes, interval, state.tension)
         row[column + 2] = smallest_of(state.extremes, interval, state.tension)
         for k in range(entry.first, entry.first + entry.count):
-            line, own = kind.lines[k], kind.line[k]
-            force = 2.0 * state.tension
-            if own.stop != 0:
-                e = own.depth - _at_stop(kind, k)
-                force = max(0.0, line.stiffness * e + line.damping * own.rate) if e > 0.0 else 0.0
-            row[column + 3 + k - entry.first] = force / own.cosine
+            row[column + 3 + k - entry.first] = _line_force(kind, i, k) / kind.line[k].cosine
+        _show_lines(kind, i)
         work.sums.elastic += _energy(kind, i)
         work.sums.dissipated += state.loss

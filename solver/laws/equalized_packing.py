@@ -22,6 +22,7 @@ from heavylift.solver.laws.equalized import (
 )
 from heavylift.solver.laws.rope_packing import LARGEST_DRIFT, LARGEST_SHARE
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.laws.watched import WatchedRopes
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND, JointFrame
@@ -38,10 +39,11 @@ def pack_equalized(
     scales: Callable[[str], tuple[float, float]],
     bodies: Sequence[AnyBody],
     add: Callable[[LawBlock], int],
+    watched: WatchedRopes,
     *,
     integrator: str,
 ) -> EqualizedLines:
-    """Make the kind; `add` takes a row and gives its number.
+    """Make the kind; `add` takes a row and gives its number, `watched` knows whose pulls something watches.
 
     Raises
     ------
@@ -86,11 +88,16 @@ def pack_equalized(
             lines.append((*markers, own, len(pair), *ends, *numbers, *stops, rope.damping, drift))
         compliance = rope.rope_length / (4.0 * rope.axial_stiffness)
         of_all = (count * rope.depth, compliance, rope.damping / count)
-        table.append((block, len(held), first, count, column, *of_all))
+        shown = watched.first.get(rope.name, -1)
+        table.append((block, len(held), first, count, column, shown, *of_all))
     state = records(EqualizedState, len(table))
     state["fresh"] = True
     return EqualizedLines(
-        records(EqualizedEntry, table), records(EqualizedLine, lines), state, records(LineState, len(lines))
+        records(EqualizedEntry, table),
+        records(EqualizedLine, lines),
+        state,
+        records(LineState, len(lines)),
+        watched.pulls,
     )
 
 

@@ -34,6 +34,7 @@ from heavylift.solver.scene.channels import Channel, add_channels
 from heavylift.solver.scene.connections import GROUND, Joint, Limits, controlled, rubbing_places
 
 if TYPE_CHECKING:
+    from heavylift.solver.laws.watched import WatchedRopes
     from heavylift.solver.rows.structure import Attachment
     from heavylift.solver.scene.scene import Scene
 
@@ -123,6 +124,7 @@ def pack_laws(
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
+    watched: WatchedRopes,
     *,
     first_block: int,
     integrator: str,
@@ -137,6 +139,8 @@ def pack_laws(
         First record column of each of `law_owners`.
     book, attachment, scales
         As for joints.
+    watched
+        Ropes whose pulls something watches.
     first_block
         Number of blocks that joints take.
     integrator
@@ -154,8 +158,17 @@ def pack_laws(
         from heavylift.solver.laws.equalized_packing import pack_equalized
 
         places = [columns[rope.name] for rope in shared]
-        bodies, add = scene.bodies, packing.add
-        lines = pack_equalized(shared, places, book, attachment, scales, bodies, add, integrator=integrator)
+        lines = pack_equalized(
+            shared,
+            places,
+            book,
+            attachment,
+            scales,
+            scene.bodies,
+            packing.add,
+            watched,
+            integrator=integrator,
+        )
         made.joints.append(lines)
         made.fitted = True
         scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
@@ -192,6 +205,7 @@ def pack_laws(
             scales,
             scene.bodies,
             {rope.name: rope for rope in scene.ropes},
+            watched,
             as_forces=integrator == "accurate",
         )
         made.joints.append(kind)

@@ -17,6 +17,7 @@ from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace
 from heavylift.solver.laws.rows import ROWS_A_BLOCK
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.laws.watched import WatchedRopes
 from heavylift.solver.laws.wire_rope import (
     LARGEST_STRAIN,
     PlaceMarkers,
@@ -56,6 +57,7 @@ def pack_ropes(
     scales: Callable[[str], tuple[float, float]],
     bodies: Sequence[AnyBody],
     leaders: Mapping[str, Any],
+    watched: WatchedRopes,
     *,
     as_forces: bool,
 ) -> tuple[Ropes, list[LawBlock]]:
@@ -91,6 +93,7 @@ def pack_ropes(
             places.append((book.point(point.body, point.point, level), axis, side))
         stiffness = getattr(rope, "axial_stiffness", 0.0), getattr(rope, "stiffness", 0.0)
         numbers = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
+        numbers = (*numbers, watched.first.get(rope.name, -1))
         drift = min(LARGEST_DRIFT, LARGEST_SHARE * max(length, start_length(path)))
         table.append(
             (*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0, drift)
@@ -123,6 +126,7 @@ def pack_ropes(
         records(PlaceGradient, len(places)),
         carried,
         np.full(len(places), START_WRAP),
+        watched.pulls,
     )
     if any(rubbing_places(rope) for rope in ropes):
         return _with_friction(kind, ropes), blocks

@@ -58,6 +58,7 @@ from heavylift.solver.laws.wire_rope import (
     put_places,
     relinearise_ropes,
     set_rope_targets,
+    show_pulls,
     stiffness_of,
     update_ropes,
     watch_stretch,
@@ -551,6 +552,22 @@ def _end_tensions(kind: SheavedRopes, i: int, mean: float) -> float:
     return largest
 
 
+@kernel(internal=True)
+def _show_parts(kind: SheavedRopes, i: int) -> None:
+    """What a rope pulls its places with, by the tensions of its parts on both sides of each."""
+    shown, first, count = kind.table[i].shown, kind.table[i].first, kind.table[i].places
+    if shown < 0:
+        return
+    before = 0.0
+    for p in range(count):
+        out, whole, leaving = kind.pulls[shown + p], kind.gradient[first + p], kind.leaving[first + p]
+        out.tension = kind.tension[first + p] if p < count - 1 else 0.0
+        for k in range(3):
+            part = leaving.centre[k]
+            out.force[k] = -before * (whole.centre[k] - part) - out.tension * part
+        before = out.tension
+
+
 @implement(watch_joints, SheavedRopes)
 @kernel(internal=True)
 def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) -> None:
@@ -566,6 +583,7 @@ def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) 
         rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         rope.tension = end_tension(kind, i, rope.hauling, rate)
         note_value(rope.extremes, work.control.interval, _end_tensions(kind, i, rope.tension))
+        _show_parts(kind, i)
         watch_stretch(kind, i, work)
 
 
@@ -590,6 +608,10 @@ def record_sheaved_ropes(
             tension = largest if rope.fresh else kind.tension[first + part]
             largest = max(largest, tension)
             row[column + 6 + part] = tension
+        if rope.fresh:
+            show_pulls(kind, i, largest)
+        else:
+            _show_parts(kind, i)
         e = max(0.0, rope.stretched - rope.rest)
         work.sums.elastic += 0.5 * stiffness_of(kind, i, 1.0 / rope.rest) * e * e
         work.sums.drift = max(work.sums.drift, abs(rope.drift))

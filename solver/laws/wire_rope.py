@@ -55,6 +55,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
+from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rope_path import START_WRAP, PlaceGradient, RopePlace, path_length
 from heavylift.solver.laws.rows import (
     RETURN,
@@ -97,6 +98,7 @@ __all__ = [
     "record_ropes",
     "relinearise_ropes",
     "set_rope_targets",
+    "show_pulls",
     "start_length",
     "stiffness_of",
     "update_ropes",
@@ -238,6 +240,8 @@ class RopeEntry(Record):
         First row of its winch, and how many.
     column
         First record column.
+    shown
+        Place in `Ropes.pulls` of its first place, -1 if nothing watches what it pulls with.
     axial_stiffness
         EA of a wire rope [N], or 0.
     stiffness
@@ -259,6 +263,7 @@ class RopeEntry(Record):
     winch: int
     winch_rows: int
     column: int
+    shown: int
     axial_stiffness: float
     stiffness: float
     damping: float
@@ -351,6 +356,8 @@ class Ropes(Arrays):
         What the ropes carry.
     wraps
         Wrap of the rope about each place [rad], shape (m,).
+    pulls
+        What ropes that are watched pull with, shared by all kinds of ropes and by what watches them.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = (
@@ -365,6 +372,7 @@ class Ropes(Arrays):
     gradient: Records[PlaceGradient]
     state: Records[RopeState]
     wraps: Floats1
+    pulls: Records[RopePull]
 
     @property
     def given(self) -> NDArray[np.int64]:
@@ -636,6 +644,19 @@ def watch_stretch(kind: Ropes, i: int, work: Workspace) -> None:
     check_drift(kind.table[i].block, state.drift, kind.table[i].largest_drift, work)
 
 
+@kernel(internal=True)
+def show_pulls(kind: Ropes, i: int, tension: float) -> None:
+    """What a rope of one tension pulls its places with, by the last derivatives of its path."""
+    shown, first, count = kind.table[i].shown, kind.table[i].first, kind.table[i].places
+    if shown < 0:
+        return
+    for p in range(count):
+        out, by_centre = kind.pulls[shown + p], kind.gradient[first + p].centre
+        out.tension = tension if p < count - 1 else 0.0
+        for k in range(3):
+            out.force[k] = -tension * by_centre[k]
+
+
 @implement(watch_joints, Ropes)
 @kernel(internal=True)
 def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
@@ -647,6 +668,7 @@ def watch_ropes(kind: Ropes, work: Workspace, system: RowArrays) -> None:
         rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         state.tension = end_tension(kind, i, state.hauling, rate)
         note_value(state.extremes, work.control.interval, state.tension)
+        show_pulls(kind, i, state.tension)
         watch_stretch(kind, i, work)
 
 
@@ -693,5 +715,6 @@ def record_ropes(
         row[column + 5] = smallest_of(state.extremes, work.control.interval, tension)
         for part in range(kind.table[i].places - 1):
             row[column + 6 + part] = tension
+        show_pulls(kind, i, tension)
         work.sums.drive_work += state.winch_work
         work.sums.dissipated += state.loss

@@ -62,10 +62,11 @@ SEEN = (
     ChannelKind("angle", "angle", "angle of the whole rotation of b against a, 0 to 180 deg"),
     ChannelKind("tilt", "angle", "angle of the z axes of a and b, 0 to 180 deg"),
     ChannelKind("angular_velocity", "angular velocity", "of b against a, axes of a", XYZ),
+    ChannelKind("radius", "length", "distance of the point of b from the z axis of a through its point"),
 )
 """What is seen of a motion, in the order of its columns."""
 
-VALUES = 15
+VALUES = 16
 """Numbers of it."""
 LARGEST, SMALLEST = zip(
     *(interval_extremes(seen.name, seen.quantity, components=seen.components) for seen in SEEN), strict=True
@@ -153,7 +154,7 @@ def _spin(work: Workspace, axes: int) -> Vector:
 
 @kernel(internal=True)
 def _look(kind: RelativeMotions, i: int, work: Workspace) -> None:
-    """Position, velocity, distance, rotation, angles, angular velocity from the markers."""
+    """Position, velocity, distance, rotation, angles, angular velocity, radius from the markers."""
     entry, values = kind.table[i], kind.values
     a, b = work.markers[entry.a], work.markers[entry.b]
     r, rate = subtract(b.point, a.point), subtract(b.velocity, a.velocity)
@@ -168,6 +169,7 @@ def _look(kind: RelativeMotions, i: int, work: Workspace) -> None:
         values[12 + k] = dot(axis, turning)
     a1, a2, a3 = _unit(work, entry.axes_a), _unit(work, entry.axes_a + 1), _unit(work, entry.axes_a + 2)
     values[6] = math.sqrt(dot(r, r))
+    values[15] = math.hypot(values[0], values[1])
     values[7] = math.atan2(dot(a3, b2), dot(a3, b3))
     values[8] = math.atan2(-dot(a3, b1), math.hypot(dot(a1, b1), dot(a2, b1)))
     values[9] = math.atan2(dot(a2, b1), dot(a1, b1))

@@ -17,6 +17,7 @@ from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.carried import LINE
 from heavylift.solver.drive import DRIVE_HEAD
+from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
 from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
 from heavylift.solver.laws.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
@@ -564,6 +565,7 @@ def _no_ropes() -> Ropes:
         records(PlaceGradient, 0),
         records(RopeState, 0),
         np.zeros(0),
+        records(RopePull, 0),
     )
 
 

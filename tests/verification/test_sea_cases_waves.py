@@ -162,7 +162,8 @@ def expected_bands(state: str, quantity: str) -> tuple[list[tuple[float, float]]
 
 def ensemble(out: Path, *overrides: str) -> list[Results]:
     case = load_changed_case(SEA, overrides)
-    return simulate_seeds(case, out, SEA, overrides, SEEDS, Log(quiet=True))[1]
+    runs = simulate_seeds(case, out, SEA, overrides, SEEDS, load_results, Log(quiet=True))
+    return [run.found for run in runs if run.found is not None]
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.commands.verify import check_table, verify_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.histories import load_results
-from heavylift.pipeline.results.statistics import chosen_columns, column_statistics
+from heavylift.pipeline.results.statistics import chosen_columns, column_statistics, run_statistics
 from heavylift.pipeline.stages.stages import load_changed_case
 
 if TYPE_CHECKING:
@@ -54,9 +54,11 @@ def test_statistics_of_a_window_see_its_steps(verified: tuple[Path, CaseVerdict]
     results = load_results(verified[0] / "out" / "simulate" / "results.h5")
     (column,) = chosen_columns(results, ["spring.tension"])
     for begin in (0.0, 1.05, 1.25):
-        found = column_statistics(column, [results], begin)
+        found = column_statistics(column, [run_statistics(column, results, begin)])
         after = np.flatnonzero(results.time >= begin)[1:]
         assert found.records[0].maximum == results["spring.tension_max"][after].max()
         assert found.entry()["extremes_of"] == "steps"
     (column,) = chosen_columns(results, ["spring.length"])
-    assert column_statistics(column, [results], 0.0).entry()["extremes_of"] == "records"
+    assert (
+        column_statistics(column, [run_statistics(column, results, 0.0)]).entry()["extremes_of"] == "records"
+    )

@@ -18,7 +18,7 @@ from heavylift.pipeline.commands.verify import check_table, verify_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.report.report import _check_section, _verdict
 from heavylift.pipeline.results.histories import ChannelInfo, Results
-from heavylift.pipeline.results.statistics import chosen_columns, column_statistics
+from heavylift.pipeline.results.statistics import chosen_columns, run_statistics
 
 TIMES = 0.1 * np.arange(101)
 TENSIONS = {  # peaks of 10 kN, 30 kN and 20 kN at 1 s, 4 s and 9 s
@@ -335,8 +335,8 @@ def test_statistics_of_patterns_and_combinations():
         ("ratio(eye.position.z, eye.position.y)", "divides by zero at 0 s"),
     ):
         with pytest.raises(InputError, match=words):
-            column_statistics(chosen_columns(results(), [name])[0], [results()], 0.0)
-    mean = column_statistics(found[3], [results()], 0.0).entry()["mean"]
+            run_statistics(chosen_columns(results(), [name])[0], results(), 0.0)
+    mean = run_statistics(found[3], results(), 0.0).record.mean
     assert mean == pytest.approx(sum(np.trapezoid(v, TIMES) for v in TENSIONS.values()) / TIMES[-1], rel=1e-3)
 
 

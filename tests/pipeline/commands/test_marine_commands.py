@@ -19,7 +19,7 @@ from heavylift.pipeline.commands.lines import line_ends, section_masses
 from heavylift.pipeline.commands.response_operators import response_in_trains, separate_modes
 from heavylift.pipeline.commands.statistics import seed_keys
 from heavylift.pipeline.results.histories import ChannelInfo, Results
-from heavylift.pipeline.results.statistics import chosen_columns, column_statistics
+from heavylift.pipeline.results.statistics import chosen_columns, column_statistics, run_statistics
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.scene.scene import RigidBody, Scene
@@ -333,7 +333,7 @@ def test_statistics_begin_when_told_and_average_over_runs() -> None:
         x = np.where(times < 100.0, 50.0, 10.0 + scale * np.sin(0.8 * times))
         runs.append(recorded({"a.force": ("N", ("force",), x)}, times))
     (column,) = chosen_columns(runs[0], ("a.force",))
-    found = column_statistics(column, runs, 100.0)
+    found = column_statistics(column, [run_statistics(column, run, 100.0) for run in runs])
     entry = found.entry()
     assert entry["maximum"] == pytest.approx(13.0, abs=1e-3)
     assert entry["minimum"] == pytest.approx(7.0, abs=1e-3)

@@ -149,6 +149,69 @@ def test_a_line_that_holds_nothing_sends_its_pulley_to_the_upper_stop(tmp_path):
     assert tilt == pytest.approx(math.atan(1.0 / 2.5), rel=0.03)
 
 
+CUT = """
+[scenario]
+at_end = "go_on"
+
+[[scenario.phases]]
+name = "hold"
+until = {{ time = "1 s" }}
+
+[[scenario.phases]]
+name = "cut"
+actions = [{{ release = "loader_line_{line}" }}]
+until = {{ time = "1 s" }}
+
+[[forces]]
+name = "brake_x"
+type = "spring"
+between = ["ground", "box"]
+points = [[-30, 0, 11.5], [-1, 0, 2.5]]
+damping = 4e5
+
+[[forces]]
+name = "brake_y"
+type = "spring"
+between = ["ground", "box"]
+points = [[-30, 0, 5], [-1, 0, -4]]
+damping = 4e5
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("line", "aside"), [(3, 0.0), (2, 0.5)])
+def test_four_lines_take_a_quarter_more_once_the_fifth_is_cut(line, aside, tmp_path):
+    """Its pulley goes to the upper stop; the load swings and comes to rest below the centroid of the other lugs."""
+    folder = lift(
+        tmp_path / "cut",
+        [24.0] * 5,
+        height=8.1,
+        travel="up = 2.5, down = 2.5, stiffness = 5e7, damping = 5e5",
+        more=CUT.format(line=line),
+        step=0.001,
+        duration=80.0,
+    )
+    file = folder / "case.toml"
+    file.write_text(
+        file.read_text()
+        .replace("output_interval = 0.001", "output_interval = 0.1")
+        .replace("part_length = 3", "part_length = 5")
+    )
+    results = run(folder)
+    assert results.outcome == "completed", results.metadata["message"]
+    tensions = {i: results[f"loader_line_{i}.tension"].ravel() for i in range(1, 6)}
+    assert all(np.isfinite(values).all() for values in tensions.values())
+    before = [float(values[9]) for values in tensions.values()]
+    after = [float(values[-1]) for i, values in tensions.items() if i != line]
+    # of equal forces whose lines lean by some degrees, the sum of the vertical parts is the weight
+    assert np.mean(after) == pytest.approx(1.25 * np.mean(before), rel=2e-3)
+    assert tensions[line][-1] == 0.0
+    assert results[f"loader_guide_{line}.travel"].ravel()[-1] < -2.4
+    q = results["box.orientation"][-1]
+    tilt = 2.0 * math.atan2(float(np.linalg.norm(q[1:])), float(q[0]))
+    assert math.tan(tilt) == pytest.approx(aside / 2.5, rel=0.03, abs=2e-3)
+
+
 def test_lines_without_length_are_as_drawn(tmp_path):
     results = run(lift(tmp_path / "drawn", [None] * 5, height=9.2, lugs=(-3.2, -1.6, 0.0, 1.6, 3.2)))
     # 39.5 - 3 - 11.7 m of line; the load sinks by the stretch of lines and rope

@@ -114,10 +114,10 @@ def test_luffing_by_the_stay(tmp_path):
     assert away == pytest.approx(np.full(len(away), 40.0), abs=1e-3)
 
 
-# a lead to a drum on deck also wraps less about its sheave: a fifth of its radius, a twelfth of that at the hook
-@pytest.mark.parametrize(("winch", "tolerance"), [("", 1e-3), (", winch = [-20, 0, 2]", 1e-2)])
+# a lead to a drum on deck wraps less about its sheave: a fifth of its radius, 8 mm at the hook
+@pytest.mark.parametrize("winch", ["", ", winch = [-20, 0, 2]", ", winch = [-20, 6, 2]"])
 @pytest.mark.parametrize("stay", ["", STAY])
-def test_level_luffing(winch, tolerance, stay, tmp_path):
+def test_level_luffing(winch, stay, tmp_path):
     results = run(
         tmp_path, text(60, more=f"{stay}{LUFFING}level = true\n", hook=winch, mass=1e6, duration=20)
     )
@@ -126,7 +126,7 @@ def test_level_luffing(winch, tolerance, stay, tmp_path):
     assert height[0] - height[-1] == pytest.approx(
         180.0 * (math.sin(math.pi / 3) - math.sin(math.pi / 3.6)), abs=5e-3
     )
-    assert away - away[0] == pytest.approx(height - height[0], abs=tolerance)
+    assert away - away[0] == pytest.approx(height - height[0], abs=1e-3)
 
 
 def test_slewing_with_a_drive(tmp_path):
@@ -194,6 +194,34 @@ def test_errors_stand_at_the_keys_of_the_crane(change, key, words, tmp_path):
     lines = str(refused.value).splitlines()
     assert f"{key}" in lines[0]
     assert words in lines[0]
+
+
+@pytest.mark.slow
+def test_hooks_share_a_load_that_is_aside_by_moments(tmp_path):
+    """Four hooks 16 m apart along and across on a load whose centre of mass is 0.5 m ahead and 0.4 m to the left.
+
+    They are once indeterminate: the moments are those of what hangs on all of them.
+    """
+    for name in ("case.toml", "crane.nc"):
+        shutil.copy(CASES / "floating_crane_lift" / name, tmp_path)
+    text = (tmp_path / "case.toml").read_text()
+    text = text.replace('mass = "1000 t"', 'mass = "1000 t"\ncentre_of_mass = ["0.5 m", "0.4 m", 0]', 1)
+    text = text.replace('duration = "120 s"', "duration = 0")
+    text = text[: text.index("[[criteria]]")]
+    results = run(tmp_path, text)
+    load = np.array([results[f"crane_hook_{i}.hook_load"].ravel()[0] for i in range(1, 5)])
+    places = np.array([results[f"crane_hook_{i}_block.position"][0] for i in range(1, 5)])
+    centre = results["block.position"][0]
+    weight = 1040e3 * G  # with the equalizers
+    assert load.sum() == pytest.approx(weight, rel=1e-3)
+    from scipy.spatial.transform import Rotation
+
+    q = results["block.orientation"][0][[1, 2, 3, 0]]
+    centre = centre + Rotation.from_quat(q).apply([0.5, 0.4, 0.0])
+    moment = load @ (places[:, :2] - centre[:2])
+    # of ropes that lean, horizontal forces of the lines have levers too; that is what half a percent is for
+    assert np.abs(moment).max() < 0.005 * weight * 8.0
+    assert np.ptp(load) > 0.05 * load.mean()
 
 
 def test_rest_of_a_hull_off_its_trim(tmp_path):

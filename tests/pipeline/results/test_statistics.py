@@ -1,12 +1,17 @@
 """Statistics of records against closed forms and against samples of known distributions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.results.statistics import (
+    Column,
+    RunStatistics,
+    at_extreme,
+    column_statistics,
     gumbel_fit,
     power_spectrum,
     rayleigh_extreme,
@@ -98,6 +103,39 @@ def test_minima_are_mirrored_maxima():
 def test_equal_extremes_have_no_scale():
     fit = gumbel_fit([3.0, 3.0, 3.0, 3.0])
     assert (fit.mode, fit.scale, fit.quantile(0.99), fit.standard_error(0.99)) == (3.0, 0.0, 3.0, 0.0)
+
+
+@pytest.mark.parametrize("n", [5, 20])
+def test_bands_of_few_runs_hold_the_true_value_as_often_as_they_say(n):
+    """Of five runs, two asymptotic standard errors hold it far less often than they should."""
+    mode, scale, trials = 3.0, 0.4, 1500
+    exact = mode - scale * math.log(-math.log(0.9))
+    rng = np.random.default_rng(11)
+    fits = [gumbel_fit(rng.gumbel(mode, scale, n)) for _ in range(trials)]
+    for sign, minima in ((1.0, False), (-1.0, True)):
+        found = [
+            gumbel_fit(sign * rng.gumbel(mode, scale, n), minima=minima).band(0.9) for _ in range(trials)
+        ]
+        held = np.mean([low < sign * exact < high for low, high in found])
+        assert held == pytest.approx(0.9, abs=3.0 * math.sqrt(0.09 / trials) + 0.01)
+    by_errors = np.mean([abs(f.quantile(0.9) - exact) < 1.645 * f.standard_error(0.9) for f in fits])
+    assert by_errors < 0.9 - (0.04 if n == 5 else 0.01)
+
+
+def test_extremes_that_are_cut_off_have_no_fit():
+    """Ropes that go slack in three of twelve runs, and a stop that one run reaches."""
+    rng = np.random.default_rng(3)
+    lows = np.where(np.arange(12) < 3, 0.0, rng.uniform(1.0, 2.0, 12))
+    highs = rng.gumbel(10.0, 1.0, 12)
+    assert (at_extreme(lows, minima=True), at_extreme(highs)) == (3, 0)
+    record = record_statistics(np.arange(3.0), np.array([0.0, 1.0, 0.0]))
+    runs = [
+        RunStatistics(replace(record, minimum=low, maximum=high), None, every_step=True)
+        for low, high in zip(lows, highs, strict=True)
+    ]
+    entry = column_statistics(Column("a.tension", "N", "a.tension", lambda run: run.time), runs).entry()
+    assert entry["minima"] == {"tied": 3, "count": 12}
+    assert entry["maxima"]["mode"] == pytest.approx(gumbel_fit(highs).mode)
 
 
 def test_rayleigh_extremes_are_those_of_independent_maxima():

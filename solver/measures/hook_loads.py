@@ -1,0 +1,288 @@
+"""Load of a hook: what the ropes that carry it pull it up with, less its own weight and inertia.
+
+With the forces F_p of the ropes on a body of the mass m, and e against gravity g::
+
+    rope_load = sum F_p . e        hook_load = rope_load - m (g + z'')        z = e . (centre of mass)
+
+so it is what all else pulls the body down with: slings, an equalizer, a spreader. z'' is that of the path, which has no
+velocities that ring (`heavylift.solver.ringing`). From the mean velocities u of steps of the lengths h, with a at the
+time between two of them, the acceleration at the end is the line through the last two::
+
+    a_k = (u_k - u_(k-1)) / ((h_k + h_(k-1)) / 2)        z'' = a_k + h_k (a_k - a_(k-1)) / h_(k-1)
+
+but a_k alone where its slope changes its sign with every step. Both are of second order where the motion is resolved.
+
+It acts on nothing. The ropes leave their forces at the end of every step (`heavylift.solver.laws.pulls`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays, Floats1, Ints1
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import Least, NameOf
+from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Vector as VectorField
+from heavylift.numerics.vectors import dot, vector
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.interface import (
+    FORCES,
+    Bodies,
+    Workspace,
+    add_forces,
+    record_forces,
+    watch_motions,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.laws.pulls import RopePull
+from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene.bodies import RigidBody
+from heavylift.solver.scene.connections import MEASURES
+from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+
+__all__ = ["HookLoad", "HookLoadEntry", "HookLoads", "HookState", "pack"]
+
+SEEN = (
+    ChannelKind(
+        "hook_load",
+        "force",
+        "what all but the ropes pulls the body down with, without its own weight; at t = 0 as if it stood",
+    ),
+    ChannelKind("rope_load", "force", "what the ropes pull the body up with, against gravity"),
+)
+"""What is seen of a hook, in the order of its columns."""
+
+LARGEST, SMALLEST = zip(*(interval_extremes(seen.name, seen.quantity) for seen in SEEN), strict=True)
+"""Channels of extremes over all steps, in the same order."""
+
+
+@MEASURES.describe("hook_loads")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HookLoad(WatchesRopes):
+    """What hangs on a rigid body that ropes carry: on a hook block on its falls."""
+
+    CHANNELS: ClassVar = (*SEEN, *LARGEST, *SMALLEST)
+    """What it records, in the order of its columns."""
+
+    STEPS: ClassVar = True
+
+    body: Annotated[str, NameOf("body")]
+    """Rigid body with a free frame: the hook block, or a spreader."""
+    ropes: Annotated[tuple[str, ...], NameOf("ropes"), Least(1)]
+    """Ropes that carry it, by names or patterns; what else is on the body hangs on it."""
+
+    @property
+    def watched_ropes(self) -> tuple[str, ...]:
+        """The ropes."""
+        return self.ropes
+
+
+class HookLoadEntry(Record):
+    """A hook.
+
+    Attributes
+    ----------
+    first, count
+        Its first place in `HookLoads.places`, and how many.
+    centre
+        Marker of its centre of mass.
+    mass
+        [kg].
+    column
+        First record column.
+    """
+
+    first: int
+    count: int
+    centre: int
+    mass: float
+    column: int
+
+
+class HookState(Record):
+    """Motion of a centre of mass against gravity, as carried.
+
+    Attributes
+    ----------
+    steps
+        How many have been made, up to 2.
+    height, speed
+        At the end of the last step [m]; mean of the last step, at first that of the start [m/s].
+    length
+        Of the last step [s].
+    change, slope
+        Acceleration between the last two steps [m/s^2], and its slope [m/s^3].
+    acceleration
+        At the end of the last step [m/s^2].
+    """
+
+    steps: int
+    height: float
+    speed: float
+    length: float
+    change: float
+    slope: float
+    acceleration: float
+
+
+class HookLoads(Arrays):
+    """All hooks of a scene.
+
+    Attributes
+    ----------
+    table, state
+        The hooks, and what they carry.
+    places
+        Numbers of the pulls on the bodies.
+    pulls
+        What ropes pull with, which they write.
+    extremes
+        Of both values of each, one after the other.
+    values
+        Hook load and load of the ropes of one of them [N]; scratch, shape (2,).
+    up
+        Against gravity, shape (3,).
+    gravity
+        [m/s^2].
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state", "extremes")
+
+    table: Records[HookLoadEntry]
+    state: Records[HookState]
+    places: Ints1
+    pulls: Records[RopePull]
+    extremes: Records[Extremes]
+    values: Floats1
+    up: Floats1
+    gravity: float
+
+
+def pack(
+    hooks: Sequence[HookLoad], columns: Sequence[int], book: MarkerBook, watched: WatchedRopes
+) -> HookLoads:
+    """Make the kind.
+
+    Raises
+    ------
+    InputError
+        Without gravity, of a body that is not rigid and free, or of a rope that is not on it.
+    """
+    g = float(np.linalg.norm(watched.gravity))
+    rows: list[tuple[Any, ...]] = []
+    places: list[int] = []
+    for hook, column in zip(hooks, columns, strict=True):
+        body = watched.bodies[hook.body]
+        if g == 0.0:
+            raise InputError("no weight without gravity", source=hook.name, key="body", expected="[gravity]")
+        if not isinstance(body, RigidBody) or body.motion.WORD != "free":
+            raise InputError(
+                f"{hook.body!r} is no rigid body with a free frame",
+                source=hook.name,
+                key="body",
+                expected="the body of a hook, which ropes carry",
+            )
+        first = len(places)
+        for rope in hook.ropes:
+            on_body = watched.places_on(rope, hook.body)
+            if not on_body:
+                raise InputError(
+                    f"{rope!r} has no place on {hook.body!r}",
+                    source=hook.name,
+                    key="ropes",
+                    expected="ropes that carry this body",
+                )
+            places += [watched.first[rope] + place for place in on_body]
+        centre = book.point(hook.body, np.asarray(body.centre_of_mass, dtype=np.float64), FORCES)
+        rows.append((first, len(places) - first, centre, body.mass, column))
+    return HookLoads(
+        records(HookLoadEntry, rows),
+        records(HookState, len(rows)),
+        np.array(places, dtype=np.int64),
+        watched.pulls,
+        records(Extremes, 2 * len(rows)),
+        np.zeros(2),
+        -watched.gravity / g,
+        g,
+    )
+
+
+@implement(add_forces, HookLoads)
+@kernel(internal=True)
+def add_no_forces(kind: HookLoads, time: float, work: Workspace) -> None:
+    """It only watches."""
+
+
+@kernel(inline=True, internal=True)
+def _upwards(kind: HookLoads, v: VectorField) -> float:
+    """Component against gravity."""
+    return dot((kind.up[0], kind.up[1], kind.up[2]), vector(v))
+
+
+@kernel(internal=True)
+def _look(kind: HookLoads, i: int, standing: bool) -> None:
+    """Both loads at the end of the last step, or of a hook that stands."""
+    entry, load = kind.table[i], 0.0
+    for p in range(entry.first, entry.first + entry.count):
+        load += _upwards(kind, kind.pulls[kind.places[p]].force)
+    kind.values[1] = load
+    if standing:
+        kind.values[0] = max(0.0, load - entry.mass * kind.gravity)
+    else:
+        kind.values[0] = load - entry.mass * (kind.gravity + kind.state[i].acceleration)
+
+
+@kernel(internal=True)
+def _follow(kind: HookLoads, i: int, height: float, h: float) -> None:
+    """Acceleration at the end of a step of the length h [s] that ends at a height [m]."""
+    state = kind.state[i]
+    speed = (height - state.height) / h
+    if state.steps == 0:  # that of the start is one of an instant
+        change = 2.0 * (speed - state.speed) / h
+        state.acceleration = change
+    else:
+        change = (speed - state.speed) / (0.5 * (h + state.length))
+        slope = (change - state.change) / (state.length if state.steps > 1 else 0.75 * state.length)
+        turns = state.steps > 1 and slope * state.slope < 0.0
+        state.acceleration = change if turns else change + h * slope
+        state.slope = slope
+    state.height, state.speed, state.length, state.change = height, speed, h, change
+    state.steps = min(2, state.steps + 1)
+
+
+@implement(watch_motions, HookLoads)
+@kernel(internal=True)
+def watch_hook_loads(kind: HookLoads, bodies: Bodies, work: Workspace) -> None:
+    """Accelerations, and extremes at the ends of steps."""
+    for i in range(kind.table.shape[0]):
+        height = _upwards(kind, work.markers[kind.table[i].centre].point)
+        _follow(kind, i, height, work.control.last_step)
+        _look(kind, i, False)
+        for k in range(2):
+            note_value(kind.extremes[2 * i + k], work.control.interval, kind.values[k])
+
+
+@implement(record_forces, HookLoads)
+@kernel(internal=True)
+def record_hook_loads(kind: HookLoads, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
+    """Both loads, then the largest and smallest values of both."""
+    interval = work.control.interval
+    for i in range(kind.table.shape[0]):
+        column, state = kind.table[i].column, kind.state[i]
+        if state.steps == 0 and time == 0.0:  # where it starts from
+            centre = work.markers[kind.table[i].centre]
+            state.height, state.speed = _upwards(kind, centre.point), _upwards(kind, centre.velocity)
+        _look(kind, i, state.steps == 0)
+        for k in range(2):
+            value, extremes = kind.values[k], kind.extremes[2 * i + k]
+            row[column + k] = value
+            row[column + 2 + k] = largest_of(extremes, interval, value)
+            row[column + 4 + k] = smallest_of(extremes, interval, value)
