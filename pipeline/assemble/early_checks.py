@@ -42,6 +42,8 @@ DESCRIBED = (
     "leads",
     "ropes",
     "tanks",
+    "pumps",
+    "controllers",
     "fluid_loads",
     "fenders",
     "decks",

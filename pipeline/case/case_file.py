@@ -12,6 +12,7 @@ from pydantic import Field, PrivateAttr, ValidationError
 from pydantic_core import PydanticCustomError
 
 from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.case.ballast import BallastSection, check_plan
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
@@ -64,6 +65,8 @@ class Case(SceneTables, _CaseHeading):
 
     reference: tuple[ReferenceSection, ...] = ()
     """Recorded histories to compare with."""
+    ballast: BallastSection | None = None
+    """Stages for which tanks are to be filled."""
     simulate: SimulateSection | None = None
     """Time integration; a case without it ends with its modes."""
     report: ReportSection = Field(default_factory=ReportSection)
@@ -91,6 +94,7 @@ class Case(SceneTables, _CaseHeading):
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
             self._has_an_operation,
+            self._plans_ballast,
             *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
         for part in parts:
@@ -164,6 +168,8 @@ class Case(SceneTables, _CaseHeading):
             hulls=self.hulls,
             databases=self.databases,
             tanks=self.tanks,
+            pumps=self.pumps,
+            controllers=self.controllers,
             fluid_loads=self.fluid_loads,
             lines=self.lines,
         )
@@ -247,6 +253,11 @@ class Case(SceneTables, _CaseHeading):
             check_scenario(scenario_of(self.scenario, self._names), self.ropes)
         except InputError as error:
             reject(error.problem, error.expected, key=f"scenario.{error.key}")
+
+    def _plans_ballast(self) -> None:
+        """Stages, tanks and hull of a ballast plan fit together."""
+        if self.ballast is not None:
+            check_plan(self.ballast, self.tanks)
 
     @property
     def operation(self) -> Scenario | None:

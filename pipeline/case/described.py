@@ -230,7 +230,8 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     if isinstance(quantity, BodyPoint):
         return LengthVector if field.mark(Shape) is None else GenericAlias(tuple, (LengthVector, ...))
     if isinstance(quantity, NameOf):
-        return _NAMES[quantity.what]
+        name = _NAMES[quantity.what]
+        return GenericAlias(tuple, (name, ...)) if origin is tuple else name
     square = field.mark(Square)
     if square is not None:
         return _matrix(square.size, quantity)
@@ -379,6 +380,9 @@ _NAMES: Mapping[str, Any] = {
     "joint": Annotated[str, AfterValidator(_turns_or_slides)],
     "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
     "rope": str,  # what it follows is known where all ropes are
+    "tank": str,  # as are tanks, pumps, and what heights are measured from
+    "pump": str,
+    "datum": str,
 }
 """By what a name is the name of."""
 

@@ -381,6 +381,12 @@ class SceneTables(Section):
     """Added mass, damping and excitation of hulls, by names of their own."""
     tanks: Annotated[tuple[Annotated[Any, Chosen(AT_SEA, word="tanks")], ...], Table("Tanks", "tank")] = ()
     """Ballast water in hulls."""
+    pumps: Annotated[tuple[Annotated[Any, Chosen(AT_SEA, word="pumps")], ...], Table("Pumps", "pump")] = ()
+    """What moves the water of tanks."""
+    controllers: Annotated[
+        tuple[Annotated[Any, Chosen(AT_SEA, word="controllers")], ...], Table("Controllers", "controller")
+    ] = ()
+    """What keeps hulls level by pumps."""
     fluid_loads: Annotated[
         tuple[Annotated[Any, Chosen(FLUID_LOADS)], ...],
         Table(
