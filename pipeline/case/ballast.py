@@ -84,6 +84,9 @@ class BallastSection(Section):
     """In order; the fillings of the tanks at the start are those before the first."""
     tanks: tuple[str, ...] = ()
     """That may be filled and emptied; all of the hull if absent. Others keep what is in them."""
+    apart: tuple[str, ...] = ()
+    """Bodies that joints hold on the hull and that are not counted: what of their weight it bears is among the loads
+    of the stages, as half of a link beam."""
     draft: Annotated[float, Positive("length")] | None = None
     """Of the middle of the keel [m]; if absent the hull lies as deep as the water that is least pumped makes it."""
     heel: Tilt = 0.0

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import math
-from pathlib import Path
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.commands.hydrostatics import hull_loading
 from heavylift.pipeline.commands.scene import load_sea_case
@@ -26,9 +27,9 @@ from heavylift.solver.water.hulls.ballast_plan import (
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from heavylift.pipeline.assemble.loading import Loading
     from heavylift.pipeline.commands.scene import SeaCase
     from heavylift.pipeline.log import Log
     from heavylift.preprocess.hydrodynamics.hull_surface import HullSurface
@@ -81,7 +82,7 @@ def ballast_command(
     surface = placed(hull_surface(found.case, name, found.folder), position=origin)
     deck = found.case.hulls[name].open_deck
     hull = check_hull(surface, open_deck=deck, key=f"surface of hull {name}")
-    loading = hull_loading(found.scene, found.sea, name)
+    loading = _without(found, hull_loading(found.scene, found.sea, name))
     own = [tank for tank in found.sea.tanks if tank.hull == name]
     moved = [tank for tank in own if not section.tanks or tank.name in section.tanks]
     still = [tank for tank in own if tank not in moved]
@@ -109,7 +110,7 @@ def ballast_command(
         girder(
             hull,
             plan.position.pose,
-            [*lightship, *_weights(plan, moved, origin)],
+            [*lightship, *_weights(plan, moved)],
             water.density,
             water.gravity,
         )
@@ -124,6 +125,29 @@ def ballast_command(
         with replacing(folder / f"{name}_ballast.png") as temporary:
             temporary.write_bytes(ballast_plot(f"{name}: ballast", document, girders))
     return document, _lines(document)
+
+
+def _without(found: SeaCase, loading: Loading) -> Loading:
+    """What a hull carries, less the bodies that are not to be counted."""
+    section = found.case.ballast
+    assert section is not None
+    bodies = {body.name: body for body in found.scene.bodies}
+    hull = bodies[section.hull]
+    mass, moment = loading.mass, loading.mass * loading.centre
+    for index, name in enumerate(section.apart):
+        if name not in loading.bodies:
+            raise InputError(
+                f"{name!r} is not held on {section.hull!r} by joints",
+                source=found.case.file,
+                key=f"ballast.apart.{index}",
+                expected=f"one of {', '.join(loading.bodies) or 'none'}",
+            )
+        body = bodies[name]
+        place = body.position + rotation_matrix(body.orientation) @ body.centre_of_mass - hull.position
+        mass -= body.mass
+        moment = moment - body.mass * (rotation_matrix(hull.orientation).T @ place)
+    left = tuple(one for one in loading.bodies if one not in section.apart)
+    return replace(loading, mass=mass, centre=moment / mass, bodies=left)
 
 
 def _lightship(found: SeaCase, hull: HullSurface, mass: float, x: float, z: float) -> list[Weight]:
@@ -161,7 +185,7 @@ def _lightship(found: SeaCase, hull: HullSurface, mass: float, x: float, z: floa
     return pieces
 
 
-def _weights(plan: StagePlan, tanks: Sequence[Tank], origin: NDArray[np.float64]) -> list[Weight]:
+def _weights(plan: StagePlan, tanks: Sequence[Tank]) -> list[Weight]:
     """Loads and water along the hull; water in a tank by a table acts at its centre."""
     found = []
     for load in plan.stage.loads:

@@ -1,10 +1,10 @@
 """Link beams: bridges between two decks that wheels drive over, hinged on one, lying loose on the other.
 
-A link of the length L is a rigid plate with a hinge across its one end. With the corners of its other end it lies on the
-deck of the other side, where it slides with friction and may lift off: a line contact of two points, each with a spring
-and a damper. So several links beside each other, and the roll of both sides against each other, find their loads by the
-stiffness of the bearings, and no row is redundant. A load f at the distance x from the hinge gives it ``f (1 - x/L)``:
-what crosses a link leaves its deck little by little.
+A link of the length L is a rigid plate with a hinge across its one end. With the corners of its other end it lies on
+the deck of the other side, where it slides with friction and may lift off: a line contact of two points, each with a
+spring and a damper. So several links beside each other, and the roll of both sides against each other, find their loads
+by the stiffness of the bearings, and no row is redundant. A load f at the distance x from the hinge gives it
+``f (1 - x/L)``: what crosses a link leaves its deck little by little.
 """
 
 from __future__ import annotations
@@ -41,8 +41,7 @@ class LinkBeam:
     """A bridge for wheels, with a hinge on one deck and loose on another one."""
 
     CHANNELS: ClassVar = ()
-    """None of its own: the body ``NAME_plate``, the joint ``NAME_hinge``, and its bearings ``NAME_left`` and ``NAME_right``
-    have theirs."""
+    """None of its own: ``NAME_plate``, ``NAME_hinge``, ``NAME_left`` and ``NAME_right`` have theirs."""
 
     name: str
     hinged_on: Annotated[str, NameOf("body")]

@@ -1,18 +1,18 @@
 """Fillings of tanks for the stages of an operation, and the hull girder in still water; plain NumPy.
 
 At each stage the hull is to lie with a given heel and trim, and a given draft if one is said. Weight, buoyancy and free
-surfaces give three equations for the masses m of the tanks, linear but for the centres of water in tanks of odd shapes,
-so Newton's method on them ends in a few rounds. Of all fillings that fulfil them the one is taken that pumps least after
-the stage before,
+surfaces give three equations for the masses m of the tanks, linear but for the centres of water in tanks of odd
+shapes, so Newton's method on them ends in a few rounds. Of all fillings that fulfil them the one is taken that pumps
+least after the stage before,
 
     min |m - m_before|^2 ,     A m = b ,     0 <= m <= capacity
 
-whose solution is ``m = clip(m_before + A^T y, 0, capacity)`` with the multipliers y of the equations: a monotone equation
-``A m(y) = b`` in three unknowns at most (Boyd and Vandenberghe, *Convex Optimization*, 2004, section 5.5.3).
+whose solution is ``m = clip(m_before + A^T y, 0, capacity)`` with the multipliers y of the equations: a monotone
+equation ``A m(y) = b`` in three unknowns at most (Boyd and Vandenberghe, *Convex Optimization*, 2004, section 5.5.3).
 
-The girder is a beam on which weights and buoyancy act along x: shear force is the integral of buoyancy less weight from
-aft, positive if it lifts the part aft of a section, bending moment that of the shear force, positive if the hull sags.
-Areas of sections under water follow from the triangles of the hull by ``A = int (depth) dy`` along its outline, which
+The girder is a beam on which weights and buoyancy act along x: shear force is the integral of buoyancy less weight
+from aft, positive if it lifts the part aft of a section, bending moment that of the shear force, positive if the hull
+sags. Areas of sections under water follow from the triangles of the hull by ``A = int (depth) dy`` along its outline, which
 needs no cap at the water plane.
 """
 
@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -330,7 +331,7 @@ class Weight:
 
 @dataclass(frozen=True, eq=False)
 class Girder:
-    """Shear force [N] and bending moment [N m] at stations [m]; what is left of both at the end over weight and length."""
+    """Shear force [N] and bending moment [N m] at stations [m]; what is left at the end, over weight and length."""
 
     stations: NDArray[np.float64]
     shear: NDArray[np.float64]
@@ -365,7 +366,7 @@ def girder(
     spots, parts = 0.5 * (GAUSS[0] + 1.0), 0.5 * GAUSS[1]
     stations, shear, bending = [nodes[0]], [0.0], [0.0]
     lift = moment = 0.0
-    for a, b in zip(nodes[:-1], nodes[1:], strict=True):
+    for a, b in pairwise(nodes):
         h = b - a
         area, first_moment = _sections(hull, pose, a + h * spots)
         q = density * gravity * area

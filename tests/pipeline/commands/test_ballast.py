@@ -128,7 +128,7 @@ class TestPlan:
         rows = np.array([np.ones(5), PLACES])
         best = minimize(
             lambda d: float(d @ d), np.zeros(5), jac=lambda d: 2.0 * d, method="SLSQP",
-            constraints={"type": "eq", "fun": lambda d: rows @ d - [0.0, -LOAD * 36.15 * 1e-6], "jac": lambda d: rows},
+            constraints={"type": "eq", "fun": lambda d: rows @ d - [0.0, -LOAD * 36.15 * 1e-6], "jac": lambda _: rows},
             bounds=[(-1.0, h * 1e-6 - 1.0) for h in high], options={"ftol": 1e-14, "maxiter": 500},
         )  # fmt: skip
         assert end["tanks"]["tank_1"] == pytest.approx(full, rel=1e-12)
@@ -137,8 +137,10 @@ class TestPlan:
     def test_heel_of_a_load_off_the_middle_and_no_draft(self, tmp_path: Path) -> None:
         """Wing tanks: water moves across, none comes; the hull floats as deep as before."""
         wings = "".join(
-            tank(f"{side}_{i}", x, y=y, breadth=9.0) for side, y in (("p", 8.0), ("s", -8.0)) for i, x in enumerate((-30.0, 30.0))
-        )  # fmt: skip
+            tank(f"{side}_{i}", x, y=y, breadth=9.0)
+            for side, y in (("p", 8.0), ("s", -8.0))
+            for i, x in enumerate((-30.0, 30.0))
+        )
         text = """
         [ballast]
         hull = "barge"
