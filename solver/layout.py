@@ -65,6 +65,8 @@ class Layout:
         What the user should know of the scene.
     director
         The scenario, if there is one; it is among the forces.
+    controllers
+        Those of ballast, if there are any; they are among the forces.
     """
 
     bodies: Bodies
@@ -79,6 +81,7 @@ class Layout:
     line_names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     director: Any = None
+    controllers: Any = None
 
 
 def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> Layout:
@@ -126,6 +129,14 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     book, column = made.book, made.column
     channels += made.channels
     dofs = first_dofs(ordered, made.bases)
+    of_ballast: dict[str, int] = {}
+    if scene.sea is not None:
+        for tank in scene.sea.tanks:
+            of_ballast[tank.name] = column
+            column = add_channels(tank.name, tank.CHANNELS, channels, column)
+        for one in (*scene.sea.pumps, *scene.sea.controllers):
+            of_ballast[one.name] = column
+            column = add_channels(one.name, one.CHANNELS, channels, column, getattr(one, "components", None))
     phase_column = column
     if scene.scenario is not None:
         column = add_channels("scenario", SCENARIO_CHANNELS, channels, column)
@@ -153,6 +164,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
                 line_ends=ends,
                 step=0.0 if scene.touches else step,
                 notes=notes,
+                columns=of_ballast,
             )
         of_sensors = _of_sensors(sensors, group)
         bodies.append(pack_group(group, number, place, places[names[0]], book.of(names), of_sensors))
@@ -208,6 +220,16 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         director = pack_scenario(scene, kinds[:2], channels, phase_column, column, copied, profiles)
         forces.append(director)
         groups |= {SCENARIO}
+    controllers = None
+    if scene.sea is not None and scene.sea.controllers:
+        from heavylift.solver.scenario.interface import SCENARIO
+        from heavylift.solver.water.hulls.controllers import pack_controllers
+
+        names = [body.name for body in ordered if _floats(body)]
+        hulls = next(kind for kind in kinds[0] if "hulls" in kind._fields)
+        controllers = pack_controllers(scene.sea, hulls, names, of_ballast, step)
+        forces.append(controllers)
+        groups |= {SCENARIO}
     return Layout(
         bodies=Bodies(kinds[0], groups),
         forces=Forces(forces, groups),
@@ -221,6 +243,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         notes=tuple(notes),
         line_names=() if made.sea is None else made.sea.line_names,
         director=director,
+        controllers=controllers,
     )
 
 
@@ -324,6 +347,8 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
             times += [time for load in body.loads for time in np.ravel(load.times)]
     if scene.sea is not None:
         times += [time for tank in scene.sea.tanks for time in tank.schedule[0]]
+        times += [time for pump in scene.sea.pumps for time in pump.times]
+        times += [] if scene.sea.water.tide is None else list(scene.sea.water.tide.times)
         turns = [field.direction for field in scene.sea.fields]
         times += [time for turn in turns if hasattr(turn, "times") for time in turn.times]
         times.append(scene.sea.ramp)

@@ -59,10 +59,14 @@ def check_scene(scene: Scene) -> None:
             *scene.sea.fenders,
             *scene.sea.hulls,
             *scene.sea.tanks,
+            *scene.sea.pumps,
+            *scene.sea.controllers,
         ]
+        described += [] if scene.sea.water.tide is None else [scene.sea.water.tide]
     coordinates = {joint.name: joint.COORDINATE for joint in scene.joints}
     for thing in described:
-        check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""))
+        named = "" if hasattr(thing, "name") else "sea"
+        check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""), named)
 
 
 def _check_names(scene: Scene) -> None:
@@ -110,7 +114,8 @@ def _named_at_sea(scene: Scene) -> list[Any]:
     if scene.sea is None:
         return []
     loads = {load.name: load for load in scene.sea.loads}
-    return [*scene.sea.fields, *loads.values(), *scene.sea.lines, *scene.sea.fenders]
+    ballast = (*scene.sea.tanks, *scene.sea.pumps, *scene.sea.controllers)
+    return [*scene.sea.fields, *loads.values(), *scene.sea.lines, *scene.sea.fenders, *ballast]
 
 
 def _bodies_of(thing: Any) -> list[tuple[str, bool]]:

@@ -271,6 +271,11 @@ class Simulation:
         if layout.block_names and self.integrator == "dele2":
             self._probe()
         prepare_counts(layout)
+        if layout.controllers is not None:
+            from heavylift.solver.water.hulls.controllers import begin_controllers
+
+            assert self._scene.sea is not None
+            begin_controllers(layout.controllers, [one.name for one in self._scene.sea.controllers])
         if self.operation is not None:
             self._begin_scenario(self.operation)
 

@@ -35,6 +35,8 @@ def stop_message(layout: Layout, when: str) -> str:
     """
     status = layout.work.status
     outcome = Outcome(int(status.outcome))
+    if outcome is Outcome.LIMIT_REACHED:  # that of a scenario has its own words
+        return f"stopped at {when}: {_tank_limit(layout)}"
     remedy, part = {
         Outcome.NOT_FINITE: ("a smaller step, or loads and initial values of a sensible size", "body"),
         Outcome.STEP_TOO_LARGE: (
@@ -115,6 +117,20 @@ def _where_off_road(layout: Layout) -> str:
             f"{state.offset:.6g} m of deck {int(state.deck) + 1}"
         )
     return ""
+
+
+def _tank_limit(layout: Layout) -> str:
+    """Which tank runs over or dry, and what may help."""
+    for kind in layout.bodies:
+        if "tank_rows" not in kind._fields:
+            continue
+        over = kind.tanks["mass"] - kind.tanks["capacity"]
+        for tank in kind.tanks[(over > 0.0) | (kind.tanks["mass"] < 0.0)]:
+            name = next(c.name for c in layout.channels if c.column == int(tank.column)).rpartition(".")[0]
+            if tank.mass < 0.0:
+                return f"tank {name!r} runs dry while a pump draws from it; try more water in it, or a shorter plan"
+            return f"tank {name!r} overflows, it holds {tank.capacity:.6g} kg; try less water in it, or a shorter plan"
+    return "a tank overflows or runs dry"
 
 
 def _hauled_in(layout: Layout) -> str:

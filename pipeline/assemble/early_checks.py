@@ -41,6 +41,8 @@ DESCRIBED = (
     *MEASURED,
     "ropes",
     "tanks",
+    "pumps",
+    "controllers",
     "fluid_loads",
     "fenders",
     "decks",

@@ -32,7 +32,7 @@ from heavylift.solver.scene import sea as seas
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.hulls import ComputeSection, DatabaseSection
@@ -113,14 +113,13 @@ def hull_tanks(case: Case, name: str) -> tuple[Liquid, ...]:
     return tuple(liquid_at_start(tank, water) for tank in tanks)
 
 
-def liquid_at_start(tank: seas.Tank, water: seas.Water) -> Liquid:
-    """What is in a tank at the start; without water it has no free surface."""
+def liquid_at_start(tank: seas.Tank, water: seas.Water, origin: ArrayLike = (0.0, 0.0, 0.0)) -> Liquid:
+    """What is in a tank at the start, with its centre [m] from a point that is `origin` less that of the frame."""
     from heavylift.solver.water.hulls.hydrostatics import Tank as Liquid
 
-    mass = tank.start_mass
-    surface = tank.surface(water) if mass > 0.0 else (0.0, 0.0)
-    x, y, z = tank.point.tolist()
-    return Liquid(mass, (x, y, z), surface, tank.name)
+    point, surface, _ = tank.contents(tank.start_mass, water)
+    x, y, z = (point + np.asarray(origin)).tolist()
+    return Liquid(tank.start_mass, (x, y, z), surface, tank.name)
 
 
 def resting_position(case: Case, name: str, folder: OutputFolder) -> FloatingPosition:

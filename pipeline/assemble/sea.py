@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -65,6 +66,8 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
         hulls=hulls,
         radiation=radiation,
         tanks=tuple(assemble_list(case, "tanks", sides)),
+        pumps=tuple(assemble_list(case, "pumps", sides)),
+        controllers=tuple(_beside(one, sides) for one in assemble_list(case, "controllers", sides)),
         waves=make_waves(case),
         ramp=0.0 if section is None else section.ramp,
         excitation="summed" if section is None else section.excitation,
@@ -74,6 +77,15 @@ def assemble_sea(case: Case, sides: Mapping[str, Side], folder: OutputFolder) ->
         lines=assemble_lines(case, sides),
         fenders=tuple(assemble_list(case, "fenders", sides)),
     )
+
+
+def _beside(controller: Any, sides: Mapping[str, Side]) -> Any:
+    """A controller with the points of other hulls in their frames."""
+    levels = [
+        level if level.beside is None else replace(level, beside=sides[level.of].local(level.beside))
+        for level in controller.levels
+    ]
+    return replace(controller, levels=tuple(levels))
 
 
 def make_waves(case: Case) -> WaveTrains | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.case.sea import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -34,9 +35,11 @@ def water_of(case: Case) -> Water:
 
     if case.sea is None:
         return Water(gravity=sea_gravity(case))
+    tide = None if case.sea.tide is None else assemble(case.sea.tide, {}, case.folder)
     return Water(
         density=case.sea.density,
         gravity=sea_gravity(case),
-        level=case.sea.level,
+        level=case.sea.level + (0.0 if tide is None else tide.at_start),
         depth=case.sea.water_depth,
+        tide=tide,
     )

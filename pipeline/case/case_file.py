@@ -13,6 +13,7 @@ from pydantic import Field, PrivateAttr, ValidationError
 from pydantic_core import PydanticCustomError
 
 from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.case.ballast import BallastSection, check_plan
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
@@ -65,6 +66,8 @@ class Case(SceneTables, _CaseHeading):
 
     reference: tuple[ReferenceSection, ...] = ()
     """Recorded histories to compare with."""
+    ballast: BallastSection | None = None
+    """Stages for which tanks are to be filled."""
     simulate: SimulateSection | None = None
     """Time integration; a case without it ends with its modes."""
     report: ReportSection = Field(default_factory=ReportSection)
@@ -92,6 +95,7 @@ class Case(SceneTables, _CaseHeading):
             *(partial(self._reference_fits, *entry) for entry in enumerate(self.reference)),
             self._integrates_contacts,
             self._has_an_operation,
+            self._plans_ballast,
             *(partial(self._has_axes, index) for index in range(len(self.relative_motions))),
         ]
         for part in parts:
@@ -165,6 +169,8 @@ class Case(SceneTables, _CaseHeading):
             hulls=self.hulls,
             databases=self.databases,
             tanks=self.tanks,
+            pumps=self.pumps,
+            controllers=self.controllers,
             fluid_loads=self.fluid_loads,
             lines=self.lines,
         )
@@ -253,6 +259,11 @@ class Case(SceneTables, _CaseHeading):
         except InputError as error:
             key = key_as_said(self.scenario, self._known, error.key)
             reject(error.problem, error.expected, key=f"scenario.{key}")
+
+    def _plans_ballast(self) -> None:
+        """Stages, tanks and hull of a ballast plan fit together."""
+        if self.ballast is not None:
+            check_plan(self.ballast, self.tanks)
 
     @property
     def operation(self) -> Scenario | None:

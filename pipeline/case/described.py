@@ -232,7 +232,8 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     if isinstance(quantity, BodyPoint):
         return LengthVector if field.mark(Shape) is None else GenericAlias(tuple, (LengthVector, ...))
     if isinstance(quantity, NameOf):
-        return _NAMES[quantity.what]
+        name = _NAMES[quantity.what]
+        return GenericAlias(tuple, (name, ...)) if origin is tuple else name
     square = field.mark(Square)
     if square is not None:
         return _matrix(square.size, quantity)
@@ -414,6 +415,9 @@ _NAMES: Mapping[str, Any] = {
     "rope": str,  # what it follows is known where all ropes are
     "known rope": Annotated[str, AfterValidator(_known_rope)],
     "ropes": Annotated[tuple[str, ...], AfterValidator(_known_ropes)],
+    "tank": str,  # as are tanks, pumps, and what heights are measured from
+    "pump": str,
+    "datum": str,
 }
 """By what a name is the name of."""
 

@@ -147,14 +147,14 @@ def _is_finite(node: Any) -> bool:
 
 def _put(found: Equipped, part: Part, key: str, file: Path) -> None:
     """Add an entry that a builder wrote."""
-    by_name = part.table == "bodies"
+    by_name = part.table in {"bodies", "contours"}
     empty: Any = {} if by_name else []
     entries: Any = found.document.setdefault(part.table, empty)
     if not isinstance(entries, type(empty)):
         return  # which is told when all is validated
     if by_name and part.name in entries:
-        before = found.built.get(f"bodies.{part.name}")
-        other = before.key if before else f"bodies.{part.name}"
+        before = found.built.get(f"{part.table}.{part.name}")
+        other = before.key if before else f"{part.table}.{part.name}"
         problem = f"the name {part.name!r} that it gives is already that of {other}"
         found.errors.append(InputError(problem, source=file, key=key, expected="another 'name'"))
         return

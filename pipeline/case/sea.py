@@ -8,13 +8,14 @@ from typing import Annotated, Any
 
 from pydantic import field_validator, model_validator
 
+from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import Positive, Quantity, Section, refuse_unknown, reject
 from heavylift.pipeline.case.hulls import DatabaseSection
 from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
 from heavylift.pipeline.case.waves import Waves, check_wave, one_or_many
 from heavylift.pipeline.case.wind import Current, Wind
-from heavylift.solver.scene.sea import Excitation
+from heavylift.solver.scene.sea import AT_SEA, Excitation
 
 __all__ = ["STANDARD_GRAVITY", "SeaSection", "check_sea"]
 
@@ -47,6 +48,8 @@ class SeaSection(Section):
     """Wind; several with names of their own for loads that are far apart."""
     current: Annotated[tuple[Current, ...], one_or_many()] = ()
     """Current."""
+    tide: Annotated[Any, Chosen(AT_SEA, word="tide")] | None = None
+    """Rise and fall of the still water."""
 
     @property
     def water_depth(self) -> float:
@@ -78,11 +81,20 @@ def check_sea(
     hulls: Mapping[str, Any],
     databases: Mapping[str, DatabaseSection],
     tanks: Sequence[Any],
+    pumps: Sequence[Any],
+    controllers: Sequence[Any],
     fluid_loads: Sequence[Any],
     lines: Sequence[Any],
 ) -> None:
     """Reject tables of a case that do not fit together."""
-    tables = {"hulls": hulls, "databases": databases, "tanks": tanks, "fluid_loads": fluid_loads}
+    tables = {
+        "hulls": hulls,
+        "databases": databases,
+        "tanks": tanks,
+        "pumps": pumps,
+        "controllers": controllers,
+        "fluid_loads": fluid_loads,
+    }
     given = next((key for key, table in tables.items() if table), None)
     if sea is None:
         if given is not None:

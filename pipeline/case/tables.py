@@ -98,6 +98,12 @@ def _move_hook(entry: dict[str, Any], move: Vector) -> None:
             hook["point"] = _moved(hook["point"], move)
 
 
+def _move_link(entry: dict[str, Any], move: Vector) -> None:
+    """Move the edge of a link beam that rests on the ground."""
+    if entry.get("rests_on") == GROUND and "edge" in entry:
+        entry["edge"] = _moved(entry["edge"], move)
+
+
 def _move_crane(entry: dict[str, Any], move: Vector) -> None:
     """Move a crane."""
     entry["position"] = _moved(entry.get("position", [0.0, 0.0, 0.0]), move)
@@ -336,6 +342,11 @@ class SceneTables(Section):
         Table("Spreaders", "spreader", records=(), move=_move_hook),
     ] = ()
     """Spreader beams on two slings."""
+    link_beams: Annotated[
+        tuple[Annotated[Any, Chosen(EQUIPMENT, word="link_beams")], ...],
+        Table("Link beams", "link beam", records=(), move=_move_link),
+    ] = ()
+    """Bridges between two decks for wheels."""
     forces: Annotated[
         tuple[Annotated[Any, Chosen(FORCES)], ...],
         Table(
@@ -381,6 +392,12 @@ class SceneTables(Section):
     """Added mass, damping and excitation of hulls, by names of their own."""
     tanks: Annotated[tuple[Annotated[Any, Chosen(AT_SEA, word="tanks")], ...], Table("Tanks", "tank")] = ()
     """Ballast water in hulls."""
+    pumps: Annotated[tuple[Annotated[Any, Chosen(AT_SEA, word="pumps")], ...], Table("Pumps", "pump")] = ()
+    """What moves the water of tanks."""
+    controllers: Annotated[
+        tuple[Annotated[Any, Chosen(AT_SEA, word="controllers")], ...], Table("Controllers", "controller")
+    ] = ()
+    """What keeps hulls level by pumps."""
     fluid_loads: Annotated[
         tuple[Annotated[Any, Chosen(FLUID_LOADS)], ...],
         Table(

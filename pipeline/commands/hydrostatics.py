@@ -70,11 +70,7 @@ def hydrostatics_command(
             # a person reads places in the coordinates of the geometry
             origin = frame_origin(found.case, hull.body)
             loading = hull_loading(found.scene, sea, hull.body)
-            tanks = [
-                liquid_at_start(replace(tank, point=tank.point + origin), water)
-                for tank in sea.tanks
-                if tank.hull == hull.body
-            ]
+            tanks = [liquid_at_start(tank, water, origin) for tank in sea.tanks if tank.hull == hull.body]
             entry: dict[str, Any] = {
                 "hull": hull.body,
                 "carries": list(loading.bodies),

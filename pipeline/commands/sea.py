@@ -90,6 +90,24 @@ def hydrostatics(
     return _told(command, quiet=quiet, json=json)
 
 
+def ballast(
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    quiet: Quiet = False,
+    json: Json = False,
+) -> int:
+    """Fillings of tanks that pump least for the stages of [ballast], with drafts, stability and the hull girder."""
+
+    def command(log: "Log") -> tuple[dict[str, Any], list[str]]:
+        from heavylift.pipeline.commands.ballast import ballast_command
+
+        return ballast_command(case, out=out, overrides=set_, log=log)
+
+    return _told(command, quiet=quiet, json=json)
+
+
 def database(
     case: CaseArgument,
     *,
@@ -218,5 +236,5 @@ def _told(command: "Callable[[Log], tuple[dict[str, Any], list[str]]]", *, quiet
     return guarded(run, quiet=quiet, json=json)
 
 
-SEA_COMMANDS = (hydrostatics, database, rao, lines, statistics)
+SEA_COMMANDS = (hydrostatics, ballast, database, rao, lines, statistics)
 """In the order in which they are listed."""

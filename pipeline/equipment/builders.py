@@ -6,6 +6,7 @@ from heavylift.pipeline.equipment.equalizers import Equalizer
 from heavylift.pipeline.equipment.falls import Falls
 from heavylift.pipeline.equipment.floating_cranes import FloatingCrane
 from heavylift.pipeline.equipment.gantry_cranes import GantryCrane
+from heavylift.pipeline.equipment.link_beams import LinkBeam
 from heavylift.pipeline.equipment.parts import EQUIPMENT
 from heavylift.pipeline.equipment.spreaders import Spreader
 
@@ -17,5 +18,6 @@ BUILDERS: dict[str, Any] = {
     "falls": Falls,
     "equalizers": Equalizer,
     "spreaders": Spreader,
+    "link_beams": LinkBeam,
 }
 """By the list of a case file in which their tables stand."""

@@ -37,6 +37,7 @@ def sea_sections(case: Case, stages: OutputFolder, results: Results | None) -> l
         *_hulls(case, stages),
         *_databases(case, stages),
         *_tanks(case),
+        *_pumps(case),
         *described_table("load", case.fluid_loads),
     ]
     items += [*_lines(case, known), *described_table("fender", case.fenders)]
@@ -219,8 +220,31 @@ def _tanks(case: Case) -> list[Table]:
         water = (
             f"{tank.mass:g}" if tank.mass is not None else f"{tank.masses[0]:g} to {tank.masses[-1]:g}, table"
         )
-        rows.append((tank.name, tank.hull, numbers_words(tank.point, "m"), water))
-    return [short_table(("tank", "hull", "at", "water [kg]"), rows)] if rows else []
+        if tank.point is not None:
+            place, room = numbers_words(tank.point, "m"), "a point mass"
+        elif tank.size is not None:
+            place, room = f"floor at {numbers_words(tank.floor, 'm')}", numbers_words(tank.size, "m")
+        else:
+            place, room = "by a table", f"{tank.volumes[-1]:g} m^3"
+        rows.append((tank.name, tank.hull, place, room, water))
+    return [short_table(("tank", "hull", "at", "holds", "water [kg]"), rows)] if rows else []
+
+
+def _pumps(case: Case) -> list[Table]:
+    """Pumps, and what tells them how fast."""
+    told = {pump: one.name for one in case.controllers for pump in one.pumps}
+    rows = [
+        (
+            pump.name,
+            f"{pump.source} {'to and from' if pump.reversible else 'to'} {pump.target}",
+            f"{pump.rate:g}",
+            f"{pump.lag:g}",
+            f"{'a plan; ' * bool(len(pump.times))}{told.get(pump.name, '')}".rstrip("; "),
+        )
+        for pump in case.pumps
+    ]
+    header = ("pump", "from, to", "at most [kg/s]", "lag [s]", "told by")
+    return [short_table(header, rows)] if rows else []
 
 
 def _lines(case: Case, known: dict[str, Any]) -> list[Table]:

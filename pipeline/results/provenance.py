@@ -255,6 +255,8 @@ def database_digest(case: Case, section: DatabaseSection) -> str:
     sea = (
         case.sea.model_dump(mode="json", include={"density", "gravity", "level", "depth"}) if case.sea else {}
     )
+    if case.sea is not None and case.sea.tide is not None:
+        sea |= case.sea.model_dump(mode="json", include={"tide"})
     inputs["water"] = [sea, case.gravity and case.gravity.model_dump(mode="json")]
     if section.file is not None:
         path = case.folder / section.file

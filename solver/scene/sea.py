@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import Absent, BodyPoint, NameOf, Positive, Quantity, Shape, Square
+from heavylift.numerics.quantity import Absent, BodyPoint, Least, NameOf, Positive, Quantity, Shape, Square
 from heavylift.solver.scene.bodies import RigidBody
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
 
@@ -36,6 +36,7 @@ __all__ = [
     "Restored",
     "Sea",
     "Tank",
+    "Tide",
     "Water",
 ]
 
@@ -61,12 +62,15 @@ class Water:
         Height of the still water plane in the world [m].
     depth
         [m]; infinite for deep water.
+    tide
+        Rise and fall of the still water; `level` is that at the start then.
     """
 
     density: float = 1025.0
     gravity: float = 9.80665
     level: float = 0.0
     depth: float = math.inf
+    tide: Tide | None = None
 
 
 AT_SEA: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
@@ -163,6 +167,7 @@ class Hull(Restored):
             "moment of memory and damping about the reference point, heading axes",
             XYZ,
         ),
+        ChannelKind("water_level", "length", "height of the still water, with the tide"),
     )
     """What it records behind the channels of its body, in the order of its columns."""
 
@@ -230,19 +235,24 @@ class Radiation:
 @AT_SEA.describe("tanks")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tank:
-    """Ballast water as a point mass that follows a filling schedule."""
+    """Ballast water: a point mass, a rectangular tank, or one by a table over its volume."""
 
     SENTENCES: ClassVar = {"name": "Name."}
 
     # Water comes and goes with the velocity of the hull; its free surface takes from the restoring of roll and pitch
     # for small angles.
+    CHANNELS: ClassVar = (
+        ChannelKind("mass", "mass", "mass of the water in the tank"),
+        ChannelKind("depth", "length", "depth of the water in a tank with `size` or `depths`, else 0"),
+    )
+
     name: str
     hull: Annotated[str, NameOf("hull")]
     """Hull that it is in."""
-    point: Annotated[NDArray[np.float64], BodyPoint()]
-    """Centre of the water, in the coordinates of the geometry [m]."""
+    point: Annotated[NDArray[np.float64] | None, BodyPoint()] = None
+    """Centre of the water, in the coordinates of the geometry [m], of a tank without `size` and `volumes`."""
     mass: Annotated[float | None, Quantity("mass", minimum=0.0, closed=True)] = None
-    """[kg]."""
+    """[kg]; at the start, if pumps fill or empty it."""
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
     """In place of `mass`, a schedule: [s], increasing."""
     masses: Annotated[NDArray[np.float64], Quantity("mass", minimum=0.0, closed=True), Shape((None,))] = (
@@ -252,17 +262,86 @@ class Tank:
     free_surface: Annotated[
         tuple[float, float], Quantity("second moment of area", minimum=0.0, closed=True)
     ] = (0.0, 0.0)
-    """Second moments of its surface about its longitudinal and its transverse axis [m^4]: l b^3 / 12 and b l^3 / 12."""
+    """Second moments of its surface about its longitudinal and its transverse axis [m^4]: l b^3 / 12 and b l^3 / 12;
+    of a tank with `point`."""
     density: Annotated[float | None, Quantity("density", minimum=100.0, maximum=20_000.0)] = None
     """Of its water [kg/m^3]; that of the sea if absent."""
+    floor: Annotated[NDArray[np.float64] | None, BodyPoint()] = None
+    """Of a rectangular tank, in place of `point`: the middle of its floor, in the coordinates of the geometry [m]."""
+    size: Annotated[NDArray[np.float64] | None, Quantity("length", minimum=0.0), Shape((3,))] = None
+    """Its length, breadth and height inside, along the axes of the body [m]."""
+    permeability: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 1.0
+    """Share of its space that water can take."""
+    volumes: Annotated[NDArray[np.float64], Quantity("volume", minimum=0.0, closed=True), Shape((None,))] = (
+        field(default_factory=no_rows)
+    )
+    """In place of `point`, a table over the volume of the water [m^3]: from 0 to that of the full tank, increasing."""
+    centres: Annotated[NDArray[np.float64] | None, BodyPoint(), Shape((None, 3))] = None
+    """Centre of the water at each volume with the hull upright, in the coordinates of the geometry [m], linear
+    between."""
+    surfaces: Annotated[
+        NDArray[np.float64] | None,
+        Quantity("second moment of area", minimum=0.0, closed=True),
+        Shape((None, 2)),
+    ] = None
+    """Second moments of the free surface about its longitudinal and its transverse axis at each volume [m^4]; zero if
+    absent."""
+    depths: Annotated[NDArray[np.float64], Quantity("length", minimum=0.0, closed=True), Shape((None,))] = (
+        field(default_factory=no_rows)
+    )
+    """Depth of the water at each volume, for the record [m]."""
 
     @staticmethod
     def check(said: Any) -> None:
-        """A mass, or a schedule."""
+        """A mass, or a schedule; a place of one kind."""
         if (said.mass is None) == (not len(said.times)):
             problem = "neither 'mass' nor 'times'" if said.mass is None else "both 'mass' and 'times'"
             raise InputError(problem, expected="one of them")
         check_table("times", said.times, "masses", said.masses)
+        given = {
+            "point": said.point is not None,
+            "size": said.size is not None,
+            "volumes": len(said.volumes) > 0,
+        }
+        ways = [key for key, there in given.items() if there]
+        if len(ways) != 1:
+            raise InputError(
+                f"{' and '.join(map(repr, ways)) or 'no place'}",
+                key=ways[-1] if ways else "point",
+                expected="'point'; or 'floor' and 'size'; or 'volumes' and 'centres'",
+            )
+        way = ways[0]
+        if (said.floor is not None) != (way == "size"):
+            raise InputError(
+                f"{'no' if said.floor is None else 'a'} 'floor' with {way!r}",
+                key="floor",
+                expected="'floor' and 'size' together",
+            )
+        if way != "point" and any(said.free_surface):
+            raise InputError(
+                f"'free_surface' with {way!r}", key="free_surface", expected="the free surface of that"
+            )
+        if way != "size" and said.permeability != 1.0:
+            raise InputError(f"'permeability' with {way!r}", key="permeability", expected="'size'")
+        if not said.permeability > 0.0:
+            raise InputError(f"{said.permeability:g}", key="permeability", expected="more than 0, at most 1")
+        if way == "volumes":
+            Tank._check_volumes(said)
+        elif said.centres is not None or said.surfaces is not None or len(said.depths):
+            raise InputError(f"a table with {way!r}", key="volumes", expected="'volumes' and 'centres'")
+
+    @staticmethod
+    def _check_volumes(said: Any) -> None:
+        """A table from the empty to the full tank."""
+        check_table("volumes", said.volumes, "centres", said.centres or (), shortest=2)
+        if said.volumes[0] != 0.0:
+            raise InputError(
+                f"begins at {said.volumes[0]:g} m^3", key="volumes", expected="0, the empty tank, first"
+            )
+        if said.surfaces is not None:
+            check_table("volumes", said.volumes, "surfaces", said.surfaces)
+        if len(said.depths):
+            check_table("volumes", said.volumes, "depths", said.depths)
 
     @property
     def schedule(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -276,10 +355,65 @@ class Tank:
         """Mass at the start [kg]."""
         return float(np.interp(0.0, *self.schedule))
 
-    def surface(self, water: Water) -> tuple[float, float]:
-        """Second moments of its free surface times the density of its water [kg m]."""
+    def shape(self, water: Water) -> NDArray[np.float64]:
+        """Rows of mass [kg], centre [m], density times second moments of the surface [kg m] and depth [m].
+
+        It is linear between them. One row if the centre stays; else from the empty to the full tank. Neither an empty
+        nor a full tank has a free surface, whatever its rows say. Shape (rows, 7).
+        """
         density = water.density if self.density is None else self.density
-        return density * self.free_surface[0], density * self.free_surface[1]
+        if self.size is not None:
+            assert self.floor is not None
+            l, b, h = self.size
+            whole = density * self.permeability
+            about = (whole * l * b**3 / 12.0, whole * b * l**3 / 12.0)
+            x, y, z = self.floor
+            ends = ((0.0, 0.0), (whole * l * b * h, h))
+            return np.array([[mass, x, y, z + 0.5 * depth, *about, depth] for mass, depth in ends])
+        if len(self.volumes):
+            n = len(self.volumes)
+            surfaces = np.zeros((n, 2)) if self.surfaces is None else self.surfaces
+            depths = self.depths if len(self.depths) else np.zeros(n)
+            assert self.centres is not None
+            return np.column_stack([density * self.volumes, self.centres, density * surfaces, depths])
+        assert self.point is not None
+        return np.array([[0.0, *self.point, *(density * one for one in self.free_surface), 0.0]])
+
+    def capacity(self, water: Water) -> float:
+        """Mass of the full tank [kg]; infinite of a point mass."""
+        rows = self.shape(water)
+        return float(rows[-1, 0]) if len(rows) > 1 else math.inf
+
+    def contents(self, mass: float, water: Water) -> tuple[NDArray[np.float64], tuple[float, float], float]:
+        """Centre of some water in it [m], density times second moments of its surface [kg m], depth [m]."""
+        rows = self.shape(water)
+        x, y, z, about_x, about_y, depth = (
+            float(np.interp(mass, rows[:, 0], rows[:, k])) if len(rows) > 1 else float(rows[0, k])
+            for k in range(1, 7)
+        )
+        free = 0.0 < mass < self.capacity(water)
+        return np.array([x, y, z]), (about_x, about_y) if free else (0.0, 0.0), depth
+
+
+@AT_SEA.describe("tide")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tide:
+    """Still water that rises and falls."""
+
+    times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,)), Least(2)]
+    """[s], increasing."""
+    levels: Annotated[NDArray[np.float64], Quantity("length"), Shape((None,))]
+    """Height of the still water over `level` of the sea [m], one a time, linear between, held at the ends."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A level a time."""
+        check_table("times", said.times, "levels", said.levels)
+
+    @property
+    def at_start(self) -> float:
+        """Level at the start of time [m]."""
+        return float(np.interp(0.0, self.times, self.levels))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -292,6 +426,8 @@ class Sea:
         Still water.
     hulls, radiation, tanks
         What floats.
+    pumps, controllers
+        What moves the water of tanks, and what tells pumps how fast.
     waves
         Trains of waves, or None.
     ramp
@@ -314,6 +450,8 @@ class Sea:
     hulls: tuple[Hull, ...] = ()
     radiation: tuple[Radiation, ...] = ()
     tanks: tuple[Tank, ...] = ()
+    pumps: tuple[Any, ...] = ()
+    controllers: tuple[Any, ...] = ()
     waves: WaveTrains | None = None
     ramp: float = 0.0
     at_rest: bool = False

@@ -223,6 +223,12 @@ mass = "40 t"
 inertia = [1e5, 1e5, 1e5]
 centre_of_mass = [0, 0, "1.5 m"]
 frame = { motion = "free" }
+
+[bodies.barge]
+type = "rigid"
+mass = "1 t"
+inertia = [1e3, 1e3, 1e3]
+frame = { motion = "fixed" }
 """
     (tmp_path / "case.toml").write_text(f"{body}\n{text}\n{REST}", encoding="utf-8")
     assert run_case(load_case(tmp_path)).outcome is Outcome.COMPLETED

@@ -14,6 +14,7 @@ from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.words import check_word
 from heavylift.solver.interface import Bodies
+from heavylift.solver.scene.ballast import check_ballast
 from heavylift.solver.scene.sea import Excitation, Memory
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 
@@ -60,12 +61,7 @@ def check_sea(sea: Sea) -> None:
                 key="waves",
                 expected="a database with exciting forces, or a sea without waves",
             )
-    names = [tank.name for tank in sea.tanks]
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise InputError(
-            f"two tanks {twice[0]!r}", source="sea", key="tanks", expected="a name of its own for each"
-        )
+    check_ballast(sea)
     with_waves = {name for radiation in sea.radiation for name in radiation.bodies}
     if sea.waves is not None and sea.hulls and not with_waves:
         raise InputError(

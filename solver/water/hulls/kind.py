@@ -37,9 +37,13 @@ __all__ = [
     "Hulls",
     "LineEnd",
     "Parts",
+    "PumpData",
+    "PumpRow",
     "StillWater",
     "TankData",
     "TankLevel",
+    "TankRow",
+    "TideRow",
     "WaveComponent",
 ]
 
@@ -188,17 +192,25 @@ class TankData(Record):
     first, count
         Rows of its schedule.
     point
-        In principal axes [m].
+        Centre of its water, in principal axes [m].
     mass
         In the middle of the step, or at the carried state [kg].
     velocity
         Of the water in it [m/s].
     free_surface
-        Density times second moments about x and y of the body [kg m].
+        Density times second moments about x and y of the body, with as much water as there is [kg m].
     start_velocity
         At the start, as its mass needs it; after that the one of the middle [m/s].
     lag
         As that of a hull, of the velocity; carried.
+    depth
+        Of the water [m].
+    first_row, rows
+        Of its shape; one if its centre stays.
+    capacity
+        Mass of the full tank [kg], infinite of a point mass.
+    column
+        First record column.
     """
 
     hull: int
@@ -210,6 +222,11 @@ class TankData(Record):
     free_surface: Pair
     start_velocity: Vector
     lag: Vector
+    depth: float
+    first_row: int
+    rows: int
+    capacity: float
+    column: int
 
 
 class TankLevel(Record):
@@ -217,6 +234,44 @@ class TankLevel(Record):
 
     time: float
     mass: float
+
+
+class TankRow(Record):
+    """Row of the shape of a tank: mass [kg], centre in principal axes [m], surface [kg m], depth [m]."""
+
+    mass: float
+    centre: Vector
+    surface: Pair
+    depth: float
+
+
+class PumpData(Record):
+    """A pump: tanks at its ends, -1 for the sea; rows of its plan; lag [s]; flows at most either way; column."""
+
+    source: int
+    target: int
+    first: int
+    count: int
+    lag: float
+    most: float
+    least: float
+    column: int
+
+
+class PumpRow(Record):
+    """From a time on [s], what a pump is told [kg/s], with its flow [kg/s] and the mass that it has moved [kg] then."""
+
+    time: float
+    command: float
+    flow: float
+    pumped: float
+
+
+class TideRow(Record):
+    """Row of the tide: time [s], level of the still water [m]."""
+
+    time: float
+    level: float
 
 
 class LineEnd(Record):
@@ -307,8 +362,10 @@ class Hulls(RigidFrames):
     matrices
         Of each group: factor of the step, factor of its end or matrix of the corrected middle, matrix of the step;
         flat.
-    tanks, tank_levels
-        Tanks; rows of their schedules.
+    tanks, tank_levels, tank_rows
+        Tanks; rows of their schedules and of their shapes.
+    pumps, pump_rows, tide
+        Pumps, and what they are told, which is carried: who commands one writes its rows; levels of the still water.
     tangents, rate_tangents, line_ends
         Stiffness and damping matrices of lines and fenders, shared with them, shapes (n, 9); their ends.
     state
@@ -332,6 +389,7 @@ class Hulls(RigidFrames):
         "state",
         "placed",
         "tanks",
+        "pump_rows",
         "memory_state",
     )
 
@@ -349,6 +407,10 @@ class Hulls(RigidFrames):
     matrices: Floats1
     tanks: Records[TankData]
     tank_levels: Records[TankLevel]
+    tank_rows: Records[TankRow]
+    pumps: Records[PumpData]
+    pump_rows: Records[PumpRow]
+    tide: Records[TideRow]
     tangents: Floats2
     rate_tangents: Floats2
     line_ends: Records[LineEnd]

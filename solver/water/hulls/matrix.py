@@ -116,12 +116,11 @@ def restore(kind: Hulls, hull: int) -> None:
 
 @kernel(internal=True)
 def _free_surfaces(kind: Hulls, hull: int) -> tuple[float, float]:
-    """Sums over the tanks that hold water, about x and about y of the body [kg m2]."""
+    """Sums over the tanks, about x and about y of the body [kg m2]."""
     about_x = about_y = 0.0
     for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
-        if kind.tanks[tank].mass > 0.0:
-            about_x += kind.tanks[tank].free_surface[0]
-            about_y += kind.tanks[tank].free_surface[1]
+        about_x += kind.tanks[tank].free_surface[0]
+        about_y += kind.tanks[tank].free_surface[1]
     return about_x, about_y
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,9 +30,13 @@ from heavylift.solver.water.hulls.kind import (
     HullVectors,
     LineEnd,
     Parts,
+    PumpData,
+    PumpRow,
     StillWater,
     TankData,
     TankLevel,
+    TankRow,
+    TideRow,
     WaveComponent,
 )
 from heavylift.solver.water.hulls.memory import (
@@ -77,6 +81,7 @@ def pack_hulls(
     line_ends: Sequence[tuple[str, int, int]],
     step: float,
     notes: list[str],
+    columns: Mapping[str, int],
 ) -> Hulls:
     """Make the kind from what the user said.
 
@@ -96,6 +101,8 @@ def pack_hulls(
         Length of all steps [s], 0 if they vary.
     notes
         Receives what the user should know.
+    columns
+        First record columns of tanks and pumps, by name.
 
     Raises
     ------
@@ -129,7 +136,8 @@ def pack_hulls(
         damping[at, at] = body.hull.damping
         rows[row].quadratic_damping[:] = body.hull.quadratic_damping
         rows[row].cut_off = body.hull.low_pass
-    tank_rows, levels = _pack_tanks(tanks, names, rigid.frame, sea.water)
+    tank_data, levels, tank_rows = _pack_tanks(tanks, names, rigid.frame, sea.water, columns)
+    pumps, pump_rows = _pack_pumps(sea, tanks, columns)
     for entry in sea.radiation:
         for place, name in enumerate(entry.bodies):
             _cover(entry, place, names.index(name), bodies, rows, surfaces, rigid.frame)
@@ -154,8 +162,12 @@ def pack_hulls(
         implicit=np.zeros((6 * count, 6 * count)),
         vectors=HullVectors.empty(6 * count),
         matrices=np.zeros(first_matrix),
-        tanks=tank_rows,
+        tanks=tank_data,
         tank_levels=levels,
+        tank_rows=tank_rows,
+        pumps=pumps,
+        pump_rows=pump_rows,
+        tide=_pack_tide(sea.water),
         tangents=tangents,
         rate_tangents=rate_tangents,
         line_ends=_line_ends(names, line_ends),
@@ -263,20 +275,63 @@ def _fill_hull(
 
 
 def _pack_tanks(
-    tanks: Sequence[Tank], names: Sequence[str], frame: Records[RigidFrame], water: Water
-) -> tuple[Records[TankData], Records[TankLevel]]:
-    """Tanks, and the rows of their schedules."""
+    tanks: Sequence[Tank],
+    names: Sequence[str],
+    frame: Records[RigidFrame],
+    water: Water,
+    columns: Mapping[str, int],
+) -> tuple[Records[TankData], Records[TankLevel], Records[TankRow]]:
+    """Tanks, the rows of their schedules and of their shapes."""
     levels: list[tuple[float, float]] = []
+    shapes: list[tuple[Any, ...]] = []
     rows = records(TankData, len(tanks))
     for row, tank in zip(rows, tanks, strict=True):
         times, masses = tank.schedule
         row.hull, row.first, row.count = names.index(tank.hull), len(levels), len(times)
-        axes = rotation_matrix(frame[row.hull].axes).T
-        row.point[:] = axes @ (np.asarray(tank.point) - frame[row.hull].centre)
-        row.free_surface[:] = tank.surface(water)
+        axes, centre = rotation_matrix(frame[row.hull].axes).T, frame[row.hull].centre
+        shape = tank.shape(water)
+        row.first_row, row.rows, row.capacity = len(shapes), len(shape), tank.capacity(water)
+        row.column = columns[tank.name]
+        shapes += [
+            (mass, axes @ (np.array(place) - centre), about, depth)
+            for mass, *place, about, depth in (
+                (line[0], *line[1:4], line[4:6], line[6]) for line in shape.tolist()
+            )
+        ]
+        point, row.free_surface[:], row.depth = tank.contents(tank.start_mass, water)
+        row.point[:] = axes @ (point - centre)
         row.mass = tank.start_mass
         levels.extend(zip(times, masses, strict=True))
-    return rows, records(TankLevel, levels)
+    made = records(TankRow, len(shapes))
+    for entry, (mass, centre, about, depth) in zip(made, shapes, strict=True):
+        entry.mass, entry.centre[:], entry.surface[:], entry.depth = mass, centre, about, depth
+    return rows, records(TankLevel, levels), made
+
+
+def _pack_pumps(
+    sea: Sea, tanks: Sequence[Tank], columns: Mapping[str, int]
+) -> tuple[Records[PumpData], Records[PumpRow]]:
+    """Pumps with the rows of what they are told; one of a pump that a controller tells."""
+    places = {tank.name: i for i, tank in enumerate(tanks)}
+    told = {name for one in sea.controllers for name in one.pumps}
+    rows: list[tuple[float, ...]] = []
+    pumps = []
+    for pump in sea.pumps:
+        plan = pump.plan()[: 1 if pump.name in told else None]
+        ends = places.get(pump.source, -1), places.get(pump.target, -1)
+        least = -pump.rate if pump.reversible else 0.0
+        pumps.append((*ends, len(rows), len(plan), pump.lag, pump.rate, least, columns[pump.name]))
+        rows += [tuple(line) for line in plan.tolist()]
+    return records(PumpData, pumps), records(PumpRow, rows)
+
+
+def _pack_tide(water: Water) -> Records[TideRow]:
+    """Levels of the still water."""
+    tide = water.tide
+    if tide is None:
+        return records(TideRow, 0)
+    rise = np.asarray(tide.levels) - tide.at_start
+    return records(TideRow, zip(tide.times, water.level + rise, strict=True))
 
 
 def _line_ends(names: Sequence[str], ends: Sequence[tuple[str, int, int]]) -> Records[LineEnd]:

@@ -26,12 +26,11 @@ from heavylift.solver.water.hulls.kind import (
 from heavylift.solver.water.hulls.matrix import restore, restoring_potential
 from heavylift.solver.water.hulls.parts import memory_now
 from heavylift.solver.water.hulls.step import (
-    fill_tanks,
     find_waves,
-    put_tank_velocity,
     put_transform,
     to_hydrodynamic,
 )
+from heavylift.solver.water.hulls.tanks import fill_tanks, pump_at, put_level, put_tank_velocity
 
 __all__ = ["restore_at_rest"]
 
@@ -41,6 +40,7 @@ def _set_stage(kind: Hulls, time: float) -> None:
     """The stage at the carried state, with the velocities of the reference points."""
     stage_at_state(kind)
     fill_tanks(kind, time)
+    put_level(kind, time)
     for hull in range(kind.table.shape[0]):
         R = kind.frame[hull].mid_rotation
         stage, seen = kind.stage[hull], kind.state[hull].low_pass
@@ -56,6 +56,7 @@ def restore_at_rest(kind: Hulls) -> None:
     """Buoyancy and ballast at the carried state and at the start of time, for what Python asks before it."""
     stage_at_state(kind)
     fill_tanks(kind, 0.0)
+    put_level(kind, 0.0)
     for hull in range(kind.table.shape[0]):
         restore(kind, hull)
 
@@ -89,6 +90,13 @@ def record_hulls(kind: Hulls, time: float, work: Workspace, row: NDArray[np.floa
                 force -= kind.damping[at, j] * vectors.finish[j]
             force -= kind.hulls[hull].quadratic_damping[i] * abs(vectors.finish[at]) * vectors.finish[at]
             row[out + 12 + i] = force
+        row[out + 18] = kind.water.level
+    for tank in range(kind.tanks.shape[0]):
+        out = kind.tanks[tank].column
+        row[out], row[out + 1] = kind.tanks[tank].mass, kind.tanks[tank].depth
+    for pump in range(kind.pumps.shape[0]):
+        out = kind.pumps[pump].column
+        row[out], row[out + 1], row[out + 2] = pump_at(kind, pump, time)
 
 
 @kernel(internal=True)

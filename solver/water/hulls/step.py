@@ -14,7 +14,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
 from heavylift.numerics.small import cholesky_factor, cholesky_solve
-from heavylift.numerics.vectors import cross, dot, rotate, rotate_back, vector
+from heavylift.numerics.vectors import cross, rotate, rotate_back, vector
 from heavylift.solver.bodies.frames.motion import add_wrench, check_frames, orientation_of
 from heavylift.solver.bodies.rigid.step import (
     advance_rigid_bodies,
@@ -42,6 +42,13 @@ from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.water.hulls.kind import Hulls
 from heavylift.solver.water.hulls.matrix import assemble, assemble_mass, moved_on
 from heavylift.solver.water.hulls.parts import add_waves, begin_memory, keep_memory
+from heavylift.solver.water.hulls.tanks import (
+    add_ballast_work,
+    fill_tanks,
+    overfilled,
+    put_level,
+    put_tank_velocity,
+)
 
 __all__ = [
     "advance_filter",
@@ -160,6 +167,7 @@ def predict_hulls(kind: Hulls, time: float, step: float) -> None:
     """As rigid bodies; and hydrodynamic velocities at the start, in the heading axes of the middle; waves there."""
     predict_rigid_bodies(kind, time, step)
     fill_tanks(kind, time + 0.5 * step)
+    put_level(kind, time + 0.5 * step)
     for hull in range(kind.table.shape[0]):
         frame, stage = kind.frame[hull], kind.stage[hull]
         R = kind.frame[hull].mid_rotation
@@ -225,39 +233,6 @@ def find_waves(kind: Hulls, time: float) -> None:
     for i in range(kind.vectors.wave.shape[0]):
         kind.vectors.wave[i] = 0.0
     add_waves(kind.excitation, time, kind.stage, kind.vectors)
-
-
-@kernel(internal=True)
-def put_tank_velocity(kind: Hulls, hull: int, tank: int, R: NDArray[np.float64]) -> None:
-    """Velocity of the water in a tank at the carried velocities."""
-    frame = kind.frame[hull]
-    c = cross(frame.spin, kind.tanks[tank].point)  # fmt: skip
-    rate = rotate(R, c)
-    for k in range(3):
-        kind.tanks[tank].velocity[k] = frame.velocity[k] + rate[k]
-
-
-@kernel(internal=True)
-def tank_mass(kind: Hulls, tank: int, time: float) -> float:
-    """Of the schedule, linear between its rows and held at the ends [kg]."""
-    levels, first, count = kind.tank_levels, kind.tanks[tank].first, kind.tanks[tank].count
-    low, high = first, first + count - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if levels[middle].time <= time:
-            low = middle
-        else:
-            high = middle
-    span = levels[high].time - levels[low].time
-    part = min(max((time - levels[low].time) / span, 0.0), 1.0) if span > 0.0 else 0.0
-    return levels[low].mass + part * (levels[high].mass - levels[low].mass)
-
-
-@kernel(internal=True)
-def fill_tanks(kind: Hulls, time: float) -> None:
-    """Masses at a time."""
-    for tank in range(kind.tanks.shape[0]):
-        kind.tanks[tank].mass = tank_mass(kind, tank, time)
 
 
 @implement(fill_markers, Hulls)
@@ -418,7 +393,7 @@ def advance_hulls(kind: Hulls, time: float, step: float, work: Workspace) -> Non
         kind.state[hull].supplied += h * supplied
     for end in range(kind.line_ends.shape[0]):
         _correct_line(kind, work, end, h)
-    _fill_work(kind, time, h)
+    add_ballast_work(kind, time, h)
     for hull in range(kind.table.shape[0]):
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             _lag_of_tank(kind, hull, tank, work.velocity, kind.table[hull].dof, False, step)
@@ -479,34 +454,6 @@ def _lag_of_tank(
 
 
 @kernel(internal=True)
-def _fill_work(kind: Hulls, time: float, step: float) -> None:
-    """Energy that ballast brings with it, in the middle of the step: it comes with the velocity of its place."""
-    for tank in range(kind.tanks.shape[0]):
-        before, after = tank_mass(kind, tank, time), tank_mass(kind, tank, time + step)
-        gained = after - before
-        if gained != 0.0:
-            hull = kind.tanks[tank].hull
-            if (before > 0.0) != (after > 0.0):
-                kind.state[hull].supplied += _free_surface_energy(kind, hull, tank) * (
-                    1.0 if after > 0.0 else -1.0
-                )
-            v = vector(kind.tanks[tank].velocity)
-            _, _, arm = rotate(kind.frame[hull].mid_rotation, kind.tanks[tank].point)
-            height = kind.frame[hull].mid_position[2] + arm
-            kind.state[hull].supplied += gained * (0.5 * dot(v, v) + kind.water.gravity * height)
-
-
-@kernel(internal=True)
-def _free_surface_energy(kind: Hulls, hull: int, tank: int) -> float:
-    """Potential that the free surface of a tank has in the middle of the step [J]."""
-    R, data = kind.frame[hull].mid_rotation, kind.hulls[hull]
-    _, _, a = rotate(R, data.axis_x)
-    _, _, b = rotate(R, data.axis_y)
-    about_x, about_y = kind.tanks[tank].free_surface[0], kind.tanks[tank].free_surface[1]
-    return -0.5 * kind.water.gravity * (about_y * a * a + about_x * b * b)
-
-
-@kernel(internal=True)
 def _correct_line(kind: Hulls, work: Workspace, end: int, step: float) -> None:
     """The force of a line at the middle that was found, not at the predicted one: for the work of the step."""
     at = kind.line_ends[end]
@@ -561,13 +508,18 @@ def put_end(kind: Hulls, hull: int, heading: float) -> None:
 
 
 OUTSIDE_DATABASE = int(Outcome.OUTSIDE_DATABASE)
+LIMIT_REACHED = int(Outcome.LIMIT_REACHED)
 
 
 @implement(check, Hulls)
 @kernel(internal=True)
 def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
-    """As rigid bodies; and whether waves and water plane are still those of the database."""
+    """As rigid bodies; whether waves and water plane are still those of the database, and tanks hold their water."""
     check_frames(kind, step, work)
+    for tank in range(kind.tanks.shape[0]):
+        if overfilled(kind, tank):
+            work.status.outcome = LIMIT_REACHED
+            work.status.body = kind.table[kind.tanks[tank].hull].number
     for hull in range(kind.table.shape[0]):
         total = 0.0
         for i in range(6 * hull, 6 * hull + 6):

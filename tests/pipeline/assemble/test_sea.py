@@ -180,7 +180,7 @@ def test_coefficients_may_stand_in_a_file_in_degrees(folder):
 def test_points_of_tanks_lines_and_fenders_are_in_the_frames_of_bodies(folder):
     sea = sea_of(folder, "bodies.barge.frame.origin=centre_of_mass")  # 1 m above the origin of the geometry
     assert sea.tanks[0].point.tolist() == [15.0, 0.0, -2.0]
-    assert sea.tanks[0].surface(sea.water) == (1025.0 * 20.0, 1025.0 * 40.0)
+    assert sea.tanks[0].contents(1.0, sea.water)[1] == (1025.0 * 20.0, 1025.0 * 40.0)
     assert sea.lines[0].point_a.tolist() == [230.0, 0.0, -49.5]
     assert sea.lines[0].point_b.tolist() == [20.0, 0.0, 0.0]
     assert sea.lines[0].seabed == -49.5
