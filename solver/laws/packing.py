@@ -204,7 +204,7 @@ def pack_laws(
     if scene.transporters:
         from heavylift.solver.transport.packing import pack_transporters
 
-        vehicles, blocks = pack_transporters(
+        kinds, blocks = pack_transporters(
             scene,
             [columns[vehicle.name] for vehicle in scene.transporters],
             first_block + packing.block_count,
@@ -212,7 +212,7 @@ def pack_laws(
             attachment,
             scales,
         )
-        made.joints.append(vehicles)
+        made.joints += kinds
         made.blocks += blocks
         made.fitted = True
     return made

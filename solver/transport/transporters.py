@@ -59,7 +59,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
@@ -89,6 +89,18 @@ ROUNDS = 100
 PLAIN_ROUNDS = 5
 """Rounds of the iteration of the rows after which a law is fitted by chords too: tangents alone can go to and fro."""
 
+PATH_CHANNELS = ("path_way", "off_path", "off_heading", "push_along", "push_across", "push_turning")
+DRIVE_CHANNELS = (
+    "drive_demand",
+    "bogie_drive",
+    "bogie_drive_max",
+    "bogie_drive_min",
+    "traction_used_max",
+    "drive_used_max",
+    "brake_used_max",
+)
+"""Of a transporter with a path, and with a drive."""
+
 NEGLIGIBLE = 1e-15
 """Relative change of a pressure that ends its iteration."""
 
@@ -117,6 +129,45 @@ class Transporter:
         ChannelKind("wheel_load", "force", "load of each bogie on the road, with its own weight", None),
         ChannelKind("road_under", "length", "height of the road for each wheel over that of its deck", None),
         ChannelKind("stroke_of", "length", "stroke of each bogie from its place at the start, up", None),
+        ChannelKind("path_way", "length", "way along its path", None),
+        ChannelKind("off_path", "length", "distance of the middle of its bogies from its path", None),
+        ChannelKind("off_heading", "angle", "by which its heading is off its path, to the left", None),
+        ChannelKind("push_along", "force", "on it in the plane, forwards, from drives and brakes", None),
+        ChannelKind("push_across", "force", "on it in the plane, to the left, from its wheels", None),
+        ChannelKind(
+            "push_turning",
+            "moment or energy",
+            "on it in the plane, to the left, about the middle of its bogies",
+            None,
+        ),
+        ChannelKind("steering", "angle", "of each bogie, to the left", None),
+        ChannelKind("rolling_speed", "velocity", "of the wheels of each bogie", None),
+        ChannelKind(
+            "drive_demand",
+            "force",
+            "of all driven bogies, along the path, in the middle of the last step",
+            None,
+        ),
+        ChannelKind("bogie_drive", "force", "of each driven bogie in the middle of the last step", None),
+        *interval_extremes("bogie_drive", "force", "of the middles of all steps", None),
+        ChannelKind(
+            "traction_used_max",
+            "number",
+            "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record",
+            None,
+        ),
+        ChannelKind(
+            "drive_used_max",
+            "number",
+            "over what its drive can at its speed, largest since the last record",
+            None,
+        ),
+        ChannelKind(
+            "brake_used_max",
+            "number",
+            "at rest, over what its brakes hold, largest since the last record",
+            None,
+        ),
     )
     """What it records, in the order of its columns."""
 
@@ -145,18 +196,34 @@ class Transporter:
     travel_speed: Annotated[float | None, Quantity("velocity")] = None
     """The wheels travel along all decks at this speed from their places at the start on, wherever the body is [m/s]; if
     absent they are where the body takes them."""
+    legs: tuple[PathLeg, ...] = ()
+    """Legs of a path along which it is driven from its place at the start on, one after the other: where in the plane
+    it is and where it points. On decks of several bodies it moves along with them, by their shares in its load."""
+    handover: Annotated[float, Positive("time")] = 5.0
+    """Delay with which its path follows the shares of moving bodies in its load [s]."""
+    steering_limit: Annotated[float, Quantity("angle", minimum=0.0, maximum=np.pi, closed=True)] = (
+        2.268928027592628
+    )
+    """Largest steering angle of a bogie to both sides [rad]."""
+    drive: Drive | None = None
+    """Motors and brakes; with a path."""
     accept_unstable: bool = False
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
 
     @staticmethod
     def check(said: Any) -> None:
-        """Strokes have a range."""
-        if said.stroke_limits is None:
-            return
-        low, high = said.stroke_limits
-        if not low < 0.0 < high:
+        """Strokes have a range; what drives it."""
+        if said.stroke_limits is not None:
+            low, high = said.stroke_limits
+            if not low < 0.0 < high:
+                raise InputError(
+                    f"from {low:g} to {high:g} m", key="stroke_limits", expected="one below 0, one above"
+                )
+        if said.legs and said.travel_speed is not None:
+            raise InputError("'travel_speed' with 'legs'", key="travel_speed", expected="one of them")
+        if said.drive is not None and not said.legs:
             raise InputError(
-                f"from {low:g} to {high:g} m", key="stroke_limits", expected="one below 0, one above"
+                "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
             )
 
     @property
@@ -170,7 +237,14 @@ class Transporter:
     def components(self) -> dict[str, tuple[str, ...]]:
         """Components of its channels, by channel."""
         bogies = tuple(str(i + 1) for i in range(sum(len(group.bogies) for group in self.groups)))
+        of_path = {name: (name,) if self.legs else () for name in PATH_CHANNELS}
+        of_drive = {name: (name,) if self.drive else () for name in DRIVE_CHANNELS}
+        wheels = bogies if self.legs else ()
         return {
+            **of_path,
+            **of_drive,
+            "steering": wheels,
+            "rolling_speed": wheels,
             "group_force": tuple(group.name for group in self.groups),
             "wheel_load": bogies,
             "road_under": bogies,
