@@ -115,8 +115,8 @@ class Declared:
         Names of the shells alone.
     joints
         Types of the joints by name.
-    hulls, fluids, lines
-        Names of the bodies that float, of winds and currents, and of mooring lines.
+    hulls, fluids, lines, transporters
+        Names of the bodies that float, of winds and currents, of mooring lines, and of transporters.
     sensors
         Names of the material points, and of the bodies that carry them.
     channels
@@ -142,6 +142,7 @@ class Declared:
     hulls: frozenset[str] = frozenset()
     fluids: frozenset[str] = frozenset()
     lines: frozenset[str] = frozenset()
+    transporters: frozenset[str] = frozenset()
     sensors: Mapping[str, str] = field(default_factory=dict)
     channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)

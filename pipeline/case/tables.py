@@ -492,6 +492,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
         hulls=frozenset(name for name, _ in rows["hulls"] if name in bodies),
         fluids=frozenset(fluids),
         lines=frozenset(name for name, _ in rows["lines"]),
+        transporters=frozenset(name for name, _ in rows["transporters"]),
         sensors={name: str(row.get("body")) for name, row in rows["sensors"]},
         channels=channels,
         references={

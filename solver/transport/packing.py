@@ -19,7 +19,7 @@ from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, wheel_heights
 from heavylift.solver.transport.path_packing import PathPacking
-from heavylift.solver.transport.stand import Stand, even_loads, refuse_unstable
+from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
     BogieData,
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
     from heavylift.solver.rows.structure import Attachment
 
-__all__ = ["pack_transporters"]
+__all__ = ["pack_transporters", "vehicle_tipping"]
 
 
 PATH_COLUMN = 8
@@ -345,16 +345,40 @@ def _start_loads(
                 expected="a 'load' of all, or none",
             )
         told = even_loads(stand)
+    if not transporter.accept_unstable:
+        refuse_unstable(_on_tyres(stand, transporter, told))
+    return told
+
+
+def _on_tyres(stand: Stand, transporter: Transporter, loads: NDArray[np.float64]) -> Stand:
+    """A body on its groups with the stiffness of oil or gas and tyres in a row."""
     tyre = transporter.tyre_stiffness
     oil = np.array(
         [
             group.oil_stiffness or GAS_EXPONENT * load / group.gas_length
-            for group, load in zip(transporter.groups, told, strict=True)
+            for group, load in zip(transporter.groups, loads, strict=True)
         ]
     )
-    if not transporter.accept_unstable:
-        refuse_unstable(replace(stand, stiffness=oil * tyre / (oil + tyre)))
-    return told
+    return replace(stand, stiffness=oil * tyre / (oil + tyre))
+
+
+def vehicle_tipping(scene: Scene) -> dict[str, Tipping]:
+    """Tilts at which the transporters of a scene tip over, by name: of those on which a rigid body rides.
+
+    Raises
+    ------
+    InputError
+        As `pack_transporters`.
+    """
+    gravity = _gravity(scene)
+    found = {}
+    for transporter in scene.transporters:
+        places = Places(transporter, scene)
+        if isinstance(places.body, RigidBody) and float(-gravity[2]) > 0.0:
+            stand = places.stand(float(-gravity[2]))
+            loads = _start_loads(transporter, gravity, places)
+            found[transporter.name] = tipping_angles(_on_tyres(stand, transporter, loads), loads)
+    return found
 
 
 def _check_names(transporter: Transporter) -> None:
