@@ -539,7 +539,9 @@ class TransportCriterion(_Criterion):
     type: Literal["transport"]
     transporter: Name
     """Transporter that is judged."""
-    static_tipping: Annotated[float, Quantity("angle", minimum=0.0, maximum=1.5, closed=True)] = math.radians(7.0)
+    static_tipping: Annotated[float, Quantity("angle", minimum=0.0, maximum=1.5, closed=True)] = math.radians(
+        7.0
+    )
     """Least tilt of the road at which it tips over on rigid groups."""
     tipping: Annotated[float, Quantity("angle", minimum=0.0, maximum=1.5, closed=True)] = math.radians(2.0)
     """Least tilt of the road at which it tips over with what its groups give way."""
