@@ -73,6 +73,13 @@ class BogieGroup:
     gas_length: Annotated[float, Positive("length"), Absent()] = 0.0
     """In place of `oil_stiffness`, a gas accumulator: its gas volume at the start, over the area of a cylinder and the
     number of bogies [m]."""
+    constant_force: bool = False
+    """In place of both, cylinders that push with the force of the start whatever their strokes: not how oil does, and
+    nothing stands on it by itself."""
+    relief_force: Annotated[float, Positive("force"), Absent()] = np.inf
+    """Of a cylinder at which the relief valve opens [N]: oil beyond it is lost."""
+    leak_speed: Annotated[float, Quantity("velocity", minimum=0.0, closed=True)] = 0.0
+    """At which all its bogies sink by oil that leaks, at the force of the start [m/s]; it goes with the force."""
     load: Annotated[float, Quantity("force", minimum=0.0, closed=True), Absent()] = np.nan
     """Force of a bogie at the start [N]; without it the groups carry the weight of the body, all bogies as evenly as
     the balance allows."""
@@ -81,10 +88,23 @@ class BogieGroup:
 
     @staticmethod
     def check(said: Any) -> None:
-        """Oil, or gas."""
-        if (said.oil_stiffness is None) == (said.gas_length is None):
-            problem = "neither 'oil_stiffness' nor 'gas_length'" if said.gas_length is None else "both"
+        """Oil, or gas, or a constant force."""
+        given = [key for key in ("oil_stiffness", "gas_length") if getattr(said, key) is not None]
+        given += ["constant_force"] * bool(said.constant_force)
+        if len(given) != 1:
+            problem = (
+                f"{' and '.join(map(repr, given))}" if given else "no 'oil_stiffness' and no 'gas_length'"
+            )
             raise InputError(problem, key="oil_stiffness", expected="one of 'oil_stiffness' and 'gas_length'")
+        if said.constant_force:
+            more = {
+                "relief_force": said.relief_force,
+                "leak_speed": said.leak_speed or None,
+                "pump": said.pump,
+            }
+            key = next((key for key, value in more.items() if value is not None), "")
+            if key:
+                raise InputError(f"{key!r} with a constant force", key=key, expected="oil or gas")
 
 
 @TRANSPORT.part

@@ -152,8 +152,25 @@ def pack_transporters(
                     load,
                     len(pumps),
                     len(rows),
+                    group.constant_force,
+                    group.relief_force,
+                    count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0,
                 )
             )
+            if load >= group.relief_force:
+                raise InputError(
+                    f"{load:.6g} N of a cylinder of group {group.name!r} at the start",
+                    source=transporter.name,
+                    key="relief_force",
+                    expected=f"a load below that at which its valve opens, {group.relief_force:.6g} N",
+                )
+            if group.leak_speed and not load > 0.0:
+                raise InputError(
+                    f"group {group.name!r} carries nothing at the start",
+                    source=transporter.name,
+                    key="leak_speed",
+                    expected="a load at which it leaks",
+                )
             pumps += [(float(time), float(lift)) for time, lift in rows]
             own = slice(len(bogies) - first_bogie, len(bogies) - first_bogie + count)
             # with the loads of the start every tyre is as it is drawn, and the stroke is what the road lifts
@@ -355,7 +372,7 @@ def _on_tyres(stand: Stand, transporter: Transporter, loads: NDArray[np.float64]
     tyre = transporter.tyre_stiffness
     oil = np.array(
         [
-            group.oil_stiffness or GAS_EXPONENT * load / group.gas_length
+            0.0 if group.constant_force else (group.oil_stiffness or GAS_EXPONENT * load / group.gas_length)
             for group, load in zip(transporter.groups, loads, strict=True)
         ]
     )

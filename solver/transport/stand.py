@@ -21,7 +21,15 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 
-__all__ = ["Stand", "Tipping", "even_loads", "growth_rate", "refuse_unstable", "small_motions", "tipping_angles"]
+__all__ = [
+    "Stand",
+    "Tipping",
+    "even_loads",
+    "growth_rate",
+    "refuse_unstable",
+    "small_motions",
+    "tipping_angles",
+]
 
 IN_LINE = 1e-6
 """Smallest over largest extent of the middles of groups below which they are in a line."""

@@ -344,6 +344,12 @@ class GroupData(Record):
         Of a cylinder at the start [N].
     first_pump, pumps
         Rows of its pump.
+    constant
+        Whether its force is always that of the start.
+    relief
+        Force of a cylinder at which oil is lost [N].
+    leak
+        Rate of the sum of strokes by oil that leaks, over the force of a cylinder [m/(N s)].
     """
 
     vehicle: int
@@ -356,6 +362,9 @@ class GroupData(Record):
     start_force: float
     first_pump: int
     pumps: int
+    constant: bool
+    relief: float
+    leak: float
 
 
 class GroupState(Record):
@@ -370,7 +379,7 @@ class GroupState(Record):
     oil, next_oil
         Sum of lifts by the pump at the start and at the end of the step [m].
     strokes
-        Sum of strokes at the start that makes the force of the start [m].
+        Sum of strokes that makes the force of the start [m]: that of the start, and what oil was lost since.
     drift
         Of the sum of r from the geometry [m].
     force
@@ -496,6 +505,15 @@ class Transporters(Arrays):
 @kernel(internal=True)
 def _oil_force(group: GroupData, grown: float) -> tuple[float, float]:
     """Force of a cylinder [N] and its derivative, where the sum of strokes and oil has grown since the start [m]."""
+    if group.constant:
+        return group.start_force, 0.0
+    force, stiffness = _closed_force(group, grown)
+    return (force, stiffness) if force < group.relief else (group.relief, 0.0)
+
+
+@kernel(internal=True)
+def _closed_force(group: GroupData, grown: float) -> tuple[float, float]:
+    """As `_oil_force`, of oil that is not lost."""
     if group.gas > 0.0:
         left = 1.0 - grown / group.gas
         if not left > 1e-6:
@@ -905,8 +923,37 @@ def update_transporters(
         state.road_work += p * RETURN * state.drift
         state.pump_work += p * (state.next_oil - state.oil)
         state.lift += state.road + step * (state.body_rate + group.count * x) + RETURN * state.drift
+        _lose_oil(kind, g, p, x, step)
         state.oil = state.next_oil
         state.fresh = False
+
+
+@kernel(internal=True)
+def _lose_oil(kind: Transporters, g: int, p: float, x: float, step: float) -> None:
+    """Oil that leaks in a step at the force p of its middle, or that a relief valve lets go; x as in `_fit_group`."""
+    group, state = kind.groups[g], kind.group_state[g]
+    if group.leak == 0.0 and group.relief == math.inf:
+        return
+    lost = step * group.leak * p
+    if p >= group.relief:
+        total = state.next_oil
+        vehicle = kind.vehicles[group.vehicle]
+        for i in range(group.first, group.first + group.count):
+            bogie = kind.bogie_state[i]
+            total += bogie.stroke
+            if vehicle.pipe + vehicle.rubber == 0.0 and vehicle.low < bogie.stroke < vehicle.high:
+                total += 0.5 * step * (bogie.growth + x)  # without pipes it is that of the middle
+        lost += max(total - state.strokes - lost - _growth_to(group, group.relief), 0.0)
+    state.strokes += lost
+    state.loss += p * lost
+
+
+@kernel(internal=True)
+def _growth_to(group: GroupData, force: float) -> float:
+    """By how much the sum of strokes and oil grows from the start up to a force of a cylinder [m]."""
+    if group.gas > 0.0:
+        return group.gas * (1.0 - (group.start_force / force) ** (1.0 / GAS_EXPONENT))
+    return (force - group.start_force) / group.stiffness
 
 
 # ---- records ----
@@ -982,7 +1029,7 @@ def record_transporters(
                 work.sums.elastic += 0.5 * vehicle.tyre * _pressed(kind, g, i) ** 2
             total += load
             least = min(least, load)
-            work.sums.elastic += _oil_energy(group, carried.force)
+            work.sums.elastic += _oil_energy(kind, g)
             work.sums.drive_work += carried.road_work + carried.pump_work
             work.sums.dissipated += carried.loss
         row[c + 3] = least / total if total > 0.0 else 0.0
@@ -997,8 +1044,14 @@ def _pressed(kind: Transporters, g: int, i: int) -> float:
 
 
 @kernel(internal=True)
-def _oil_energy(group: GroupData, force: float) -> float:
-    """Stored in oil or gas at a force of a cylinder [J]; of gas against that of the start."""
+def _oil_energy(kind: Transporters, g: int) -> float:
+    """Stored in oil or gas at the force of a cylinder [J]; of gas and of a constant force against that of the start."""
+    group, force = kind.groups[g], kind.group_state[g].force
+    if group.constant:
+        grown = -kind.group_state[g].strokes
+        for i in range(group.first, group.first + group.count):
+            grown += kind.bogie_state[i].stroke
+        return group.start_force * grown
     if group.gas == 0.0:
         return 0.5 * force * force / group.stiffness
     left = (group.start_force / force) ** (1.0 / GAS_EXPONENT) if force > 0.0 else math.inf
