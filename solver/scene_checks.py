@@ -62,7 +62,8 @@ def check_scene(scene: Scene) -> None:
         ]
     coordinates = {joint.name: joint.COORDINATE for joint in scene.joints}
     for thing in described:
-        check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""))
+        own = getattr(thing, "coordinate", None)
+        check_object(thing, own or coordinates.get(getattr(thing, "joint", ""), ""))
 
 
 def _check_names(scene: Scene) -> None:

@@ -274,7 +274,7 @@ class Table:
             own = records if isinstance(records, tuple) else records(row)
         elif self.chosen is not None:
             described = self.chosen.described(row)
-            along = joint_coordinate(joints.get(str(row.get("joint")), "")) or "angle"
+            along = joint_coordinate(joints.get(str(row.get("joint")), ""), row.get("coordinate")) or "angle"
             own = None if described is None else recorded_channels(described, along)
         else:
             of_type = [section for section in self.sections if is_chosen(section, row)]
