@@ -19,6 +19,7 @@ from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_chann
 from heavylift.solver.scene.connections import OnBody, PackedForce
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
+from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 if TYPE_CHECKING:
     from heavylift.solver.laws.packing import PackedLaws
@@ -281,8 +282,5 @@ def _pack_laws(
 def _has_laws(scene: Scene) -> bool:
     """Whether there is anything beside joints, gravity and point forces."""
     plain = all(isinstance(force, (Gravity, OnBody, PackedForce)) for force in scene.forces)
-    cornered = any(
-        getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
-        for joint in scene.joints
-    )
+    cornered = any(any(joint_stops(joint)) or any(joint_friction(joint)) for joint in scene.joints)
     return bool(scene.ropes or scene.transporters) or not plain or cornered

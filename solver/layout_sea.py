@@ -18,6 +18,7 @@ from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 from heavylift.solver.scene.sea import FloatingBody, Hull, Sea
+from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 from heavylift.solver.scene.wind_loads import CurrentProfile
 from heavylift.solver.water.hulls.checks import check_sea
 
@@ -142,11 +143,7 @@ def _check_direct(scene: Scene, sea: Sea) -> None:
     """Convolution has weights for one step: nothing may halve it."""
     direct = [radiation for radiation in sea.radiation if radiation.memory == "direct"]
     iterated = scene.touches or scene.ropes or any(isinstance(body, MeshBody) for body in scene.bodies)
-    stops = [
-        joint.name
-        for joint in scene.joints
-        if getattr(joint, "limits", None) is not None or getattr(joint, "friction", 0.0) != 0.0
-    ]
+    stops = [joint.name for joint in scene.joints if any(joint_stops(joint)) or any(joint_friction(joint))]
     if direct and (iterated or stops):
         raise InputError(
             "direct convolution with ropes, stops, friction, contacts, frames or shells, which may halve a step",

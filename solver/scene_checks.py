@@ -66,7 +66,8 @@ def check_scene(scene: Scene) -> None:
     coordinates = {joint.name: joint.COORDINATE for joint in scene.joints}
     for thing in described:
         named = "" if hasattr(thing, "name") else "sea"
-        check_object(thing, coordinates.get(getattr(thing, "joint", ""), ""), named)
+        own = getattr(thing, "coordinate", None)
+        check_object(thing, own or coordinates.get(getattr(thing, "joint", ""), ""), named)
 
 
 def _check_names(scene: Scene) -> None:

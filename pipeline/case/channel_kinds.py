@@ -30,6 +30,7 @@ __all__ = [
     "Declared",
     "all_channels",
     "channel_components",
+    "has_both",
     "joint_coordinate",
     "lies_along_edge",
 ]
@@ -77,10 +78,24 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
     return found.pop() if len(found) == 1 else (kind,) if not channels else None
 
 
-def joint_coordinate(joint_type: str) -> str:
-    """The scalar on which springs and motors of a sort of joints act, ``"angle"`` or ``"travel"``; empty if none."""
+def joint_coordinate(joint_type: str, said: object = None) -> str:
+    """The scalar on which springs and motors of a sort of joints act, ``"angle"`` or ``"travel"``; empty if none.
+
+    What is `said` counts for joints that have both.
+    """
     described = JOINTS.get(joint_type)
-    return "" if described is None else described.COORDINATE
+    if described is None:
+        return ""
+    if has_both(joint_type):
+        return str(said) if said in {"angle", "travel"} else ""
+    return described.COORDINATE
+
+
+def has_both(joint_type: str) -> bool:
+    """Whether joints of a sort turn and slide, and neither by the other."""
+    described = JOINTS.get(joint_type)
+    names = {channel.name for channel in described.CHANNELS} if described is not None else set()
+    return described is not None and not described.COORDINATE and {"angle", "travel"} <= names
 
 
 def lies_along_edge(joint_type: str) -> bool:
@@ -115,8 +130,8 @@ class Declared:
         Names of the shells alone.
     joints
         Types of the joints by name.
-    hulls, fluids, lines
-        Names of the bodies that float, of winds and currents, and of mooring lines.
+    hulls, fluids, lines, transporters
+        Names of the bodies that float, of winds and currents, of mooring lines, and of transporters.
     sensors
         Names of the material points, and of the bodies that carry them.
     channels
@@ -142,6 +157,7 @@ class Declared:
     hulls: frozenset[str] = frozenset()
     fluids: frozenset[str] = frozenset()
     lines: frozenset[str] = frozenset()
+    transporters: frozenset[str] = frozenset()
     sensors: Mapping[str, str] = field(default_factory=dict)
     channels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     references: Mapping[str, tuple[str, bool]] = field(default_factory=dict)

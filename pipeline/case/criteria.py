@@ -67,6 +67,7 @@ __all__ = [
     "SlingAngleCriterion",
     "SlingCriterion",
     "TiltCriterion",
+    "TransportCriterion",
     "check_criterion",
     "parts_to",
     "phase_names",
@@ -538,6 +539,30 @@ class SlackCriterion(_Criterion):
 _Limit = Annotated[float, WithJsonSchema(quantity_schema(), mode="validation")]
 
 
+class TransportCriterion(_Criterion):
+    """A transporter: how far it is from tipping over, and what its bogies, drives and brakes have left."""
+
+    type: Literal["transport"]
+    transporter: Name
+    """Transporter that is judged."""
+    static_tipping: Annotated[float, Quantity("angle", minimum=0.0, maximum=1.5, closed=True)] = math.radians(
+        7.0
+    )
+    """Least tilt of the road at which it tips over on rigid groups."""
+    tipping: Annotated[float, Quantity("angle", minimum=0.0, maximum=1.5, closed=True)] = math.radians(2.0)
+    """Least tilt of the road at which it tips over with what its groups give way."""
+    group_share: Annotated[float, Quantity("number", minimum=0.0, maximum=0.5)] = 0.0
+    """Share of the weight that every group must exceed in the run."""
+    stroke_reserve: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
+    """That strokes must keep from `stroke_limits` [m], if the transporter has them."""
+    drive_share: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 0.8
+    """Largest part of what drives can give, if the transporter has a drive with a table."""
+    traction_share: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 1.0
+    """Largest part of what friction of driven bogies allows, if it has a drive."""
+    brake_share: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 1.0
+    """Largest part of what brakes hold at rest, if it has a drive with a `brake_force`."""
+
+
 class LimitCriterion(_Criterion):
     """Any quantity of checks within limits."""
 
@@ -580,6 +605,7 @@ Criterion = Annotated[
     | ClearanceCriterion
     | TiltCriterion
     | SlackCriterion
+    | TransportCriterion
     | LimitCriterion,
     Field(discriminator="type"),
 ]
@@ -657,6 +683,9 @@ def check_criterion(case: Any, index: int) -> None:
                 _check_path(case, name, f"{key}.ropes.{number}")
         case TiltCriterion():
             _check_axes(case, criterion.body, f"{key}.body")
+        case TransportCriterion():
+            names = [one.name for one in case.transporters]
+            refuse_unknown("transporter", criterion.transporter, names, key=f"{key}.transporter")
 
 
 def phase_names(case: Any) -> list[str]:

@@ -45,7 +45,7 @@ from heavylift.numerics.quantity import (
     WorldDirection,
     quantity_schema,
 )
-from heavylift.pipeline.case.channel_kinds import joint_coordinate
+from heavylift.pipeline.case.channel_kinds import has_both, joint_coordinate
 from heavylift.pipeline.case.channel_names import is_pattern
 from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.fields import (
@@ -331,7 +331,13 @@ class _InUnitsOfTheJoint:
             return [] if isinstance(value, list) else 0.0
         context = CaseContext.of(info)
         joints = {} if context is None else context.names.joints
-        slides = joint_coordinate(joints.get(info.data["joint"], "")) == "travel"
+        kind = joints.get(info.data["joint"], "")
+        if has_both(kind) and info.data.get("coordinate") is None:
+            reject(
+                f"joint {info.data['joint']!r} has an angle and a travel",
+                "'coordinate', which says which of them",
+            )
+        slides = joint_coordinate(kind, info.data.get("coordinate")) == "travel"
         quantity = self.quantities.travel if slides else self.quantities.angle
         return parse_list(quantity, value) if isinstance(value, list) else quantity.parse(value)
 
@@ -361,9 +367,8 @@ def _turns_or_slides(name: str, info: ValidationInfo) -> str:
     joints = context.names.joints
     refuse_unknown("joint", name, joints)
     described = JOINTS.get(joints[name])
-    if described is not None and not described.COORDINATE:
-        both = {"angle", "travel"} <= {channel.name for channel in described.CHANNELS}
-        has = "an angle and a travel" if both else "neither an angle nor a travel"
+    if described is not None and not described.COORDINATE and not has_both(joints[name]):
+        has = "neither an angle nor a travel"
         reject(f"joint {name!r} of type {joints[name]!r} has {has}", "a hinge or a slider")
     return name
 

@@ -32,6 +32,8 @@
 ``lines.NAME.length``                          unstretched length of a mooring line
 ``hydrostatics.HULL.FIGURE``                   of a hull with a surface where it floats by itself: ``volume``,
                                                ``draft``, ``KB``, ``GM_T``, ``GM_L``, ``waterplane_area``, ...
+``tipping.TRANSPORTER.static``                 tilt of the road at which a transporter tips over, on rigid groups;
+                                               ``compliant``: with what its groups give way
 ``errors.PREFIX``                              largest error of the checks whose ids begin with ``PREFIX_``
 =============================================  ==========================================================
 
@@ -92,6 +94,9 @@ MESH_QUANTITIES = {
     "volume": "volume",
 }
 DRIFTS = ("energy", "momentum", "angular_momentum")
+TIPPING = {"static": "angle", "compliant": "angle"}
+"""Figures of transporters, and their quantities."""
+
 HYDROSTATICS = {
     "displacement": "mass",
     "volume": "volume",
@@ -144,7 +149,7 @@ class QuantityName(NamedTuple):
     text: str
     family: str
     """``mesh``, ``modes``, ``static``, ``ringdown``, ``drift``, ``channel``, ``stress``, ``frequency``, ``growth``,
-    ``deviation``, ``lines``, ``hydrostatics`` or ``errors``."""
+    ``deviation``, ``lines``, ``hydrostatics``, ``tipping`` or ``errors``."""
     owner: str
     """Body, sensor, joint, rope or force; empty for quantities of the whole scene, combinations and groups."""
     item: str
@@ -198,8 +203,8 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
         return _stress(text, parts, names)
     if parts[0] == "deviation":
         return _deviation(text, parts, names)
-    if parts[0] in {"lines", "hydrostatics"}:
-        return _of_the_sea(text, parts, names)
+    if parts[0] in {"lines", "hydrostatics", "tipping"}:
+        return _figures(text, parts, names)
     if parts[0] == "errors":
         return _errors(text, names)
     if parts[0] == "static":
@@ -217,6 +222,7 @@ def parse_quantity_name(text: str, names: Declared | None = None) -> QuantityNam
             "deviation",
             "lines",
             "hydrostatics",
+            "tipping",
             "errors",
         ]
         raise InputError(_unknown(text, parts[0], known), expected=f"one of {', '.join(known)} as first word")
@@ -232,6 +238,7 @@ def _members(text: str, parts: list[str], names: Declared) -> tuple[tuple[str, s
         "deviation": list(names.references),
         "lines": sorted(names.lines),
         "hydrostatics": sorted(names.hulls),
+        "tipping": sorted(names.transporters),
     }
     owners |= dict.fromkeys(("frequency", "angular_frequency", "growth", "stress"), owners["channel"])
     owners |= dict.fromkeys(("mesh", "modes", "static", "ringdown"), flexible)
@@ -555,11 +562,13 @@ def _deviation(text: str, parts: list[str], names: Declared | None) -> QuantityN
     return QuantityName(text, "deviation", "", name, "", statistic, kind)
 
 
-def _of_the_sea(text: str, parts: list[str], names: Declared | None) -> QuantityName:
-    """Lengths of lines, and figures of floating hulls."""
+def _figures(text: str, parts: list[str], names: Declared | None) -> QuantityName:
+    """Lengths of lines, figures of floating hulls, angles at which transporters tip over."""
     family = parts[0]
-    owners = None if names is None else names.lines if family == "lines" else names.hulls
-    items = {"length": "length"} if family == "lines" else HYDROSTATICS
+    items = {"lines": {"length": "length"}, "hydrostatics": HYDROSTATICS, "tipping": TIPPING}[family]
+    owners = None
+    if names is not None:
+        owners = {"lines": names.lines, "hydrostatics": names.hulls, "tipping": names.transporters}[family]
     if len(parts) != 3 or parts[2] not in items or (owners is not None and parts[1] not in owners):
         word = parts[2] if len(parts) > 2 else ""
         whose = "" if owners is None else f" of: {', '.join(sorted(owners)) or 'none'}"

@@ -280,7 +280,7 @@ class Table:
             own = records if isinstance(records, tuple) else records(row)
         elif self.chosen is not None:
             described = self.chosen.described(row)
-            along = joint_coordinate(joints.get(str(row.get("joint")), "")) or "angle"
+            along = joint_coordinate(joints.get(str(row.get("joint")), ""), row.get("coordinate")) or "angle"
             own = None if described is None else recorded_channels(described, along)
         else:
             of_type = [section for section in self.sections if is_chosen(section, row)]
@@ -524,6 +524,7 @@ def declared(document: Mapping[str, Any]) -> Declared:
         hulls=frozenset(name for name, _ in rows["hulls"] if name in bodies),
         fluids=frozenset(fluids),
         lines=frozenset(name for name, _ in rows["lines"]),
+        transporters=frozenset(name for name, _ in rows["transporters"]),
         sensors={name: str(row.get("body")) for name, row in rows["sensors"]},
         channels=channels,
         references={

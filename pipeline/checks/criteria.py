@@ -26,6 +26,7 @@ from heavylift.pipeline.case.criteria import (
     SlingAngleCriterion,
     SlingCriterion,
     TiltCriterion,
+    TransportCriterion,
     parts_to,
     phase_names,
     sensor_at,
@@ -906,6 +907,60 @@ def _slack(run: _Run, c: SlackCriterion) -> list[CriterionResult]:
     return rows
 
 
+def _transport(run: _Run, c: TransportCriterion) -> list[CriterionResult]:
+    name = c.transporter
+    transporter: Any = next(one for one in run.case.transporters if one.name == name)
+    never = np.empty(0)
+    rows = []
+    assumed = {
+        "static_tipping": "7 deg on rigid groups",
+        "tipping": "2 deg with what groups give way",
+        "group_share": "all groups carry",
+        "stroke_reserve": "within the strokes",
+        "drive_share": "0.8 of the drives",
+        "traction_share": "friction of driven bogies",
+        "brake_share": "brakes hold",
+    }
+    clauses = {key: (run.default(key, Clause(words, "assumption")),) for key, words in assumed.items()}
+    for key, item, what in (
+        ("static_tipping", "static", "tilt at which it tips over, rigid groups"),
+        ("tipping", "compliant", "tilt at which it tips over, groups that give way"),
+    ):
+        if name in run.results.metadata.get("tipping", {}):
+            value = np.array([run.quantities.number(f"tipping.{name}.{item}")])
+            series = [_Series(name, value, getattr(c, key))]
+            rows.append(run.result(what, "rad", series, clauses[key], side=">=", times=never))
+    share = run.history(f"channel.{name}.least_share")
+    what = "smallest load of a group over that of all"
+    series = [_Series(name, share, c.group_share)]
+    rows.append(run.result(what, "1", series, clauses["group_share"], side=">", seen=run.records))
+    if transporter.stroke_limits is not None:
+        low, high = transporter.stroke_limits
+        channel = f"channel.{name}.stroke"
+        series = [
+            _Series("up", run.history(f"{channel}_max", "max"), high - c.stroke_reserve),
+            _Series("down", -run.history(f"{channel}_min", "min"), -low - c.stroke_reserve),
+        ]
+        seen = run.seen([f"{channel}_max"], "max")
+        rows.append(run.result("stroke of a bogie", "m", series, clauses["stroke_reserve"], seen=seen))
+    if math.isfinite(transporter.load_limit or math.inf):
+        channel = f"channel.{name}.load_max"
+        series = [_Series(name, run.history(channel, "max"), transporter.load_limit)]
+        seen = run.seen([channel], "max")
+        rows.append(run.result("load of a bogie", "N", series, (_OF_THE_CASE,), seen=seen))
+    drive = transporter.drive
+    used = {} if drive is None else {"traction": "force of a driven bogie over what friction allows"}
+    if drive is not None and len(drive.speeds):
+        used["drive"] = "force of a driven bogie over what its drive can"
+    if drive is not None and math.isfinite(drive.brake_force or math.inf):
+        used["brake"] = "force of a driven bogie at rest over what its brakes hold"
+    for key, what in used.items():
+        channel = f"channel.{name}.{key}_used_max"
+        series = [_Series(name, run.history(channel, "max"), getattr(c, f"{key}_share"))]
+        rows.append(run.result(what, "1", series, clauses[f"{key}_share"], seen=run.seen([channel], "max")))
+    return rows
+
+
 def _limit(run: _Run, c: LimitCriterion) -> list[CriterionResult]:
     quantity = run.case.quantity(c.quantity)
     side, limit = ("<=", c.maximum) if c.maximum is not None else (">=", c.minimum)
@@ -945,6 +1000,7 @@ _EVALUATED: dict[type, Callable[[_Run, Any], list[CriterionResult]]] = {
     SlingAngleCriterion: _sling_angle,
     SlingCriterion: _sling,
     TiltCriterion: _tilt,
+    TransportCriterion: _transport,
 }
 
 

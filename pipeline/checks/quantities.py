@@ -170,6 +170,7 @@ class Quantities:
             "deviation": self._deviation,
             "lines": self._lines,
             "hydrostatics": self._hydrostatics,
+            "tipping": self._tipping,
             "errors": self._errors,
         }
         return np.asarray(readers[name.family](name), dtype=np.float64)
@@ -390,6 +391,12 @@ class Quantities:
         if name.owner not in lengths:
             raise self._missing(name, "results of a simulation with this line")
         return float(sum(lengths[name.owner]))
+
+    def _tipping(self, name: QuantityName) -> float:
+        found = self.results.metadata.get("tipping", {}).get(name.owner)
+        if found is None:
+            raise self._missing(name, "results of a simulation with this transporter under a rigid body")
+        return float(found[name.item])
 
     def _hydrostatics(self, name: QuantityName) -> float:
         if name.owner not in self._positions:

@@ -58,7 +58,8 @@ def described_table(
         return []
     rows = []
     for thing in things:
-        coordinate = joint_coordinate((joints or {})[thing.joint]) if hasattr(thing, "joint") else ""
+        said = getattr(thing, "coordinate", None)
+        coordinate = joint_coordinate((joints or {})[thing.joint], said) if hasattr(thing, "joint") else ""
         words = [*thing_words(thing, coordinate), *(more or {}).get(thing.name, ())]
         kind = getattr(thing, "type", "").replace("_", " ")
         rows.append((thing.name, kind, *_place(thing), "; ".join(words)))
@@ -104,7 +105,7 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
         return f"{name} as drawn"
     if isinstance(quantity, (WorldDirection, BodyPoint, NameOf)):
         return ""
-    if get_origin(field.hint) is Literal:
+    if get_origin(field.hint) is Literal and value is not None:
         return f"{name} {value}"
     if (
         value is None

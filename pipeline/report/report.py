@@ -35,6 +35,7 @@ from heavylift.pipeline.report.run import (
 )
 from heavylift.pipeline.report.scene import is_pictured, scene_sections, still_sections
 from heavylift.pipeline.report.sea import sea_sections
+from heavylift.pipeline.report.transport import transport_section
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
@@ -113,6 +114,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             input_section(case),
             *run_section(case, stages, results),
             *operation_section(results),
+            *transport_section(case, results, album),
             *surface_sections(case, stages),
             *sea_sections(case, stages, results),
             *sections,

@@ -553,7 +553,7 @@ def _read_merged(file: Path) -> Results:
     return Results(file, time, channels, _Hdf5Columns(file), metadata, file)
 
 
-_JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides", "scenario", "sea"}
+_JSON_ATTRIBUTES = {"sources", "versions", "channel_order", "overrides", "scenario", "sea", "tipping"}
 
 
 def _plain(value: Any) -> Any:

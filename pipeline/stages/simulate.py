@@ -135,6 +135,19 @@ def simulate_stage(work: Work) -> StageReport:
     return _simulate(work, digest, cut_off=cut_off)
 
 
+def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
+    """Tilts at which transporters tip over [rad], told before they move."""
+    from heavylift.solver.transport.packing import vehicle_tipping
+
+    found = vehicle_tipping(scene)
+    for name, angles in found.items():
+        log.say(
+            f"simulate: {name} tips over at {math.degrees(angles.static):.4g} degrees on rigid groups, at "
+            f"{math.degrees(angles.compliant):.4g} degrees of the road with what they give way"
+        )
+    return {name: angles._asdict() for name, angles in found.items()}
+
+
 def _says_all(manifest: Mapping[str, Any]) -> bool:
     """Whether the manifest of a run that has ended tells how."""
     details, outcome = manifest.get("details"), manifest.get("outcome")
@@ -189,6 +202,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
         sea = sea_provenance(scene.sea)
     about |= {"sea": sea} if sea else {}
+    if scene.transporters:
+        about |= {"tipping": _tipping(scene, log)}
     for line in diagnosis_lines(about):
         log.say(f"simulate: {line}")
     # of the simulation, not of the case: an integrator that was chosen may take its steps itself

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,8 @@ __all__ = ["JointMotor", "Motors", "pack_motors"]
 class JointMotor(AlongJoint):
     """A torque or force of side a of a joint on its side b, constant or from a table over time."""
 
+    coordinate: Literal["angle", "travel"] | None = None
+    """Of a joint that both turns and slides: what of it counts."""
     load: Annotated[float | None, ByCoordinate(Quantity("moment or energy"), Quantity("force"))] = None
     """A constant torque [N m] or force [N]."""
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)

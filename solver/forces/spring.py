@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,6 +126,8 @@ class Spring(Between):
 class JointSpring(AlongJoint):
     """A spring and damper on the angle of a hinge or the travel of a slider."""
 
+    coordinate: Literal["angle", "travel"] | None = None
+    """Of a joint that both turns and slides: what of it counts."""
     rest: Annotated[float, ByCoordinate(Quantity("angle"), Quantity("length"))] = 0.0
     """Angle [rad] or travel [m] without load."""
     stiffness: Annotated[

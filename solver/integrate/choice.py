@@ -21,6 +21,7 @@ from heavylift.solver.coordinates import inverse_scales
 from heavylift.solver.scene.connections import GROUND, Between, controlled, rubbing_places
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 from heavylift.solver.scene.scene import FlexibleBody, Scene
+from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 __all__ = ["check_integrator", "choose_integrator", "highest_rate", "stiff_mesh", "stiff_part"]
 
@@ -110,9 +111,9 @@ def _law(scene: Scene) -> str:
     if scene.transporters:
         return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
     for joint in scene.joints:
-        if getattr(joint, "limits", None) is not None:
+        if any(joint_stops(joint)):
             return f"joint {joint.name!r} has stops"
-        if getattr(joint, "friction", 0.0) != 0.0:
+        if any(joint_friction(joint)):
             return f"joint {joint.name!r} has dry friction"
     return ""
 
@@ -155,7 +156,7 @@ def stiff_part(scene: Scene, interval: float) -> str:
             inverse = of(force.body_a, False) + of(force.body_b, False)
         else:
             joint = joints[force.joint]
-            turns = joint.COORDINATE == "angle"
+            turns = (force.coordinate or joint.COORDINATE) == "angle"
             inverse = of(joint.body_a, turns) + of(joint.body_b, turns)
         stiffness = max([force.stiffness, *_slopes(*force.curve)])
         rate = max(math.sqrt(stiffness * inverse), force.damping * inverse)

@@ -71,21 +71,31 @@ class CoordinateEntry(Record):
 
 
 def joint_coordinate(joint: Joint, user: AlongJoint | Joint) -> int:
-    """`ANGLE` or `TRAVEL`: what springs, motors, stops and friction of a joint act on.
+    """`ANGLE` or `TRAVEL`: what a spring or a motor acts on.
 
     Raises
     ------
     InputError
-        If the joint has neither, or both.
+        If the joint has neither, or both and it is not said which, or not the one that is said.
     """
-    if joint.COORDINATE:
-        return ANGLE if joint.COORDINATE == "angle" else TRAVEL
-    both = " (it has two)" if {"angle", "travel"} <= {channel.name for channel in joint.CHANNELS} else ""
+    said = getattr(user, "coordinate", None)
+    both = {"angle", "travel"} <= {channel.name for channel in joint.CHANNELS}
+    found = said if both and not joint.COORDINATE else joint.COORDINATE
+    if found and said in {None, found}:
+        return ANGLE if found == "angle" else TRAVEL
+    kind = type(joint).__name__
+    if found:
+        raise InputError(
+            f"{said!r} of joint {joint.name!r}, a {kind}, whose {found} counts",
+            source=user.name,
+            key="coordinate",
+            expected=f"{found!r}, or none",
+        )
     raise InputError(
-        f"joint {joint.name!r} is a {type(joint).__name__}, which has no single angle or travel{both}",
+        f"joint {joint.name!r} is a {kind}, which has {'both' if both else 'no single angle or travel'}",
         source=user.name,
-        key="joint",
-        expected="a hinge or a slider",
+        key="coordinate" if both else "joint",
+        expected="'angle' or 'travel'" if both else "a hinge or a slider",
     )
 
 

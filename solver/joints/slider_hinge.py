@@ -53,14 +53,8 @@ from heavylift.solver.joints.row_writing import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import (
-    ANGLE_CHANNELS,
-    JOINTS,
-    TRAVEL_CHANNELS,
-    Joint,
-    Place,
-    axes_about,
-)
+from heavylift.solver.scene.connections import JOINTS, Joint, axes_about
+from heavylift.solver.scene.sliding_joints import SlidesAndTurns
 
 __all__ = [
     "Cylindrical",
@@ -77,12 +71,8 @@ __all__ = [
 
 @JOINTS.describe("slider_hinge")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SliderHinge(Joint):
+class SliderHinge(SlidesAndTurns):
     """The point of b slides along one axis of a, and b turns about another."""
-
-    PLACE: ClassVar = Place.AXIS
-    ROTATIONAL: ClassVar = (False, False, True, True)
-    CHANNELS: ClassVar = (*Joint.CHANNELS, *ANGLE_CHANNELS, *TRAVEL_CHANNELS)
 
     slide_axis: Annotated[NDArray[np.float64], WorldDirection()]
     """World direction of the travel at the start, any length; `axis` is that of the turn."""
@@ -95,12 +85,8 @@ class SliderHinge(Joint):
 
 @JOINTS.describe("cylindrical")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Cylindrical(Joint):
+class Cylindrical(SlidesAndTurns):
     """The point of b slides along the axis, and b turns about it."""
-
-    PLACE: ClassVar = Place.AXIS
-    ROTATIONAL: ClassVar = SliderHinge.ROTATIONAL
-    CHANNELS: ClassVar = SliderHinge.CHANNELS
 
 
 class SliderHingeEntry(JointEntry):

@@ -22,6 +22,7 @@ from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.coordinate import (
     ANGLE,
     DISTANCE,
+    TRAVEL,
     joint_coordinate,
     joint_markers,
     spring_markers,
@@ -32,6 +33,7 @@ from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
 from heavylift.solver.scene.connections import GROUND, Joint, Limits, controlled, rubbing_places
+from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 if TYPE_CHECKING:
     from heavylift.solver.laws.watched import WatchedRopes
@@ -218,7 +220,7 @@ def pack_laws(
     if scene.transporters:
         from heavylift.solver.transport.packing import pack_transporters
 
-        vehicles, blocks = pack_transporters(
+        kinds, blocks = pack_transporters(
             scene,
             [columns[vehicle.name] for vehicle in scene.transporters],
             first_block + packing.block_count,
@@ -226,7 +228,7 @@ def pack_laws(
             attachment,
             scales,
         )
-        made.joints.append(vehicles)
+        made.joints += kinds
         made.blocks += blocks
         made.fitted = True
     return made
@@ -354,8 +356,8 @@ def _motor(packing: _Packing, motor: JointMotor) -> tuple[int, ...]:
 
 def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np.float64]]]) -> None:
     """Rows of tabulated springs, stops and friction."""
-    limited = [joint for joint in packing.scene.joints if getattr(joint, "limits", None) is not None]
-    rubbing = [joint for joint in packing.scene.joints if getattr(joint, "friction", 0.0) != 0.0]
+    limited = [(joint, *stop) for joint in packing.scene.joints for stop in joint_stops(joint)]
+    rubbing = [(joint, *one) for joint in packing.scene.joints for one in joint_friction(joint)]
     if not (springs or limited or rubbing):
         return
     from heavylift.solver.laws.scalar_laws import (
@@ -378,20 +380,21 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
         rows.append((*entry, SPRING, 0.0, 0.0, 0.0, drift))
         curves.append(curve)
         expected.append(float(force.length if isinstance(force, Spring) else force.rest))
-    for joint in limited:
-        row = _joint_row(packing, joint)
-        limits = _checked_limits(joint)
+    for joint, key, along, limits in limited:
+        row = _joint_row(packing, joint, along)
+        _check_limits(joint, key, limits)
         stiffness = limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale
         load = (0.0, stiffness, limits.damping, 0, 0)
         drift = largest_opening(joint, packing.scales, turns=row[0] == ANGLE)
         rows.append((*row, *load, STOP, limits.lower, limits.upper, 0.0, drift))
         ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
         expected.append(sum(ends) / len(ends) if ends else 0.0)
-    for joint in rubbing:
-        friction = float(getattr(joint, "friction", 0.0))
+    for joint, key, along, friction in rubbing:
         if not 0.0 < friction < np.inf:
-            raise InputError(f"{friction}", source=joint.name, key="friction", expected="0 or more")
-        rows.append((*_joint_row(packing, joint), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction, np.inf))
+            raise InputError(f"{friction}", source=joint.name, key=key, expected="0 or more")
+        rows.append(
+            (*_joint_row(packing, joint, along), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction, np.inf)
+        )
         expected.append(0.0)
     state = records(ScalarLawState, len(rows))
     state["fresh"], state["value"] = True, expected
@@ -401,25 +404,23 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
     packing.made.fitted = True
 
 
-def _joint_row(packing: _Packing, joint: Any) -> tuple[int, ...]:
+def _joint_row(packing: _Packing, joint: Any, along: str) -> tuple[int, ...]:
     """Coordinate, markers, no column and block of a row on the angle or travel of a joint."""
-    coordinate = joint_coordinate(joint, joint)
+    coordinate = ANGLE if along == "angle" else TRAVEL
     markers = joint_markers(packing.book, joint, coordinate, ROWS)
     return coordinate, *markers, -1, _block(packing, joint.name, joint, coordinate)
 
 
-def _checked_limits(joint: Any) -> Limits:
-    """The stops of a joint."""
-    limits: Limits = joint.limits
+def _check_limits(joint: Any, place: str, limits: Limits) -> None:
+    """Refuse stops of a joint that are none."""
     if not limits.lower < limits.upper:
         raise InputError(
             f"lower {limits.lower}, upper {limits.upper}",
             source=joint.name,
-            key="limits",
+            key=place,
             expected="lower below upper",
         )
     for key in ("stiffness", "damping"):
         value = getattr(limits, key)
         if not 0.0 <= value < np.inf:
-            raise InputError(f"{value}", source=joint.name, key=f"limits.{key}", expected="0 or more")
-    return limits
+            raise InputError(f"{value}", source=joint.name, key=f"{place}.{key}", expected="0 or more")

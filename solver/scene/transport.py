@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, Positive, Quantity, Shape
-from heavylift.solver.scene.descriptions import Family, check_table
+from heavylift.solver.scene.descriptions import Family, check_table, named, no_rows
 
-__all__ = ["TRANSPORT", "BogieGroup", "Bump", "OilPump"]
+__all__ = ["TRANSPORT", "BogieGroup", "Bump", "Drive", "OilPump", "PathLeg"]
 
 TRANSPORT: Family[Any] = Family("table", "heavylift.solver.transport", typed=False)
 """Decks and transporters, by the lists of a case file in which they stand."""
@@ -73,6 +73,13 @@ class BogieGroup:
     gas_length: Annotated[float, Positive("length"), Absent()] = 0.0
     """In place of `oil_stiffness`, a gas accumulator: its gas volume at the start, over the area of a cylinder and the
     number of bogies [m]."""
+    constant_force: bool = False
+    """In place of both, cylinders that push with the force of the start whatever their strokes: not how oil does, and
+    nothing stands on it by itself."""
+    relief_force: Annotated[float, Positive("force"), Absent()] = np.inf
+    """Of a cylinder at which the relief valve opens [N]: oil beyond it is lost."""
+    leak_speed: Annotated[float, Quantity("velocity", minimum=0.0, closed=True)] = 0.0
+    """At which all its bogies sink by oil that leaks, at the force of the start [m/s]; it goes with the force."""
     load: Annotated[float, Quantity("force", minimum=0.0, closed=True), Absent()] = np.nan
     """Force of a bogie at the start [N]; without it the groups carry the weight of the body, all bogies as evenly as
     the balance allows."""
@@ -81,7 +88,107 @@ class BogieGroup:
 
     @staticmethod
     def check(said: Any) -> None:
-        """Oil, or gas."""
-        if (said.oil_stiffness is None) == (said.gas_length is None):
-            problem = "neither 'oil_stiffness' nor 'gas_length'" if said.gas_length is None else "both"
+        """Oil, or gas, or a constant force."""
+        given = [key for key in ("oil_stiffness", "gas_length") if getattr(said, key) is not None]
+        given += ["constant_force"] * bool(said.constant_force)
+        if len(given) != 1:
+            problem = (
+                f"{' and '.join(map(repr, given))}" if given else "no 'oil_stiffness' and no 'gas_length'"
+            )
             raise InputError(problem, key="oil_stiffness", expected="one of 'oil_stiffness' and 'gas_length'")
+        if said.constant_force:
+            more = {
+                "relief_force": said.relief_force,
+                "leak_speed": said.leak_speed or None,
+                "pump": said.pump,
+            }
+            key = next((key for key, value in more.items() if value is not None), "")
+            if key:
+                raise InputError(f"{key!r} with a constant force", key=key, expected="oil or gas")
+
+
+@TRANSPORT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PathLeg:
+    """A leg of the way of a transporter, from rest to rest, in the plan of the ground and the decks at the start."""
+
+    steering: Literal["all", "front", "rear", "crab", "carousel"] = "all"
+    """All bogies steer, and the middle of them goes along the curve; or all but the last line, or all but the first,
+    whose own middle follows it; or all are parallel and the vehicle does not turn; or it turns about `centre`."""
+    points: Annotated[NDArray[np.float64], Quantity("length"), Shape((None, 2))] = field(
+        default_factory=no_rows
+    )
+    """Where the curve goes, ahead of and to the left of what follows it [m], in the axes of the vehicle as it stands
+    where the leg begins; the begin itself, [0, 0], is none of them."""
+    curve: Literal["corners", "smooth"] = "corners"
+    """Straight between the points, with arcs of `radius` at them; or a smooth curve through them."""
+    radius: Annotated[float, Positive("length"), Absent()] = 0.0
+    """Of the arcs at corners [m]."""
+    transition: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
+    """Way within which the curvature grows to that of an arc, and falls again behind it [m]: a clothoid. Without it
+    wheels would have to steer at once."""
+    turn: Annotated[float, Quantity("angle"), Absent()] = 0.0
+    """Of a carousel, to the left [rad]."""
+    centre: Annotated[NDArray[np.float64], Quantity("length"), Shape((2,))] = field(
+        default_factory=lambda: np.zeros(2)
+    )
+    """About which it turns, ahead of and to the left of the middle of its bogies [m]."""
+    speed: Annotated[float, Positive("velocity")]
+    """[m/s]; in a carousel of the bogie farthest from the centre."""
+    acceleration: Annotated[float, Positive("acceleration")] = 0.05
+    """With which it gets there and stops again [m/s2]."""
+    pause: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
+    """Before it [s]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A curve, or a turn."""
+        carousel = said.steering == "carousel"
+        if carousel and not said.turn:
+            raise InputError("a carousel without turn", key="turn", expected="the angle by which it turns")
+        if carousel == (len(said.points) > 0):
+            problem = "a carousel with 'points'" if carousel else "no points"
+            raise InputError(
+                problem, key="points", expected="'points' of all but a carousel, which has a 'turn'"
+            )
+        if not carousel and (said.turn or (named(said, "centre") and np.any(said.centre))):
+            key = "turn" if said.turn else "centre"
+            raise InputError(
+                f"a {key!r} with steering {said.steering!r}", key=key, expected="steering 'carousel'"
+            )
+        if said.curve == "smooth" and (said.radius or said.transition):
+            raise InputError("a smooth curve with a 'radius'", key="radius", expected="one of them")
+
+
+@TRANSPORT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Drive:
+    """Motors and brakes: all driven bogies push with one force, as hydraulic motors in parallel do."""
+
+    bogies: tuple[int, ...] = ()
+    """Numbers of the driven bogies, from 1 on in the order of the groups; all if absent."""
+    rolling_resistance: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.02
+    """Over the load of a bogie."""
+    friction: Annotated[float, Positive("number")] = 0.3
+    """Of tyres on the road: a bogie can push and brake with that share of its load."""
+    speeds: Annotated[NDArray[np.float64], Quantity("velocity", minimum=0.0, closed=True), Shape((None,))] = (
+        field(default_factory=no_rows)
+    )
+    """Of a wheel, increasing from 0 [m/s], up to its fastest."""
+    forces: Annotated[NDArray[np.float64], Quantity("force", minimum=0.0), Shape((None,))] = field(
+        default_factory=no_rows
+    )
+    """Largest force of a driven bogie [N], one a speed, linear between them; without a table it is not limited."""
+    brake_force: Annotated[float, Positive("force"), Absent()] = np.inf
+    """With which the brakes of a driven bogie hold at rest [N]."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Numbers of bogies, once each; a table from rest on."""
+        if any(number < 1 for number in said.bogies) or len(set(said.bogies)) < len(said.bogies):
+            raise InputError(f"{list(said.bogies)}", key="bogies", expected="numbers from 1 on, each once")
+        check_table("speeds", said.speeds, "forces", said.forces)
+        if len(said.speeds) and said.speeds[0] != 0.0:
+            raise InputError(
+                f"they begin at {said.speeds[0]:g} m/s", key="speeds", expected="speeds from 0 on"
+            )

@@ -18,7 +18,8 @@ from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, wheel_heights
-from heavylift.solver.transport.stand import Stand, even_loads, refuse_unstable
+from heavylift.solver.transport.path_packing import PathPacking
+from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
     BogieData,
@@ -37,7 +38,11 @@ if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
     from heavylift.solver.rows.structure import Attachment
 
-__all__ = ["pack_transporters"]
+__all__ = ["pack_transporters", "vehicle_tipping"]
+
+
+PATH_COLUMN = 8
+"""Columns of a transporter before those of its groups and bogies."""
 
 
 def pack_transporters(
@@ -47,8 +52,8 @@ def pack_transporters(
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
-) -> tuple[Transporters, list[LawBlock]]:
-    """Make the kind and its rows.
+) -> tuple[list[Any], list[LawBlock]]:
+    """Make the kinds and their rows.
 
     Parameters
     ----------
@@ -81,12 +86,13 @@ def pack_transporters(
     strokes: list[float] = []
     blocks: list[LawBlock] = []
     block = first_block
+    paths = PathPacking(scene, book)
     gravity = _gravity(scene)
     for transporter, column in zip(scene.transporters, columns, strict=True):
         _check_names(transporter)
         for deck in decks:
             deck.check_radius(transporter.wheel_radius)
-        places = _Places(transporter, scene)
+        places = Places(transporter, scene)
         of_vehicle = [places.on_decks(number, decks, corners) for number in range(len(places.points))]
         loads = _start_loads(transporter, gravity, places)
         weight = transporter.bogie_mass * float(np.linalg.norm(gravity))
@@ -146,8 +152,25 @@ def pack_transporters(
                     load,
                     len(pumps),
                     len(rows),
+                    group.constant_force,
+                    group.relief_force,
+                    count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0,
                 )
             )
+            if load >= group.relief_force:
+                raise InputError(
+                    f"{load:.6g} N of a cylinder of group {group.name!r} at the start",
+                    source=transporter.name,
+                    key="relief_force",
+                    expected=f"a load below that at which its valve opens, {group.relief_force:.6g} N",
+                )
+            if group.leak_speed and not load > 0.0:
+                raise InputError(
+                    f"group {group.name!r} carries nothing at the start",
+                    source=transporter.name,
+                    key="leak_speed",
+                    expected="a load at which it leaks",
+                )
             pumps += [(float(time), float(lift)) for time, lift in rows]
             own = slice(len(bogies) - first_bogie, len(bogies) - first_bogie + count)
             # with the loads of the start every tyre is as it is drawn, and the stroke is what the road lifts
@@ -163,8 +186,19 @@ def pack_transporters(
                     for deck in decks
                 ]
             )
-            blocks.append(LawBlock(transporter.name, tuple(ends), sum(scales(name)[0] for name in held)))
+            scale = sum(scales(name)[0] for name in held)
+            blocks.append(LawBlock(transporter.name, tuple(ends), scale))
             block += blocks[-1].block_count
+        if transporter.legs:
+            side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
+            share = np.repeat(loads, [len(group.bogies) for group in transporter.groups])
+            at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
+            on = stands_on[first_bogie:]
+            paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
+            blocks.append(LawBlock(transporter.name, tuple(ends), scale, compliance=0.0, rows=3))
+            block += blocks[-1].block_count
+        else:
+            paths.skip(len(places.points))
     state, of_bogies = records(GroupState, len(groups)), records(BogieState, len(bogies))
     state["fresh"] = True
     state["force"], state["strokes"] = [group[7] for group in groups], strokes
@@ -182,7 +216,7 @@ def pack_transporters(
         state,
         of_bogies,
     )
-    return kind, blocks
+    return [kind, *paths.kinds(of_bogies)], blocks
 
 
 def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:
@@ -198,17 +232,17 @@ def _gravity(scene: Scene) -> NDArray[np.float64]:
     return np.sum(fields, axis=0) if fields else np.zeros(3)
 
 
-class _Places:
+class Places:
     """Where the bogies of a transporter and the decks are in the world at the start."""
 
     def __init__(self, transporter: Transporter, scene: Scene) -> None:
         self.transporter, self.scene = transporter, scene
         self.body = next(body for body in scene.bodies if body.name == transporter.body)
         self.points = np.vstack([group.bogies for group in transporter.groups])
-        self.world = np.array([self._frame(transporter.body, point).point for point in self.points])
+        self.world = np.array([self.frame(transporter.body, point).point for point in self.points])
         along = np.asarray(transporter.direction, dtype=np.float64)
         # along, left and up in the axes of the body, as level as it stands at the start
-        turn = self._frame(transporter.body, np.zeros(3)).axes
+        turn = self.frame(transporter.body, np.zeros(3)).axes
         forward = turn @ (along / np.linalg.norm(along))
         level = forward - np.array([0.0, 0.0, forward[2]])
         if not np.linalg.norm(level) > 0.1:
@@ -224,7 +258,7 @@ class _Places:
         self.axes = self.level @ turn
         self.turn = turn
 
-    def _frame(self, body: str, point: NDArray[np.float64]) -> JointFrame:
+    def frame(self, body: str, point: NDArray[np.float64]) -> JointFrame:
         stands = FixedJoint(
             name=self.transporter.name,
             body_a=GROUND,
@@ -240,7 +274,7 @@ class _Places:
         found, lift, first = -1, 0.0, 0
         places: list[float] = []
         for d, deck in enumerate(decks):
-            frame = self._frame(deck.body, deck.origin)
+            frame = self.frame(deck.body, deck.origin)
             x, y, z = deck.axes() @ frame.axes.T @ (self.world[number] - frame.point)
             places += [float(x), float(y)]
             count = len(deck.profile[0])
@@ -285,7 +319,7 @@ class _Places:
                 expected="the 'load' of each group, and 'accept_unstable': only of a rigid body it is known whether it "
                 "stands",
             )
-        centre = self._frame(body.name, np.asarray(body.centre_of_mass, dtype=np.float64)).point
+        centre = self.frame(body.name, np.asarray(body.centre_of_mass, dtype=np.float64)).point
         oil = np.array([group.oil_stiffness for group in transporter.groups])
         counts = np.array([len(group.bogies) for group in transporter.groups])
         ends = np.cumsum(counts)
@@ -303,7 +337,7 @@ class _Places:
 
 
 def _start_loads(
-    transporter: Transporter, gravity: NDArray[np.float64], places: _Places
+    transporter: Transporter, gravity: NDArray[np.float64], places: Places
 ) -> NDArray[np.float64]:
     """Force of a bogie of each group at the start [N]; refuses what does not stand."""
     told = np.array([group.load for group in transporter.groups], dtype=np.float64)
@@ -328,16 +362,40 @@ def _start_loads(
                 expected="a 'load' of all, or none",
             )
         told = even_loads(stand)
+    if not transporter.accept_unstable:
+        refuse_unstable(_on_tyres(stand, transporter, told))
+    return told
+
+
+def _on_tyres(stand: Stand, transporter: Transporter, loads: NDArray[np.float64]) -> Stand:
+    """A body on its groups with the stiffness of oil or gas and tyres in a row."""
     tyre = transporter.tyre_stiffness
     oil = np.array(
         [
-            group.oil_stiffness or GAS_EXPONENT * load / group.gas_length
-            for group, load in zip(transporter.groups, told, strict=True)
+            0.0 if group.constant_force else (group.oil_stiffness or GAS_EXPONENT * load / group.gas_length)
+            for group, load in zip(transporter.groups, loads, strict=True)
         ]
     )
-    if not transporter.accept_unstable:
-        refuse_unstable(replace(stand, stiffness=oil * tyre / (oil + tyre)))
-    return told
+    return replace(stand, stiffness=oil * tyre / (oil + tyre))
+
+
+def vehicle_tipping(scene: Scene) -> dict[str, Tipping]:
+    """Tilts at which the transporters of a scene tip over, by name: of those on which a rigid body rides.
+
+    Raises
+    ------
+    InputError
+        As `pack_transporters`.
+    """
+    gravity = _gravity(scene)
+    found = {}
+    for transporter in scene.transporters:
+        places = Places(transporter, scene)
+        if isinstance(places.body, RigidBody) and float(-gravity[2]) > 0.0:
+            stand = places.stand(float(-gravity[2]))
+            loads = _start_loads(transporter, gravity, places)
+            found[transporter.name] = tipping_angles(_on_tyres(stand, transporter, loads), loads)
+    return found
 
 
 def _check_names(transporter: Transporter) -> None:

@@ -14,13 +14,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 
-__all__ = ["Stand", "even_loads", "growth_rate", "refuse_unstable", "small_motions"]
+__all__ = [
+    "Stand",
+    "Tipping",
+    "even_loads",
+    "growth_rate",
+    "refuse_unstable",
+    "small_motions",
+    "tipping_angles",
+]
 
 IN_LINE = 1e-6
 """Smallest over largest extent of the middles of groups below which they are in a line."""
@@ -120,6 +129,60 @@ def small_motions(stand: Stand) -> NDArray[np.float64]:
 def growth_rate(stand: Stand) -> float:
     """With which a tilt grows [1/s]; 0 of a body that stands."""
     return math.sqrt(max(0.0, -float(small_motions(stand)[0])))
+
+
+class Tipping(NamedTuple):
+    """Tilts of the road at which a vehicle tips over, whichever way it leans [rad].
+
+    Attributes
+    ----------
+    static
+        On rigid groups: the weight acts over a side of the polygon of their middles.
+    compliant
+        On groups that give way, so that it leans more than the road: the load of a group is gone.
+    """
+
+    static: float
+    compliant: float
+
+
+def tipping_angles(stand: Stand, loads: NDArray[np.float64]) -> Tipping:
+    """Angles at which a body tips over.
+
+    Parameters
+    ----------
+    stand
+        On level ground.
+    loads
+        Of a bogie of each group there [N], shape (n,).
+
+    Notes
+    -----
+    A tilt b along a unit vector e moves the foot of the weight by ``d = h b e``, and with it the loads of groups by
+    ``-n_k k_k J_k . K^-1 (0, -W d_y, W d_x)``: along its gradient the load of a group is gone soonest. Both are 0 of a
+    body that cannot stand.
+    """
+    if growth_rate(stand) > 0.0:
+        return Tipping(0.0, 0.0)
+    J, W, h = _levers(stand), stand.weight, stand.height
+    K = (stand.counts * stand.stiffness * J.T) @ J - np.diag([0.0, 1.0, 1.0]) * W * h
+    moments = W * h * np.array([[0.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
+    changes = (stand.counts * stand.stiffness)[:, None] * (J @ np.linalg.solve(K, moments))
+    limits = stand.counts * loads / np.linalg.norm(changes, axis=1)
+    corners = stand.places[:, :2]
+    sides = [corners[hull] for hull in _hull(corners)]
+    distance = min(
+        abs(float(a[0] * b[1] - a[1] * b[0])) / float(np.hypot(*(b - a)))
+        for a, b in zip(sides, sides[1:] + sides[:1], strict=True)
+    )
+    return Tipping(math.atan2(distance, h), float(limits.min()))
+
+
+def _hull(points: NDArray[np.float64]) -> list[int]:
+    """Numbers of the corners of the convex hull of points in the plane, anticlockwise."""
+    from scipy.spatial import ConvexHull
+
+    return [int(number) for number in ConvexHull(points).vertices]
 
 
 def refuse_unstable(stand: Stand) -> None:

@@ -59,7 +59,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
@@ -89,6 +89,18 @@ ROUNDS = 100
 PLAIN_ROUNDS = 5
 """Rounds of the iteration of the rows after which a law is fitted by chords too: tangents alone can go to and fro."""
 
+PATH_CHANNELS = ("path_way", "off_path", "off_heading", "push_along", "push_across", "push_turning")
+DRIVE_CHANNELS = (
+    "drive_demand",
+    "bogie_drive",
+    "bogie_drive_max",
+    "bogie_drive_min",
+    "traction_used_max",
+    "drive_used_max",
+    "brake_used_max",
+)
+"""Of a transporter with a path, and with a drive."""
+
 NEGLIGIBLE = 1e-15
 """Relative change of a pressure that ends its iteration."""
 
@@ -117,6 +129,45 @@ class Transporter:
         ChannelKind("wheel_load", "force", "load of each bogie on the road, with its own weight", None),
         ChannelKind("road_under", "length", "height of the road for each wheel over that of its deck", None),
         ChannelKind("stroke_of", "length", "stroke of each bogie from its place at the start, up", None),
+        ChannelKind("path_way", "length", "way along its path", None),
+        ChannelKind("off_path", "length", "distance of the middle of its bogies from its path", None),
+        ChannelKind("off_heading", "angle", "by which its heading is off its path, to the left", None),
+        ChannelKind("push_along", "force", "on it in the plane, forwards, from drives and brakes", None),
+        ChannelKind("push_across", "force", "on it in the plane, to the left, from its wheels", None),
+        ChannelKind(
+            "push_turning",
+            "moment or energy",
+            "on it in the plane, to the left, about the middle of its bogies",
+            None,
+        ),
+        ChannelKind("steering", "angle", "of each bogie, to the left", None),
+        ChannelKind("rolling_speed", "velocity", "of the wheels of each bogie", None),
+        ChannelKind(
+            "drive_demand",
+            "force",
+            "of all driven bogies, along the path, in the middle of the last step",
+            None,
+        ),
+        ChannelKind("bogie_drive", "force", "of each driven bogie in the middle of the last step", None),
+        *interval_extremes("bogie_drive", "force", "of the middles of all steps", None),
+        ChannelKind(
+            "traction_used_max",
+            "number",
+            "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record",
+            None,
+        ),
+        ChannelKind(
+            "drive_used_max",
+            "number",
+            "over what its drive can at its speed, largest since the last record",
+            None,
+        ),
+        ChannelKind(
+            "brake_used_max",
+            "number",
+            "at rest, over what its brakes hold, largest since the last record",
+            None,
+        ),
     )
     """What it records, in the order of its columns."""
 
@@ -145,18 +196,34 @@ class Transporter:
     travel_speed: Annotated[float | None, Quantity("velocity")] = None
     """The wheels travel along all decks at this speed from their places at the start on, wherever the body is [m/s]; if
     absent they are where the body takes them."""
+    legs: tuple[PathLeg, ...] = ()
+    """Legs of a path along which it is driven from its place at the start on, one after the other: where in the plane
+    it is and where it points. On decks of several bodies it moves along with them, by their shares in its load."""
+    handover: Annotated[float, Positive("time")] = 5.0
+    """Delay with which its path follows the shares of moving bodies in its load [s]."""
+    steering_limit: Annotated[float, Quantity("angle", minimum=0.0, maximum=np.pi, closed=True)] = (
+        2.268928027592628
+    )
+    """Largest steering angle of a bogie to both sides [rad]."""
+    drive: Drive | None = None
+    """Motors and brakes; with a path."""
     accept_unstable: bool = False
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
 
     @staticmethod
     def check(said: Any) -> None:
-        """Strokes have a range."""
-        if said.stroke_limits is None:
-            return
-        low, high = said.stroke_limits
-        if not low < 0.0 < high:
+        """Strokes have a range; what drives it."""
+        if said.stroke_limits is not None:
+            low, high = said.stroke_limits
+            if not low < 0.0 < high:
+                raise InputError(
+                    f"from {low:g} to {high:g} m", key="stroke_limits", expected="one below 0, one above"
+                )
+        if said.legs and said.travel_speed is not None:
+            raise InputError("'travel_speed' with 'legs'", key="travel_speed", expected="one of them")
+        if said.drive is not None and not said.legs:
             raise InputError(
-                f"from {low:g} to {high:g} m", key="stroke_limits", expected="one below 0, one above"
+                "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
             )
 
     @property
@@ -170,7 +237,14 @@ class Transporter:
     def components(self) -> dict[str, tuple[str, ...]]:
         """Components of its channels, by channel."""
         bogies = tuple(str(i + 1) for i in range(sum(len(group.bogies) for group in self.groups)))
+        of_path = {name: (name,) if self.legs else () for name in PATH_CHANNELS}
+        of_drive = {name: (name,) if self.drive else () for name in DRIVE_CHANNELS}
+        wheels = bogies if self.legs else ()
         return {
+            **of_path,
+            **of_drive,
+            "steering": wheels,
+            "rolling_speed": wheels,
             "group_force": tuple(group.name for group in self.groups),
             "wheel_load": bogies,
             "road_under": bogies,
@@ -270,6 +344,12 @@ class GroupData(Record):
         Of a cylinder at the start [N].
     first_pump, pumps
         Rows of its pump.
+    constant
+        Whether its force is always that of the start.
+    relief
+        Force of a cylinder at which oil is lost [N].
+    leak
+        Rate of the sum of strokes by oil that leaks, over the force of a cylinder [m/(N s)].
     """
 
     vehicle: int
@@ -282,6 +362,9 @@ class GroupData(Record):
     start_force: float
     first_pump: int
     pumps: int
+    constant: bool
+    relief: float
+    leak: float
 
 
 class GroupState(Record):
@@ -296,7 +379,7 @@ class GroupState(Record):
     oil, next_oil
         Sum of lifts by the pump at the start and at the end of the step [m].
     strokes
-        Sum of strokes at the start that makes the force of the start [m].
+        Sum of strokes that makes the force of the start [m]: that of the start, and what oil was lost since.
     drift
         Of the sum of r from the geometry [m].
     force
@@ -422,6 +505,15 @@ class Transporters(Arrays):
 @kernel(internal=True)
 def _oil_force(group: GroupData, grown: float) -> tuple[float, float]:
     """Force of a cylinder [N] and its derivative, where the sum of strokes and oil has grown since the start [m]."""
+    if group.constant:
+        return group.start_force, 0.0
+    force, stiffness = _closed_force(group, grown)
+    return (force, stiffness) if force < group.relief else (group.relief, 0.0)
+
+
+@kernel(internal=True)
+def _closed_force(group: GroupData, grown: float) -> tuple[float, float]:
+    """As `_oil_force`, of oil that is not lost."""
     if group.gas > 0.0:
         left = 1.0 - grown / group.gas
         if not left > 1e-6:
@@ -831,8 +923,37 @@ def update_transporters(
         state.road_work += p * RETURN * state.drift
         state.pump_work += p * (state.next_oil - state.oil)
         state.lift += state.road + step * (state.body_rate + group.count * x) + RETURN * state.drift
+        _lose_oil(kind, g, p, x, step)
         state.oil = state.next_oil
         state.fresh = False
+
+
+@kernel(internal=True)
+def _lose_oil(kind: Transporters, g: int, p: float, x: float, step: float) -> None:
+    """Oil that leaks in a step at the force p of its middle, or that a relief valve lets go; x as in `_fit_group`."""
+    group, state = kind.groups[g], kind.group_state[g]
+    if group.leak == 0.0 and group.relief == math.inf:
+        return
+    lost = step * group.leak * p
+    if p >= group.relief:
+        total = state.next_oil
+        vehicle = kind.vehicles[group.vehicle]
+        for i in range(group.first, group.first + group.count):
+            bogie = kind.bogie_state[i]
+            total += bogie.stroke
+            if vehicle.pipe + vehicle.rubber == 0.0 and vehicle.low < bogie.stroke < vehicle.high:
+                total += 0.5 * step * (bogie.growth + x)  # without pipes it is that of the middle
+        lost += max(total - state.strokes - lost - _growth_to(group, group.relief), 0.0)
+    state.strokes += lost
+    state.loss += p * lost
+
+
+@kernel(internal=True)
+def _growth_to(group: GroupData, force: float) -> float:
+    """By how much the sum of strokes and oil grows from the start up to a force of a cylinder [m]."""
+    if group.gas > 0.0:
+        return group.gas * (1.0 - (group.start_force / force) ** (1.0 / GAS_EXPONENT))
+    return (force - group.start_force) / group.stiffness
 
 
 # ---- records ----
@@ -908,7 +1029,7 @@ def record_transporters(
                 work.sums.elastic += 0.5 * vehicle.tyre * _pressed(kind, g, i) ** 2
             total += load
             least = min(least, load)
-            work.sums.elastic += _oil_energy(group, carried.force)
+            work.sums.elastic += _oil_energy(kind, g)
             work.sums.drive_work += carried.road_work + carried.pump_work
             work.sums.dissipated += carried.loss
         row[c + 3] = least / total if total > 0.0 else 0.0
@@ -923,8 +1044,14 @@ def _pressed(kind: Transporters, g: int, i: int) -> float:
 
 
 @kernel(internal=True)
-def _oil_energy(group: GroupData, force: float) -> float:
-    """Stored in oil or gas at a force of a cylinder [J]; of gas against that of the start."""
+def _oil_energy(kind: Transporters, g: int) -> float:
+    """Stored in oil or gas at the force of a cylinder [J]; of gas and of a constant force against that of the start."""
+    group, force = kind.groups[g], kind.group_state[g].force
+    if group.constant:
+        grown = -kind.group_state[g].strokes
+        for i in range(group.first, group.first + group.count):
+            grown += kind.bogie_state[i].stroke
+        return group.start_force * grown
     if group.gas == 0.0:
         return 0.5 * force * force / group.stiffness
     left = (group.start_force / force) ** (1.0 / GAS_EXPONENT) if force > 0.0 else math.inf

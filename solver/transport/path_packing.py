@@ -1,0 +1,205 @@
+"""Paths of transporters become one kind: routes, plans of the bodies with decks, drives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Records, records
+from heavylift.solver.interface import FORCES
+from heavylift.solver.transport.paths import (
+    DriveData,
+    PathBogie,
+    PathData,
+    PathPlan,
+    Paths,
+    PathState,
+    PlanState,
+)
+from heavylift.solver.transport.routes import make_route, rolling, steering_turns
+
+if TYPE_CHECKING:
+    from heavylift.solver.markers import MarkerBook
+    from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.scene.transport import Drive
+    from heavylift.solver.transport.packing import Places
+    from heavylift.solver.transport.routes import Route
+    from heavylift.solver.transport.transporters import BogieState, Transporter
+
+__all__ = ["PathPacking"]
+
+
+class PathPacking:
+    """Paths of a scene, one after the other."""
+
+    def __init__(self, scene: Scene, book: MarkerBook) -> None:
+        self._scene, self._book = scene, book
+        self._paths: list[tuple[Any, ...]] = []
+        self._plans: list[tuple[int, int, int, int]] = []
+        self._weights: list[float] = []
+        self._deck_plans: list[list[int]] = []
+        self._bogies: list[tuple[float, float, bool]] = []
+        self._drives: list[tuple[Any, ...]] = []
+        self._capacity: list[tuple[float, float]] = []
+        self._routes: list[Route] = []
+        self._turns: list[tuple[int, NDArray[np.float64]]] = []
+
+    def skip(self, bogies: int) -> None:
+        """Count the bogies of a transporter without path."""
+        self._bogies += [(0.0, 0.0, False)] * bogies
+
+    def add(
+        self,
+        transporter: Transporter,
+        places: Places,
+        at: tuple[int, int, int],
+        side_of: Mapping[str, int],
+        first_bogie: int,
+        loads: tuple[Sequence[int], NDArray[np.float64], float],
+    ) -> None:
+        """Add the path of a transporter.
+
+        Parameters
+        ----------
+        transporter, places
+            The transporter, and where it and decks are at the start.
+        at
+            Block of its rows, attachments of that, and record column.
+        side_of
+            Side of the rows by body; not of the ground.
+        first_bogie
+            Of all that are packed.
+        loads
+            Deck under each of its bogies, force of its cylinder [N]; weight of a bogie [N].
+
+        Raises
+        ------
+        InputError
+            If a leg does not fit the vehicle, its steering or its drive.
+        """
+        on, share, weight = loads
+        middle = places.world.mean(axis=0)
+        local = (places.world - middle) @ places.level.T[:, :2]
+        yaw = math.atan2(places.level[0, 1], places.level[0, 0])
+        try:
+            route = make_route(transporter.legs, local, np.array([0.0, 0.0, yaw]))
+            turns = steering_turns(route, local, transporter.steering_limit)
+            drive, driven = self._drive(transporter.drive, route, local)
+        except InputError as error:
+            raise InputError(
+                error.problem, source=transporter.name, key=error.key, expected=error.expected
+            ) from None
+        bodies = list(dict.fromkeys(deck.body for deck in self._scene.decks))
+        first_plan, row_count = len(self._plans), sum(len(made.nodes) for made in self._routes)
+        piece_count = sum(len(made.pieces) for made in self._routes)
+        for body in bodies:
+            # a plan that coincides with the world at the start, about the middle of the bogies
+            frame = places.frame(body, np.zeros(3))
+            origin = frame.axes.T @ (middle - frame.point)
+            axes = (self._book.direction(body, frame.axes[k], FORCES, at=origin) for k in range(2))
+            self._plans.append((self._book.point(body, origin, FORCES), *axes, side_of.get(body, -1)))
+        deck_plans = [bodies.index(deck.body) for deck in self._scene.decks]
+        carried = np.bincount([deck_plans[deck] for deck in on], weights=share, minlength=len(bodies))
+        self._weights += (
+            list(carried / carried.sum()) if carried.sum() > 0.0 else list(carried == carried.max())
+        )
+        self._deck_plans.append(deck_plans)
+        block, attachments, column = at
+        self._paths.append(
+            (
+                block,
+                attachments,
+                column,
+                self._book.point(transporter.body, places.points.mean(axis=0), FORCES),
+                self._book.direction(transporter.body, places.axes[0], FORCES, at=np.zeros(3)),
+                side_of[transporter.body],
+                first_plan,
+                len(bodies),
+                row_count,
+                len(route.nodes),
+                piece_count,
+                len(route.pieces),
+                first_bogie,
+                len(local),
+                transporter.handover,
+                weight,
+                drive,
+                int(np.count_nonzero(driven)),
+            )
+        )
+        first_leg = sum(len(rows) for _, rows in self._turns)
+        route.nodes[:, -1] += first_leg
+        self._routes.append(route)
+        self._turns.append((first_bogie, turns))
+        self._bogies += [(float(x), float(y), bool(d)) for (x, y), d in zip(local, driven, strict=True)]
+
+    def _drive(
+        self, drive: Drive | None, route: Route, bogies: NDArray[np.float64]
+    ) -> tuple[int, NDArray[np.bool_]]:
+        """Number of the drive and which bogies are driven."""
+        driven = np.zeros(len(bogies), dtype=np.bool_)
+        if drive is None:
+            return -1, driven
+        numbers = np.array(drive.bogies or range(1, len(bogies) + 1))
+        if numbers.max() > len(bogies):
+            raise InputError(
+                f"bogie {numbers.max()}", key="drive.bogies", expected=f"numbers from 1 to {len(bogies)}"
+            )
+        driven[numbers - 1] = True
+        sizes = np.hypot(*rolling(route.nodes, bogies))[:, driven].max(axis=1)
+        if not sizes.max() > 0.0:
+            raise InputError("no driven bogie moves", key="drive.bogies", expected="one that the path moves")
+        if len(drive.speeds):
+            ways = route.nodes[:, 0]
+            for begin, way, speed, slope in route.pieces:
+                after = route.pieces[route.pieces[:, 0] > begin]
+                top = max(speed, speed + slope * ((after[0, 0] - begin) if len(after) else 0.0))
+                end = after[0, 1] if len(after) else way
+                fastest = top * float(sizes[(ways >= way - 1e-9) & (ways <= end + 1e-9)].max(initial=0.0))
+                if fastest > drive.speeds[-1] * (1.0 + 1e-12):
+                    raise InputError(
+                        f"a driven wheel runs up to {fastest:.6g} m/s, its table ends at {drive.speeds[-1]:g} m/s",
+                        key="drive.speeds",
+                        expected="a table up to there, or slower legs",
+                    )
+        table = list(zip(map(float, drive.speeds), map(float, drive.forces), strict=True))
+        self._drives.append(
+            (drive.rolling_resistance, drive.friction, drive.brake_force, len(self._capacity), len(table))
+        )
+        self._capacity += table
+        return len(self._drives) - 1, driven
+
+    def kinds(self, bogie_state: Records[BogieState]) -> list[Paths]:
+        """The kind; none without paths."""
+        if not self._paths:
+            return []
+        turns = np.zeros((sum(len(rows) for _, rows in self._turns), len(self._bogies)))
+        leg = 0
+        for first, rows in self._turns:
+            turns[leg : leg + len(rows), first : first + rows.shape[1]] = rows
+            leg += len(rows)
+        plans = records(PlanState, len(self._plans))
+        plans["weight"] = plans["next_weight"] = plans["used"] = self._weights
+        state = records(PathState, len(self._paths))
+        state["yaw"] = [route.nodes[0, 3] for route in self._routes]
+        return [
+            Paths(
+                records(PathData, self._paths),
+                records(PathPlan, self._plans),
+                records(PathBogie, self._bogies),
+                records(DriveData, self._drives),
+                np.ascontiguousarray(np.vstack([route.nodes for route in self._routes])),
+                np.ascontiguousarray(np.vstack([route.pieces for route in self._routes])),
+                np.array(self._capacity, dtype=np.float64).reshape(-1, 2),
+                turns,
+                np.array(self._deck_plans, dtype=np.int64),
+                state,
+                plans,
+                bogie_state,
+            )
+        ]

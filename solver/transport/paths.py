@@ -1,0 +1,503 @@
+"""Paths of transporters: the place of a vehicle in the plane and its heading are driven; what its bogies give for it.
+
+The decks under a vehicle may move, each by itself. Each body j that carries some has a plan that moves along with it,
+in which the middle of the bogies is at (x_j, y_j) and its axis f has the heading with the sine Y_j . f. With weights
+w_j, which follow the shares of the bodies in the load with the delay T, three rows keep the mean of all plans on the
+path (x, y, psi)(t)::
+
+    sum w_j x_j - x = 0 ,    sum w_j y_j - y = 0 ,    sum w_j (cos psi Y_j - sin psi X_j) . f = 0
+    T w_j' = share_j - w_j
+
+so a vehicle that has rolled from one body to another one belongs to that in the end, without a jump. The weights change
+within a step by what is known when it begins, and the rows ask for the rates that this takes.
+
+Driven bogies push with one force F, as motors with a common pressure do. With the rates by way, r of the pose and v_i
+of the wheels, what the reaction R of the rows and the loads f_i need is ::
+
+    F sum |v_i| = R . r + sum f_i (z_i' + c |v_i|)
+
+over driven bogies on the left, all of them on the right: z_i' is how the road lifts a wheel and c the rolling
+resistance.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.records import Record, Records, Vector
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.interface import (
+    Workspace,
+    fill_rows,
+    record_joints,
+    set_targets,
+    update_rows,
+    watch_joints,
+)
+from heavylift.solver.joints.row_writing import add_direction_row, difference, dot, residuals, targets, vector
+from heavylift.solver.kinds import implement
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.transport.transporters import BogieState
+
+__all__ = ["DriveData", "PathBogie", "PathData", "PathPlan", "PathState", "Paths", "PlanState"]
+
+LEAST_LOAD = 1e-3
+"""Of the force of a bogie: less load on the road counts as this, so what is in the air is used a thousandfold."""
+
+
+class PathData(Record):
+    """A path.
+
+    Attributes
+    ----------
+    block, attachments
+        Of its rows.
+    column
+        First record column.
+    middle, forward, side
+        Markers of the middle of the bogies and of the axis of the vehicle, and the side of the rows on which it is.
+    first_plan, plans
+        Bodies with decks.
+    first_node, nodes, first_piece, pieces
+        Its route, see `heavylift.solver.transport.routes`.
+    first_bogie, bogies
+        Of the vehicle.
+    delay
+        T [s].
+    weight
+        Of a bogie [N].
+    drive, driven
+        Number of its drive, -1 without; how many bogies it drives.
+    """
+
+    block: int
+    attachments: int
+    column: int
+    middle: int
+    forward: int
+    side: int
+    first_plan: int
+    plans: int
+    first_node: int
+    nodes: int
+    first_piece: int
+    pieces: int
+    first_bogie: int
+    bogies: int
+    delay: float
+    weight: float
+    drive: int
+    driven: int
+
+
+class PathState(Record):
+    """What a path carries.
+
+    Attributes
+    ----------
+    yaw, step, moved, way
+        Heading about which the rows are written [rad], length of the last step [s], way in it and at its end [m].
+    advance
+        By which the rows moved in the last step [m, m, rad].
+    work, loss
+        Of the rows before the last step, and against rolling [J].
+    force, traction, power, brake
+        Force of a driven bogie in the middle of the last step [N], and shares of what it can do at most.
+    forces, tractions, powers, brakes
+        Their extremes.
+    """
+
+    yaw: float
+    step: float
+    moved: float
+    way: float
+    advance: Vector
+    work: float
+    loss: float
+    force: float
+    traction: float
+    power: float
+    brake: float
+    forces: Extremes
+    tractions: Extremes
+    powers: Extremes
+    brakes: Extremes
+
+
+class PathPlan(Record):
+    """The plan of a body with decks: markers of its origin and axes, and the side of the rows; -1 of the ground."""
+
+    origin: int
+    x: int
+    y: int
+    side: int
+
+
+class PlanState(Record):
+    """Weight of a plan at the end of the last step, and of this one; in the rows; load on its decks [N]."""
+
+    weight: float
+    next_weight: float
+    used: float
+    load: float
+
+
+class PathBogie(Record):
+    """A bogie: its place from the middle of all, along and to the left [m]; whether it is driven."""
+
+    x: float
+    y: float
+    driven: bool
+
+
+class DriveData(Record):
+    """A drive: resistance, friction, force of the brakes [N], and its table."""
+
+    resistance: float
+    friction: float
+    brake: float
+    first: int
+    count: int
+
+
+class Paths(Arrays):
+    """All paths of a scene.
+
+    Attributes
+    ----------
+    table, plans, bogies, drives
+        What the user said.
+    nodes, pieces, capacity
+        Routes; speed and force of drives, shape (n, 2).
+    turns
+        Half turns of the wheels by leg and bogie [rad]: legs of all paths one below the other, as the last column of
+        `nodes` counts.
+    deck_plans
+        Number of the plan, within those of a path, of each deck; shape (paths, decks).
+    state, plan_state
+        Carried.
+    bogie_state
+        Of the transporters.
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state", "plan_state")
+
+    table: Records[PathData]
+    plans: Records[PathPlan]
+    bogies: Records[PathBogie]
+    drives: Records[DriveData]
+    nodes: Floats2
+    pieces: Floats2
+    capacity: Floats2
+    turns: Floats2
+    deck_plans: Ints2
+    state: Records[PathState]
+    plan_state: Records[PlanState]
+    bogie_state: Records[BogieState]
+
+
+# ---- the route ----
+
+
+@kernel(internal=True)
+def _row_before(table: NDArray[np.float64], first: int, count: int, value: float) -> int:
+    """Last row whose first column is not above a value, but not the last of all."""
+    low, high = first, first + count - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table[middle, 0] <= value:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@kernel(internal=True)
+def _way(kind: Paths, path: PathData, time: float) -> tuple[float, float]:
+    """Way [m] and speed [m/s] at a time."""
+    i = path.first_piece
+    while i + 1 < path.first_piece + path.pieces and kind.pieces[i + 1, 0] <= time:
+        i += 1
+    t = max(time - kind.pieces[i, 0], 0.0)
+    speed = kind.pieces[i, 2] + t * kind.pieces[i, 3]
+    return kind.pieces[i, 1] + t * (kind.pieces[i, 2] + 0.5 * t * kind.pieces[i, 3]), speed
+
+
+@kernel(internal=True)
+def _hermite(h: float, t: float, a: float, slope_a: float, b: float, slope_b: float) -> tuple[float, float]:
+    """Cubic between two values with slopes, t from 0 to 1 over the length h; value and slope."""
+    rise = b - a
+    bend, twist = 3.0 * rise - h * (2.0 * slope_a + slope_b), h * (slope_a + slope_b) - 2.0 * rise
+    value = a + t * (h * slope_a + t * (bend + t * twist))
+    return value, slope_a + t * (2.0 * bend + 3.0 * t * twist) / h
+
+
+@kernel(internal=True)
+def _pose(
+    kind: Paths, path: PathData, way: float
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Pose of the middle at a way [m, rad] and its rates by way."""
+    i = _row_before(kind.nodes, path.first_node, path.nodes, way)
+    h = kind.nodes[i + 1, 0] - kind.nodes[i, 0]
+    t = min(max((way - kind.nodes[i, 0]) / h, 0.0), 1.0)
+    x = _hermite(h, t, kind.nodes[i, 1], kind.nodes[i, 4], kind.nodes[i + 1, 1], kind.nodes[i + 1, 4])
+    y = _hermite(h, t, kind.nodes[i, 2], kind.nodes[i, 5], kind.nodes[i + 1, 2], kind.nodes[i + 1, 5])
+    yaw = _hermite(h, t, kind.nodes[i, 3], kind.nodes[i, 6], kind.nodes[i + 1, 3], kind.nodes[i + 1, 6])
+    return (x[0], y[0], yaw[0]), (x[1], y[1], yaw[1])
+
+
+@kernel(internal=True)
+def _rolling(kind: Paths, path: PathData, way: float, bogie: int) -> tuple[float, float, float]:
+    """Velocity of a bogie by way, along and to the left of the vehicle, and the half turns of its wheels [rad]."""
+    i = _row_before(kind.nodes, path.first_node, path.nodes, way)
+    h = kind.nodes[i + 1, 0] - kind.nodes[i, 0]
+    t = min(max((way - kind.nodes[i, 0]) / h, 0.0), 1.0)
+    slip, _ = _hermite(h, t, kind.nodes[i, 7], kind.nodes[i, 8], kind.nodes[i + 1, 7], kind.nodes[i + 1, 8])
+    speed = kind.nodes[i, 9]
+    turn = kind.nodes[i, 6] + t * (kind.nodes[i + 1, 6] - kind.nodes[i, 6])
+    x, y = kind.bogies[bogie].x - kind.nodes[i, 10], kind.bogies[bogie].y - kind.nodes[i, 11]
+    half = kind.turns[int(kind.nodes[i, 12]), bogie]
+    return speed * math.cos(slip) - turn * y, speed * math.sin(slip) + turn * x, half
+
+
+# ---- rows ----
+
+
+@kernel(internal=True)
+def _write_rows(kind: Paths, number: int, work: Workspace, system: RowArrays) -> None:
+    """Rows with the weights in use, about the heading in use."""
+    path, lanes = kind.table[number], system.lanes
+    for side in range(2 * path.block, 2 * path.block + path.attachments):
+        panel = system.attachments[side].panel
+        for k in range(system.attachments[side].width):
+            for r in range(3):
+                system.panels[panel + k * lanes + r] = 0.0
+    c, s = math.cos(kind.state[number].yaw), math.sin(kind.state[number].yaw)
+    f = vector(work, path.forward)
+    for j in range(path.first_plan, path.first_plan + path.plans):
+        plan, w = kind.plans[j], kind.plan_state[j].used
+        if w == 0.0:
+            continue
+        x, y = vector(work, plan.x), vector(work, plan.y)
+        across = (w * (c * y[0] - s * x[0]), w * (c * y[1] - s * x[1]), w * (c * y[2] - s * x[2]))
+        add_direction_row(system, path.side, 0, work, path.middle, (w * x[0], w * x[1], w * x[2]))
+        add_direction_row(system, path.side, 1, work, path.middle, (w * y[0], w * y[1], w * y[2]))
+        add_direction_row(system, path.side, 2, work, path.forward, across)
+        if plan.side < 0:
+            continue
+        d = difference(work, plan.origin, path.middle)
+        add_direction_row(system, plan.side, 0, work, plan.origin, (-w * x[0], -w * x[1], -w * x[2]))
+        add_direction_row(system, plan.side, 0, work, plan.x, (w * d[0], w * d[1], w * d[2]))
+        add_direction_row(system, plan.side, 1, work, plan.origin, (-w * y[0], -w * y[1], -w * y[2]))
+        add_direction_row(system, plan.side, 1, work, plan.y, (w * d[0], w * d[1], w * d[2]))
+        a, b = -w * s, w * c
+        add_direction_row(system, plan.side, 2, work, plan.x, (a * f[0], a * f[1], a * f[2]))
+        add_direction_row(system, plan.side, 2, work, plan.y, (b * f[0], b * f[1], b * f[2]))
+
+
+@kernel(internal=True)
+def _place(kind: Paths, number: int, j: int, work: Workspace) -> tuple[tuple[float, float, float], float]:
+    """Place on a plan [m] and what the third row is of it; cosine of the angle between headings."""
+    path, plan = kind.table[number], kind.plans[j]
+    c, s = math.cos(kind.state[number].yaw), math.sin(kind.state[number].yaw)
+    x, y, f = vector(work, plan.x), vector(work, plan.y), vector(work, path.forward)
+    d = difference(work, plan.origin, path.middle)
+    ahead, aside = dot(x, f), dot(y, f)
+    return (dot(d, x), dot(d, y), c * aside - s * ahead), c * ahead + s * aside
+
+
+@kernel(internal=True)
+def _weigh(kind: Paths, number: int) -> float:
+    """Loads on the plans of a path now [N]; their sum."""
+    path, total = kind.table[number], 0.0
+    for j in range(path.first_plan, path.first_plan + path.plans):
+        kind.plan_state[j].load = 0.0
+    for i in range(path.first_bogie, path.first_bogie + path.bogies):
+        bogie = kind.bogie_state[i]
+        j = path.first_plan + kind.deck_plans[number, bogie.deck]
+        kind.plan_state[j].load += bogie.load
+        total += bogie.load
+    return total
+
+
+@implement(fill_rows, Paths)
+@kernel(internal=True)
+def fill_path_rows(kind: Paths, with_residual: bool, work: Workspace, system: RowArrays) -> None:
+    """Rows as they were written last; what they are wrong by is known with the time, see `set_path_targets`."""
+    for p in range(kind.table.shape[0]):
+        _write_rows(kind, p, work, system)
+
+
+@implement(set_targets, Paths)
+@kernel(internal=True)
+def set_path_targets(
+    kind: Paths, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
+) -> None:
+    """Follow the route; weights of the step."""
+    for p in range(kind.table.shape[0]):
+        path, state = kind.table[p], kind.state[p]
+        total = _weigh(kind, p)
+        target = targets(system, path.block)
+        before, speed = _way(kind, path, time)
+        here, rates = _pose(kind, path, before)
+        if at_midpoint:
+            last = system.rows[path.block].last_reaction
+            for k in range(3):
+                state.work += last[k] * state.advance[k]
+            after, _ = _way(kind, path, time + step)
+            there, _ = _pose(kind, path, after)
+            state.yaw, state.step, state.moved = 0.5 * (here[2] + there[2]), step, after - before
+            state.way = after
+            part = -math.expm1(-step / path.delay)
+            ahead, a, b, c = 0.0, 0.0, 0.0, 0.0
+            for j in range(path.first_plan, path.first_plan + path.plans):
+                plan = kind.plan_state[j]
+                share = plan.load / total if total > 0.0 else plan.weight
+                plan.next_weight = plan.weight + part * (share - plan.weight)
+                plan.used = 0.5 * (plan.weight + plan.next_weight)
+                gain = plan.next_weight - plan.weight
+                at, cosine = _place(kind, p, j, work)
+                ahead += plan.used * cosine
+                a, b, c = a + gain * at[0], b + gain * at[1], c + gain * at[2]
+            state.advance[0] = there[0] - here[0] - a
+            state.advance[1] = there[1] - here[1] - b
+            state.advance[2] = (there[2] - here[2]) * ahead - c
+            _write_rows(kind, p, work, system)
+            for k in range(3):
+                target[k] += state.advance[k] / step
+            continue
+        state.yaw = here[2]
+        residual = residuals(system, path.block)
+        ahead, a, b, c = 0.0, -here[0], -here[1], 0.0
+        u, v, w = speed * rates[0], speed * rates[1], 0.0
+        for j in range(path.first_plan, path.first_plan + path.plans):
+            plan = kind.plan_state[j]
+            plan.used = plan.weight
+            share = plan.load / total if total > 0.0 else plan.weight
+            gain = (share - plan.weight) / path.delay
+            at, cosine = _place(kind, p, j, work)
+            ahead += plan.used * cosine
+            a, b, c = a + plan.used * at[0], b + plan.used * at[1], c + plan.used * at[2]
+            u, v, w = u - gain * at[0], v - gain * at[1], w - gain * at[2]
+        _write_rows(kind, p, work, system)
+        residual[0], residual[1], residual[2] = a, b, c
+        target[0], target[1], target[2] = u, v, speed * rates[2] * ahead + w
+
+
+@implement(update_rows, Paths)
+@kernel(internal=True)
+def update_paths(kind: Paths, time: float, step: float, work: Workspace, system: RowArrays) -> None:
+    """Carry the weights over the step."""
+    for j in range(kind.plans.shape[0]):
+        kind.plan_state[j].weight = kind.plan_state[j].next_weight
+
+
+# ---- drives and records ----
+
+
+@kernel(internal=True)
+def _capacity(kind: Paths, drive: DriveData, speed: float) -> float:
+    """Largest force of a driven bogie at a speed of its wheel [N]."""
+    if drive.count == 0:
+        return math.inf
+    for i in range(drive.first, drive.first + drive.count - 1):
+        a, b = kind.capacity[i, 0], kind.capacity[i + 1, 0]
+        if speed <= b:
+            share = max(speed - a, 0.0) / (b - a)
+            return kind.capacity[i, 1] + share * (kind.capacity[i + 1, 1] - kind.capacity[i, 1])
+    return kind.capacity[drive.first + drive.count - 1, 1]
+
+
+@kernel(internal=True)
+def _push(kind: Paths, p: int, way: float, system: RowArrays) -> None:
+    """Force of a driven bogie in the step that ended, and how much of what it can is used."""
+    path, state = kind.table[p], kind.state[p]
+    drive = kind.drives[path.drive]
+    middle = way - 0.5 * state.moved
+    rates = _pose(kind, path, middle)[1]
+    moves = state.moved > 0.0
+    needed = 0.0
+    for k in range(3):
+        needed += system.rows[path.block].last_reaction[k] * rates[k]
+    reach, fastest = 0.0, 0.0
+    for i in range(path.first_bogie, path.first_bogie + path.bogies):
+        bogie = kind.bogie_state[i]
+        u, v, _ = _rolling(kind, path, middle, i)
+        size = math.hypot(u, v)
+        if moves:
+            needed += bogie.mean * bogie.road / state.moved
+            rolls = drive.resistance * (bogie.mean + path.weight) * size
+            needed += rolls
+            state.loss += rolls * state.moved
+        if kind.bogies[i].driven:
+            reach += size
+            fastest = max(fastest, size * state.moved / state.step)
+    state.force = needed / reach if reach > 0.0 else 0.0
+    size = abs(state.force)
+    state.traction = 0.0
+    for i in range(path.first_bogie, path.first_bogie + path.bogies):
+        if kind.bogies[i].driven and size > 0.0:
+            held = max(drive.friction * (kind.bogie_state[i].mean + path.weight), LEAST_LOAD * size)
+            state.traction = max(state.traction, size / held)
+    state.power = size / _capacity(kind, drive, fastest) if moves else 0.0
+    state.brake = 0.0 if moves else size / drive.brake
+
+
+@implement(watch_joints, Paths)
+@kernel(internal=True)
+def watch_paths(kind: Paths, work: Workspace, system: RowArrays) -> None:
+    """Drives in the step, and their extremes."""
+    interval = work.control.interval
+    for p in range(kind.table.shape[0]):
+        path, state = kind.table[p], kind.state[p]
+        if path.drive < 0:
+            continue
+        _push(kind, p, state.way, system)
+        note_value(state.forces, interval, state.force)
+        note_value(state.tractions, interval, state.traction)
+        note_value(state.powers, interval, state.power)
+        note_value(state.brakes, interval, state.brake)
+
+
+@implement(record_joints, Paths)
+@kernel(internal=True)
+def record_paths(
+    kind: Paths, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Way, distance from the path, reactions in the axes of the vehicle, steering; drives; works."""
+    interval = work.control.interval
+    for p in range(kind.table.shape[0]):
+        path, state = kind.table[p], kind.state[p]
+        way, speed = _way(kind, path, time)
+        off, reaction = residuals(system, path.block), system.rows[path.block].reaction
+        c, s = math.cos(state.yaw), math.sin(state.yaw)
+        at = path.column
+        row[at], row[at + 1] = way, math.hypot(off[0], off[1])
+        row[at + 2] = math.asin(min(max(off[2], -1.0), 1.0))
+        row[at + 3] = c * reaction[0] + s * reaction[1]
+        row[at + 4] = c * reaction[1] - s * reaction[0]
+        row[at + 5] = reaction[2]
+        at += 6
+        for i in range(path.bogies):
+            u, v, half = _rolling(kind, path, way, path.first_bogie + i)
+            row[at + i] = math.atan2(v, u) + half
+            row[at + path.bogies + i] = speed * math.hypot(u, v)
+        for k in range(3):
+            work.sums.drive_work += system.rows[path.block].last_reaction[k] * state.advance[k]
+        work.sums.drive_work += state.work + state.loss
+        work.sums.dissipated += state.loss
+        if path.drive < 0:
+            continue
+        at += 2 * path.bogies
+        row[at], row[at + 1] = path.driven * state.force, state.force
+        row[at + 2] = largest_of(state.forces, interval, state.force)
+        row[at + 3] = smallest_of(state.forces, interval, state.force)
+        row[at + 4] = largest_of(state.tractions, interval, state.traction)
+        row[at + 5] = largest_of(state.powers, interval, state.power)
+        row[at + 6] = largest_of(state.brakes, interval, state.brake)

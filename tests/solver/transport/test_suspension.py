@@ -1,0 +1,113 @@
+"""Oil of groups that is lost, gas, cylinders of constant force, and groups that keep their oil exactly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from vehicles import MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
+
+from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.bodies import Driven, Fixed, Profile
+from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.simulation import Simulation
+
+LOAD = MASS * G / 12
+
+
+def pressed(times: list[float], rises: list[float], **of_group) -> Scene:
+    """A block that is held, on a deck that rises and falls."""
+    lift = Profile(times=np.array(times), values=np.array(rises), interpolation="monotone")
+    barge = RigidBody("barge", 1e6, np.eye(3) * 1e8, motion=Driven(z=lift))
+    groups = tuple(BogieGroup(group.name, group.bogies, load=LOAD, **of_group) for group in groups_of(4))
+    transporter = vehicle(groups=groups, bogie_mass=0.0, accept_unstable=True)
+    return scene(transporter, (yard(body="barge"),), bodies=(barge, block(motion=Fixed())))
+
+
+def balance(found: dict[str, np.ndarray]) -> np.ndarray:
+    """Energy stored, lost and put in [J]."""
+    names = ("kinetic", "potential", "elastic", "dissipated")
+    total = np.sum([found[f"energy.{name}"] for name in names], axis=0)
+    return np.asarray(total - found["energy.drive_work"] - found["energy.external_work"])
+
+
+def test_an_accumulator_follows_the_law_of_its_gas() -> None:
+    """``F = F0 (1 - s / L)^-1.4`` over 0.2 m, with the tyre in series."""
+    length = 0.6
+    _, _, found = histories(pressed([0.0, 10.0], [0.0, 0.2], gas_length=length), 1e-2, 12.0, 20)
+    force, stroke = found["spmt.wheel_load"][:, 0], found["spmt.stroke_of"][:, 0]
+    np.testing.assert_allclose(force, LOAD * (1.0 - stroke / length) ** -1.4, rtol=1e-12)
+    rise = found["barge.position"][:, 2]
+    np.testing.assert_allclose(stroke, rise - (force - LOAD) / TYRE, atol=1e-6)
+    assert force[-1] > 1.5 * LOAD
+
+
+def test_a_relief_valve_lets_oil_go() -> None:
+    """The force stays at that of the valve, and is lower on the way back, by what was lost; its work is booked."""
+    top, relief = 0.1, 1.2 * LOAD
+    made = pressed([0.0, 10.0, 20.0], [0.0, top, 0.07], oil_stiffness=OIL, relief_force=relief)
+    _, times, found = histories(made, 5e-3, 24.0, 20)
+    compliance = 1.0 / OIL + 1.0 / TYRE
+    lost = top - (relief - LOAD) * compliance
+    load = found["spmt.wheel_load"][:, 0]
+    assert load.max() == pytest.approx(relief, rel=1e-12)
+    assert load[-1] == pytest.approx(max(LOAD + (0.07 - lost) / compliance, 0.0), abs=2e-5 * LOAD)
+    assert found["energy.dissipated"][-1] == pytest.approx(12.0 * relief * lost, rel=1e-4)
+    drift = balance(found)
+    np.testing.assert_allclose(drift, drift[0], atol=2e-4 * found["energy.dissipated"][-1])
+    assert times[-1] == pytest.approx(24.0)
+
+
+def test_leaks_let_the_body_sink() -> None:
+    """By their speed, at the force that it weighs; its weight does the work that is lost.
+
+    Pipes carry 20 N of the 141 kN while the cylinders move, so it is slower by 1.4e-4.
+    """
+    groups = tuple(replace(group, leak_speed=1e-3) for group in groups_of(4))
+    transporter = vehicle(groups=groups, bogie_mass=0.0, line_damping=2e4, tyre_damping=1.5e5)
+    _, times, found = histories(scene(transporter), 1e-2, 60.0, 100)
+    np.testing.assert_allclose(found["spmt.heave"], -1e-3 * (1.0 - 1.4e-4) * times, atol=1e-5)
+    assert found["energy.dissipated"][-1] == pytest.approx(MASS * G * 0.06, rel=1e-3)
+
+
+@pytest.mark.parametrize("pipe", [0.0, 2e4])
+def test_constant_force_is_none_of_the_deck(pipe) -> None:
+    """Loads as at the start, strokes those of the deck, as in S18 4.4; energy as of a weight on a string."""
+    made = pressed([0.0, 10.0, 20.0], [0.0, 0.2, -0.1], constant_force=True)
+    made = replace(made, transporters=(replace(made.transporters[0], line_damping=pipe),))
+    _, _, found = histories(made, 1e-2, 22.0, 20)
+    if pipe == 0.0:
+        np.testing.assert_allclose(found["spmt.wheel_load"], LOAD, rtol=1e-12)
+    np.testing.assert_allclose(
+        found["spmt.stroke_of"][-1], found["barge.position"][-1, 2], atol=1e-6 if pipe == 0.0 else 1e-4
+    )
+    drift = balance(found)
+    np.testing.assert_allclose(drift, drift[0], atol=1e-6 * 12.0 * LOAD * 0.2)
+
+
+def test_nothing_stands_on_constant_forces() -> None:
+    """Refused with the growth of a tilt; and with oil beside it."""
+    groups = tuple(BogieGroup(group.name, group.bogies, constant_force=True) for group in groups_of(4))
+    with pytest.raises(InputError, match="cannot hold the body upright"):
+        Simulation(scene(vehicle(groups=groups)), step=5e-3)
+    groups = tuple(replace(group, constant_force=True) for group in groups_of(4))
+    with pytest.raises(InputError, match="'oil_stiffness' and 'constant_force'"):
+        Simulation(scene(vehicle(groups=groups)), step=5e-3)
+    groups = tuple(replace(group, relief_force=0.9 * LOAD) for group in groups_of(4))
+    with pytest.raises(InputError, match=r"relief_force: 141428 N of a cylinder of group 'group_1'"):
+        Simulation(scene(vehicle(groups=groups)), step=5e-3)
+
+
+def test_hard_groups_keep_the_sum_of_their_strokes() -> None:
+    """T8: three groups of oil that hardly gives way over a bump, 1e-10 m; loads of a group stay equal."""
+    groups = groups_of(3, oil=1e16)
+    transporter = vehicle(groups=groups, travel_speed=0.2)
+    _, _, found = histories(scene(transporter, (yard(), bump(4.5, 2.0, (0.2, 1.5)))), 5e-3, 45.0, 20)
+    assert found["spmt.roll"].max() > 0.03
+    strokes = found["spmt.stroke_of"]
+    for first in (0, 4, 8):
+        np.testing.assert_allclose(strokes[:, first : first + 4].sum(axis=1), 0.0, atol=1e-10)
+        loads = found["spmt.wheel_load"][:, first : first + 4]
+        np.testing.assert_allclose(loads, np.tile(loads[:, :1], (1, 4)), rtol=1e-12)
