@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.checks.quantities import CheckResult, evaluate_checks
+from heavylift.pipeline.page.packing import LibraryMissingError, page_parts
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.collisions import collision_sections, surface_sections
@@ -24,6 +26,7 @@ from heavylift.pipeline.report.document import (
     to_markdown,
 )
 from heavylift.pipeline.report.inputs import input_section, rigid_sections
+from heavylift.pipeline.report.interactive import interactive_content
 from heavylift.pipeline.report.meshes import edge_sections, mesh_sections
 from heavylift.pipeline.report.operation import operation_section
 from heavylift.pipeline.report.run import (
@@ -124,12 +127,32 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     )
     if log is not None:
         log.say(f"report: {verdict.text}")
+    interactive = ("", "")
+    if results is not None and len(results.time):
+        try:
+            content = interactive_content(
+                case,
+                stages,
+                results,
+                verdict=(verdict.text, verdict.passed),
+                checks=checks,
+                open_checks=open_checks,
+                judged=judged,
+                open_criteria=open_criteria,
+                warnings=[text.text for text in warnings],
+            )
+            interactive = page_parts(content.header, content.block)
+        except LibraryMissingError as error:
+            missing = Text(f"No interactive scene: {error}", warning=True)
+            document = replace(
+                document, sections=(Section("", (verdict, *warnings, missing)), *document.sections[1:])
+            )
     files = []
     if case.criteria:
         ended = "not simulated" if results is None else results.outcome
         files = write_criteria(folder, case, judged, open_criteria, ended)
     for name, text in (
-        ("report.html", to_html(document, album.pictures)),
+        ("report.html", to_html(document, album.pictures, interactive)),
         ("report.md", to_markdown(document)),
     ):
         with replacing(folder / name) as temporary:
