@@ -114,7 +114,7 @@ def page_content(
         By which a page notices new records.
     """
     block = Block()
-    shown = motion if motion is not None else SceneMotion([np.zeros(1)] * 3, np.array([0.0, 0.0, 1.0]))
+    shown = motion if motion is not None else SceneMotion([np.zeros(1)] * 4, np.array([0.0, 0.0, 1.0]))
     timelines = [block.add(times) for times in shown.times]
     said = [*notes, *shown.notes]
     channels: list[dict[str, Any]] = []
@@ -200,9 +200,9 @@ def _scene(motion: SceneMotion, block: Block) -> dict[str, Any]:
             {
                 "name": one.name,
                 "group": "contact forces",
-                "timeline": 0,
-                "place": block.add(one.place),
-                "force": block.add(one.force),
+                "timeline": 3,
+                "place": block.quantised(one.place),
+                "force": block.quantised(one.force),
                 "longest": 0.2 * motion.size,
                 "largest": max(lengths),
                 "colour": "#c62828",
@@ -241,6 +241,8 @@ def _surface(one: Any, block: Block, scale: Any) -> dict[str, Any]:
     }
     if one.edges is not None and len(one.edges):
         found["edges"] = block.add(one.edges, "i4")
+    if one.coarse is not None:
+        found["coarse"] = block.add(one.coarse, "i4")
     if one.modes is not None:
         found |= {"modes": block.add(one.modes), "amplitudes": block.add(one.amplitudes), "timeline": 0}
     elif one.shapes is not None:

@@ -51,6 +51,8 @@ POSES = 6000
 """Records at which bodies are placed, at most."""
 SHAPE_BYTES = 6_000_000
 """Of recorded shapes and their stresses, before compression."""
+ARROW_BYTES = 2_500_000
+"""Of forces at contacts, before compression."""
 SHAPES = 400
 """Records at which shapes are recorded, at most."""
 MOORINGS = 600
@@ -58,6 +60,7 @@ MOORINGS = 600
 TRIANGLES = 120_000
 """Drawn of the whole scene at most; surfaces with more are thinned."""
 
+_COARSE = 5000  # triangles of a surface while it is played on a slow machine
 _EDGES = 60_000  # triangles up to which edges are drawn
 _KINK = np.radians(30.0)
 _RIGGING = 3.0  # ropes, springs and joints within so many sizes of the scene are looked at as well
@@ -132,6 +135,8 @@ class Surface:
         What it belongs to, and of what sort that is.
     points, triangles, edges
         [m], shape (n, 3); corners, shape (m, 3); kinks, shape (e, 2).
+    coarse
+        Corners of fewer triangles between the same points, for a machine that is slow, shape (m', 3).
     modes, amplitudes
         Displacements, shape (nf, n, 3), and how much of each at the poses, shape (k, nf).
     shapes
@@ -154,6 +159,7 @@ class Surface:
     colour: str
     opacity: float = 1.0
     edges: NDArray[np.int64] | None = None
+    coarse: NDArray[np.int64] | None = None
     modes: NDArray[np.float64] | None = None
     amplitudes: NDArray[np.float64] | None = None
     shapes: NDArray[np.float64] | None = None
@@ -206,7 +212,7 @@ class Line:
 
 @dataclass(eq=False)
 class Arrows:
-    """Forces at points of the world at the poses: [m] and [N], both of shape (k, c, 3)."""
+    """Forces at points of the world on the last timeline: [m] and [N], both of shape (k, c, 3)."""
 
     name: str
     place: NDArray[np.float64]
@@ -230,7 +236,7 @@ class SceneMotion:
     Attributes
     ----------
     times
-        Three timelines [s]: of poses, of shapes, of mooring lines.
+        Four timelines [s]: of poses, of shapes, of mooring lines, of forces at contacts.
     box
         Lowest and highest corner of where bodies get [m], shape (2, 3).
     scale
@@ -305,7 +311,9 @@ class _Builder:
         times = np.zeros(1) if self.results is None else self.results.time[self.records]
         up = scene_up(case)
         axis = np.eye(3)[2] if up is None else np.eye(3)[int(np.argmax(np.abs(up)))]
-        self.motion = SceneMotion([times, times, times], axis if up is None else np.sign(up @ axis) * axis)
+        self.motion = SceneMotion(
+            [times, times, times, times], axis if up is None else np.sign(up @ axis) * axis
+        )
         if len(self.records) < count:
             self.motion.notes.append(
                 f"Bodies are placed at {len(self.records):,} of {count:,} records; between them they are interpolated."
@@ -958,16 +966,18 @@ class _Builder:
                     forces.append(normal * force)
             if points:
                 found.append((name, np.stack(points, axis=1), np.stack(forces, axis=1)))
-        for name, places, forces_of in found:
+        arrows = []
+        for name, place, forces_of in found:
             force = np.where(np.isfinite(forces_of), forces_of, 0.0)
             used = np.any(force != 0.0, axis=(0, 2))
-            if not used.any():
-                continue
-            place, force = places[:, used], force[:, used]
-            # what does not touch is where it will: an arrow that comes does not fly in from the origin
-            idle = ~np.any(force != 0.0, axis=2)
-            first = place[np.argmin(idle, axis=0), np.arange(place.shape[1])]
-            self.motion.arrows.append(Arrows(name, np.where(idle[..., np.newaxis], first, place), force))
+            if used.any():
+                arrows.append(Arrows(name, place[:, used], force[:, used]))
+        most = ARROW_BYTES // (12 * max(1, sum(one.force.shape[1] for one in arrows)))
+        chosen = _spread(len(self.records), max(50, most))
+        self.motion.times[3] = self.motion.times[0][chosen]
+        if arrows and len(chosen) < len(self.records):
+            self.motion.notes.append(f"Forces at contacts are those of {len(chosen):,} records.")
+        self.motion.arrows = [Arrows(one.name, one.place[chosen], one.force[chosen]) for one in arrows]
 
     # at the end
 
@@ -1013,6 +1023,9 @@ class _Builder:
                 triangles, kept = _thinned(surface.points, surface.triangles, most)
                 self._say_thinned(surface.name, len(surface.triangles), len(triangles))
                 surface.points, surface.triangles = surface.points[kept], triangles
+            if len(surface.triangles) > _COARSE:
+                coarse, kept = _thinned(surface.points, surface.triangles, _COARSE)
+                surface.coarse = kept[coarse]
             if surface.edges is not None:
                 few = len(surface.triangles) <= _EDGES
                 surface.edges = (

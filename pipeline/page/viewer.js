@@ -85,6 +85,11 @@ const heavylift = (() => {
       this.last = { time, i: low, j: high, w: gap > 0 ? clamp((time - times[low]) / gap, 0, 1) : 0 };
       return this.last;
     }
+
+    nearest(time) {
+      const { i, j, w } = this.at(time);
+      return this.times[w < 0.5 ? i : j];
+    }
   }
 
   let timelines = [];
@@ -147,7 +152,8 @@ const heavylift = (() => {
   let root = null; // of all that is drawn of this data
   let dirty = true, plotsDirty = true;
   let scale = 1; // of deformation
-  let ratio = 1; // pixels drawn for each of the screen
+  let level = 0; // of what is given up to be fast, see LEVELS
+  let remembered = 0;
   let frames = []; // times of the last frames drawn [ms]
   const bodies = [];
   let items = []; // all that can be hidden
@@ -195,7 +201,7 @@ const heavylift = (() => {
       Attribute: Object.getPrototypeOf(mesh.geometry.attributes.position.constructor).name === "BufferAttribute"
         ? Object.getPrototypeOf(mesh.geometry.attributes.position.constructor)
         : mesh.geometry.attributes.position.constructor,
-      Segments: line.constructor, surface: mesh.material.clone(), line: line.material.clone(),
+      Segments: line.constructor, line: line.material.clone(),
       Vector: world.camera.position.constructor,
     };
     for (const seed of seeds) world.K3DObjects.remove(seed.obj);
@@ -212,20 +218,33 @@ const heavylift = (() => {
       if (hit) lookAt(hit.point.toArray());
     });
     K3D.on(K3D.events.CAMERA_CHANGE, () => { overlayDirty = true; });
+    K3D.on(K3D.events.BEFORE_RENDER, depths);
     canvas.addEventListener("webglcontextlost", () => say("The drawing was lost by the browser; load the page again."));
   }
 
+  // Flat faces under a lamp at the eye. On a processor this takes half the time of a physical material.
+  function lit(shader) {
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", "#include <common>\nvarying vec3 vSeen;")
+      .replace("#include <project_vertex>", "#include <project_vertex>\nvSeen = mvPosition.xyz;");
+    shader.fragmentShader = shader.fragmentShader
+      .replace("#include <common>", "#include <common>\nvarying vec3 vSeen;")
+      .replace("#include <opaque_fragment>", `vec3 facing = normalize(cross(dFdx(vSeen), dFdy(vSeen)));
+        outgoingLight *= 0.45 + 0.4 * abs(facing.z) + 0.15 * abs(facing.y);
+        #include <opaque_fragment>`);
+  }
+
   function surfaceMaterial(colour, opacity, coloured) {
-    const material = three.surface.clone();
+    const material = three.line.clone();
+    material.onBeforeCompile = lit;
+    material.customProgramCacheKey = () => "lit";
     material.color.setHex(coloured ? 0xffffff : colour);
     material.vertexColors = coloured;
     material.side = 2;
-    material.flatShading = true;
     material.transparent = opacity < 1;
     material.opacity = opacity;
     material.depthWrite = opacity >= 0.9;
     material.depthTest = true;
-    material.roughness = 0.75;
     if (opacity >= 1) Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
     return material;
   }
@@ -353,6 +372,7 @@ const heavylift = (() => {
       this.mesh = new three.Mesh(this.geometry, surfaceMaterial(rgb(said.colour), said.opacity, this.coloured));
       this.mesh.frustumCulled = false;
       this.mesh.userData.item = this;
+      if (said.coarse) this.indices = [this.geometry.index, new three.Attribute(Uint32Array.from(raw(said.coarse)), 1)];
       if (said.opacity < 1) this.mesh.renderOrder = 1;
       parentOf(this.body).add(this.mesh);
       this.objects.push(this.mesh);
@@ -431,7 +451,8 @@ const heavylift = (() => {
           object.scale.setScalar(Math.max(size, 1e-6));
         }
       }
-      if (this.edges) this.edges.visible = this.mesh.visible && options.edges;
+      if (this.edges) this.edges.visible = this.mesh.visible && options.edges && !LEVELS[level].plain;
+      if (this.indices) this.geometry.setIndex(this.indices[LEVELS[level].coarse ? 1 : 0]);
     }
   }
 
@@ -571,7 +592,7 @@ const heavylift = (() => {
     constructor(said) {
       super(said);
       this.place = new Keyed(said.place, timelines[said.timeline]);
-      this.force = new Keyed(said.force, timelines[said.timeline]);
+      this.force = new Keyed(said.force, this.place.timeline);
       this.count = this.place.size / 3;
       this.at = new Float32Array(this.place.size);
       this.f = new Float32Array(this.place.size);
@@ -603,8 +624,9 @@ const heavylift = (() => {
     }
 
     update(time) {
-      this.place.read(time, this.at);
-      this.force.read(time, this.f);
+      const nearest = this.place.timeline.nearest(time); // between records a contact may be another one
+      this.place.read(nearest, this.at);
+      this.force.read(nearest, this.f);
       this.objects.forEach((arrow, number) => {
         const f = this.f.subarray(3 * number, 3 * number + 3), size = Math.hypot(...f);
         const length = (this.longest * size) / this.largest;
@@ -699,6 +721,14 @@ const heavylift = (() => {
   }
 
   // ---- camera
+
+  function depths() { // what is drawn lies between the planes of the camera, wherever it is
+    const { camera, controls } = world, far = 40 * data.size + 4 * camera.position.distanceTo(controls.target);
+    if (camera.far === far) return;
+    camera.far = far;
+    camera.near = Math.max(far * 2e-5, 0.01 * camera.position.distanceTo(controls.target));
+    camera.updateProjectionMatrix();
+  }
 
   const forward = (name) => ({
     "+x": [1, 0, 0], "-x": [-1, 0, 0], "+y": [0, 1, 0], "-y": [0, -1, 0], "+z": [0, 0, 1], "-z": [0, 0, -1],
@@ -957,23 +987,37 @@ const heavylift = (() => {
     measured();
   }
 
-  function sharpen() {
-    if (ratio === 1 || !world) return;
-    ratio = 1;
-    world.renderer.setPixelRatio(window.devicePixelRatio || 1);
+  // What is given up while playing on a machine that is slow, one after the other; all of it is back when time stands.
+  const LEVELS = [
+    { ratio: 1, plain: false, coarse: false },
+    { ratio: 1, plain: true, coarse: false },
+    { ratio: 0.75, plain: true, coarse: false },
+    { ratio: 0.75, plain: true, coarse: true },
+    { ratio: 0.5, plain: true, coarse: true },
+    { ratio: 0.35, plain: true, coarse: true },
+  ];
+
+  function setLevel(next) {
+    if (next === level || !world) return;
+    level = next;
+    world.renderer.setPixelRatio((window.devicePixelRatio || 1) * LEVELS[level].ratio);
     dirty = true;
   }
 
-  function coarsen(milliseconds) { // fewer pixels while playing on a slow machine
+  function sharpen() {
+    remembered = level;
+    setLevel(0);
+  }
+
+  function coarsen(milliseconds) {
+    if (remembered > level) setLevel(remembered); // it was needed when last played
+    remembered = 0;
     frames.push(milliseconds);
-    if (frames.length < 12) return;
     const mean = frames.reduce((a, b) => a + b, 0) / frames.length;
+    if (frames.length < 8 && frames.length * mean < 600) return;
     frames = [];
-    const wanted = mean > 38 ? ratio * 0.8 : mean < 14 ? ratio * 1.2 : ratio;
-    const next = clamp(wanted, 0.35, 1);
-    if (next === ratio) return;
-    ratio = next;
-    world.renderer.setPixelRatio((window.devicePixelRatio || 1) * ratio);
+    if (mean > 36) setLevel(Math.min(level + 1, LEVELS.length - 1));
+    else if (mean < 17 && level > 0) setLevel(level - 1);
   }
 
   let drawn = 0; // frames, for measurements
@@ -1808,6 +1852,7 @@ const heavylift = (() => {
     visible: (name) => items.some((item) => item.name === name && item.objects.some((object) => object.visible)),
     camera: () => Array.from(world.controls.getCameraArray()),
     drawn: () => drawn,
+    level: () => level,
     header: () => data,
     picks: () => picks.map(pinned),
     range,
