@@ -369,5 +369,8 @@ def _plotted(
     for name in by_name:
         if name.endswith((".modal_position", ".von_mises", ".axial_stress")):
             wanted.append((name, 0))
-    wanted += [(name, k) for name in by_name if name.endswith(".position") for k in range(3)]
+    places = [
+        name for name in by_name if name.endswith(".position") and len(by_name[name]["components"]) == 3
+    ]
+    wanted += [(name, k) for name in places for k in range(3)]
     return list(dict.fromkeys(wanted))[:_CHANNELS]

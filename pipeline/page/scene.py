@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Arrows", "Line", "SceneMotion", "Surface", "WaterShape", "scene_motion", "scene_up"]
 
-POSES = 6000
+POSES = 12_001
 """Records at which bodies are placed, at most."""
 SHAPE_BYTES = 6_000_000
 """Of recorded shapes and their stresses, before compression."""

@@ -245,7 +245,7 @@ const heavylift = (() => {
     material.opacity = opacity;
     material.depthWrite = opacity >= 0.9;
     material.depthTest = true;
-    if (opacity >= 1) Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    if (opacity >= 1) Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 });
     return material;
   }
 
@@ -1181,11 +1181,40 @@ const heavylift = (() => {
       return [a, b];
     }
 
-    draw() {
+    draw() { // what does not change with time is drawn once
       const { canvas } = this, dots = window.devicePixelRatio || 1;
       const width = canvas.clientWidth || 360, height = canvas.clientHeight || 190;
-      canvas.width = Math.round(width * dots);
-      canvas.height = Math.round(height * dots);
+      const key = [width, height, dots, range.low, range.high, ...this.series.map((series) => series.label)].join(" ");
+      if (key !== this.key || !this.back) {
+        this.key = key;
+        this.back = make("canvas");
+        for (const one of [canvas, this.back]) {
+          one.width = Math.round(width * dots);
+          one.height = Math.round(height * dots);
+        }
+        this.drawBack(this.back, width, height, dots);
+      }
+      const pen = canvas.getContext("2d"), [left, right] = this.ends;
+      pen.setTransform(1, 0, 0, 1, 0, 0);
+      pen.drawImage(this.back, 0, 0);
+      pen.setTransform(dots, 0, 0, dots, 0, 0);
+      if (clock.now >= range.low && clock.now <= range.high) {
+        const x = left + ((clock.now - range.low) / (range.high - range.low || 1)) * (right - left);
+        pen.strokeStyle = "#1d2733";
+        pen.lineWidth = 1;
+        pen.beginPath();
+        pen.moveTo(x, 8);
+        pen.lineTo(x, height - 22);
+        pen.stroke();
+      }
+      if (this.drag) {
+        pen.fillStyle = "rgba(31,95,168,0.15)";
+        pen.fillRect(Math.min(...this.drag), 8, Math.abs(this.drag[1] - this.drag[0]), height - 30);
+      }
+      this.write(...this.unit);
+    }
+
+    drawBack(canvas, width, height, dots) {
       const pen = canvas.getContext("2d");
       pen.setTransform(dots, 0, 0, dots, 0, 0);
       pen.fillStyle = "#fff";
@@ -1290,7 +1319,7 @@ const heavylift = (() => {
         for (const values of series.ranged ? [series.low, series.high] : [series.low]) {
           pen.beginPath();
           let pen_down = false;
-          const step = Math.max(1, Math.floor((b - a) / (4 * (right - left))));
+          const step = Math.max(1, Math.floor((b - a) / (1.5 * (right - left))));
           for (let i = a; i < b; i++) {
             if (step > 1) { // many records a pixel: their range
               const end = Math.min(i + step, b);
@@ -1308,16 +1337,6 @@ const heavylift = (() => {
           pen.stroke();
         }
       });
-      pen.strokeStyle = "#1d2733";
-      pen.lineWidth = 1;
-      pen.beginPath();
-      pen.moveTo(X(clock.now), top);
-      pen.lineTo(X(clock.now), bottom);
-      pen.stroke();
-      if (this.drag) {
-        pen.fillStyle = "rgba(31,95,168,0.15)";
-        pen.fillRect(Math.min(...this.drag), top, Math.abs(this.drag[1] - this.drag[0]), bottom - top);
-      }
       pen.restore();
       pen.strokeStyle = "#b8c0c8";
       pen.strokeRect(left, top, right - left, bottom - top);
@@ -1326,7 +1345,7 @@ const heavylift = (() => {
         pen.textAlign = "center";
         pen.fillText("no data in this range", 0.5 * (left + right), 0.5 * (top + bottom));
       }
-      this.write(text, factor);
+      this.unit = [text, factor];
     }
 
     limits() {

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.page.page import Judged, PageContent, page_content
@@ -11,6 +15,7 @@ from heavylift.pipeline.page.scene import scene_motion
 from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words, used_words
 from heavylift.pipeline.report.operation import operation_log, phase_bands
 from heavylift.pipeline.results.model_io import open_hdf5
+from heavylift.pipeline.results.signals import scaled_unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,10 +25,11 @@ if TYPE_CHECKING:
     from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.page.scene import SceneMotion
+    from heavylift.pipeline.report.document import Verdict
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["interactive_content", "recorded_motion"]
+__all__ = ["JudgedRun", "interactive_content", "recorded_motion"]
 
 
 def recorded_motion(
@@ -38,17 +44,34 @@ def recorded_motion(
         return None, f"The scene can no longer be put together and is not drawn: {error}"
 
 
+@dataclass(frozen=True)
+class JudgedRun:
+    """What the stages of a case have come to.
+
+    Attributes
+    ----------
+    verdict
+        One line.
+    checks, open_checks, criteria, open_criteria
+        Checks and criteria, and of those that cannot be evaluated why not.
+    warnings
+        What else is to be known.
+    """
+
+    verdict: Verdict
+    checks: Sequence[CheckResult] = ()
+    open_checks: Mapping[str, str] = field(default_factory=dict)
+    criteria: Sequence[CriterionResult] = ()
+    open_criteria: Mapping[str, str] = field(default_factory=dict)
+    warnings: Sequence[str] = ()
+
+
 def interactive_content(
     case: Case,
     stages: OutputFolder,
     results: Results,
+    told: JudgedRun,
     *,
-    verdict: tuple[str, bool | None],
-    checks: Sequence[CheckResult] = (),
-    open_checks: Mapping[str, str] | None = None,
-    judged: Sequence[CriterionResult] = (),
-    open_criteria: Mapping[str, str] | None = None,
-    warnings: Sequence[str] = (),
     live: str = "",
     version_of_data: int = 0,
 ) -> PageContent:
@@ -58,26 +81,22 @@ def interactive_content(
     ----------
     case, stages, results
         The case, its output folder and its time histories.
-    verdict
-        Its words, and whether it passed.
-    checks, open_checks, judged, open_criteria
-        Checks and criteria, and of those that cannot be evaluated why not.
-    warnings
-        What else is to be known.
+    told
+        What is said of it.
     live, version_of_data
         As of `page_content`.
     """
     motion, problem = recorded_motion(case, stages, results)
-    rows = [_criterion(case, results, one) for one in judged]
-    rows += [_open(name, reason) for name, reason in (open_criteria or {}).items()]
-    rows += [_check(case, results, one) for one in checks]
-    rows += [_open(name, reason) for name, reason in (open_checks or {}).items()]
-    notes = [*warnings, *([problem] if problem else [])]
+    rows = [_criterion(case, results, one) for one in told.criteria]
+    rows += [_open(name, reason) for name, reason in told.open_criteria.items()]
+    rows += [_check(case, results, one) for one in told.checks]
+    rows += [_open(name, reason) for name, reason in told.open_checks.items()]
+    notes = [*told.warnings, *([problem] if problem else [])]
     return page_content(
         case,
         motion,
         results,
-        verdict=verdict,
+        verdict=(told.verdict.text, told.verdict.passed),
         judged=rows,
         phases=phase_bands(results),
         events=_events(results, rows),
@@ -107,20 +126,19 @@ def _check(case: Case, results: Results, one: CheckResult) -> Judged:
         for side, limit in (("maximum", one.maximum), ("minimum", one.minimum))
         if limit is not None
     )
-    unit = "" if one.unit == "1" else one.unit
     if one.has_limits:
         side, limit = one.governing
-        limit_words = f"{'≤' if side == 'maximum' else '≥'} {limit:.5g} {unit}".strip()
+        limit_words = f"{'≤' if side == 'maximum' else '≥'} {_scaled(limit, one, limit)}"
         used = "" if one.utilisation is None else f"{100.0 * one.utilisation:.1f} %"
     else:
         assert one.error is not None
         assert one.tolerance is not None
-        limit_words = f"{one.reference:.6g} {unit}".strip()
+        limit_words = _scaled(one.reference or 0.0, one, one.reference or 0.0)
         used = f"{one.error / one.tolerance:.2g} of tol." if one.tolerance > 0.0 else ""
     owners = [name.owner, *(part.partition(".")[0] for part in name.item.replace("(", " ").split())]
     return Judged(
         one.id,
-        f"{one.value:.6g} {unit}".strip(),
+        _scaled(one.value, one, one.governing[1] if one.has_limits else one.reference or 0.0),
         limit_words,
         used,
         one.where or name.text,
@@ -131,6 +149,15 @@ def _check(case: Case, results: Results, one: CheckResult) -> Judged:
         _places(case, results, [one.where.partition(" at ")[0], *owners]),
         bound,
     )
+
+
+def _scaled(number: float, one: CheckResult, limit: float) -> str:
+    """A number of a check in a unit that suits its value and its limit."""
+    finite = [part for part in (one.value, limit) if math.isfinite(part)]
+    if one.unit == "1" or not finite:
+        return f"{number:.6g}"
+    unit = scaled_unit(one.unit, [np.array(finite)])
+    return f"{number / unit.divisor:.6g} {unit.text}".strip()
 
 
 def _criterion(case: Case, results: Results, one: CriterionResult) -> Judged:
