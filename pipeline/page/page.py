@@ -162,7 +162,8 @@ def page_html(content: PageContent, below: str = "") -> str:
     title = escape(str(content.header["title"]))
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{title}</title>\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">\n'
+        f"<title>{title}</title>\n"
         f"<style>\nbody {{ margin: 0; }}\n{style}\n</style>\n</head>\n<body>\n{body}\n{below}\n</body>\n</html>\n"
     )
 

@@ -63,7 +63,7 @@ TRIANGLES = 120_000
 _COARSE = 5000  # triangles of a surface while it is played on a slow machine
 _EDGES = 60_000  # triangles up to which edges are drawn
 _KINK = np.radians(30.0)
-_RIGGING = 3.0  # ropes, springs and joints within so many sizes of the scene are looked at as well
+_RIGGING = 5.0  # ropes, springs and joints within so many sizes of the scene are looked at as well
 _LOOKS = 24  # records by which it is seen where bodies get
 _GONE = 1.0e4  # a body so many sizes of the scene away from where it began has left it
 _THIN = 4.0e-3  # radius of a frame relative to the scene below which it is drawn larger
@@ -239,6 +239,8 @@ class SceneMotion:
         Four timelines [s]: of poses, of shapes, of mooring lines, of forces at contacts.
     box
         Lowest and highest corner of where bodies get [m], shape (2, 3).
+    largest
+        Diagonal of the largest body [m].
     scale
         How many times as large as they are deformations are drawn at first.
     labels
@@ -256,6 +258,7 @@ class SceneMotion:
     water: WaterShape | None = None
     box: NDArray[np.float64] = field(default_factory=lambda: np.array([[-1.0] * 3, [1.0] * 3]))
     view: NDArray[np.float64] = field(default_factory=lambda: np.array([0.55, -0.75, 0.36]))
+    largest: float = np.inf
     scale: float = 1.0
     signed: bool = False
     labels: list[tuple[str, int, NDArray[np.float64], str]] = field(default_factory=list)
@@ -268,8 +271,8 @@ class SceneMotion:
 
     @property
     def radius(self) -> float:
-        """Of tubes that stand for ropes [m]."""
-        return 2.0e-3 * self.size
+        """Of tubes that stand for ropes, slender beside the scene and beside bodies that stand far apart [m]."""
+        return min(2.0e-3 * self.size, 0.02 * self.largest)
 
 
 def scene_up(case: Case) -> NDArray[np.float64] | None:
@@ -572,6 +575,8 @@ class _Builder:
             corners.setdefault(name, []).append(points)
         for name, number in self.deformed.items():
             corners.setdefault(name, []).append(_corners(self.motion.surfaces[number].points))
+        sizes = [float(np.linalg.norm(np.ptp(np.concatenate(own), axis=0))) for own in corners.values()]
+        self.motion.largest = max((size for size in sizes if size > 0.0), default=np.inf)
         looks = _spread(len(self.records), _LOOKS)
         parts: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
         for pose in self.motion.poses:

@@ -1765,6 +1765,7 @@ const heavylift = (() => {
       }
     }
     if (!shown.length) for (const [name, component] of data.plotted) plot(name, component);
+    if (!data.channels.length) document.querySelector('#hl [data-tab="objectpane"]').click();
     dirty = plotsDirty = overlayDirty = true;
   }
 
@@ -1773,10 +1774,15 @@ const heavylift = (() => {
     if (!answer.ok) return;
     const packed = new Uint8Array(await answer.arrayBuffer()), length = new DataView(packed.buffer).getUint32(0, true);
     const header = JSON.parse(new TextDecoder().decode(packed.subarray(4, 4 + length)));
-    const all = range.low <= clock.begin && range.high >= clock.end;
+    const all = range.low <= clock.begin && range.high >= clock.end, empty = !data.surfaces.length;
     take(header, await inflated(packed.subarray(4 + length)));
     if (all) zoom(clock.begin, clock.end);
     fill();
+    if (world && empty) { // now it is known what there is to be seen
+      K3D.setCameraUpAxis(data.up.axis);
+      update();
+      view("home");
+    }
   }
 
   async function watch() {
