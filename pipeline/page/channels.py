@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,10 +17,11 @@ if TYPE_CHECKING:
 
 __all__ = ["pack_channels"]
 
-BYTES = 9_000_000
+BYTES = 12_000_000
 """Of all channels, before compression."""
-LEAST = 200
-"""Intervals of a thinned channel at least."""
+LEAST = 20
+"""Intervals of a thinned channel at least, however many channels there are."""
+_SINGLE = re.compile(r"\.contact_\d+\.")
 MANY = 64
 """Components of a channel above which the smallest and the largest of them are plotted."""
 
@@ -44,62 +46,71 @@ def pack_channels(
     Returns
     -------
     tuple
-        Channels, whose ``timeline`` counts from 0 among the timelines returned, timelines, and notes.
+        Channels in the order of the records, whose ``timeline`` counts from 0 among the timelines returned; these;
+        and notes.
     """
     notes: list[str] = []
-    count = len(results.time)
     shown = {name: _shown(results, name) for name in results}
-    many = [name for name in shown if len(results.components(name)) > MANY]
-    columns = sum(values.shape[1] for values, _ in shown.values())
+    many = sum(len(results.components(name)) > MANY for name in shown)
     if many:
         notes.append(
-            f"Of {len(many)} channels with more than {MANY} components, as the nodes of a mesh, the smallest and the "
+            f"Of {many} channels with more than {MANY} components, as the nodes of a mesh, the smallest and the "
             "largest of all components are plotted."
         )
-    buckets = count
-    if 4 * count * columns > budget:
-        buckets = max(LEAST, min(budget // (8 * max(columns, 1)), count // 2))
-        if 8 * buckets * columns > 2 * budget:  # even so few intervals are too much: fewer channels
-            kept = max(1, 2 * budget // (8 * buckets))
-            total, few = 0, {}
-            for name, (values, components) in shown.items():
-                total += values.shape[1]
-                if total <= kept:
-                    few[name] = (values, components)
+    # what single contacts do is much and seldom looked at: it does not take the place of the rest
+    single = {name for name in shown if _SINGLE.search(name)}
+    packed: list[dict[str, Any]] = []
+    timelines: list[dict[str, Any]] = []
+    for names, share, what in (
+        ([name for name in shown if name not in single], 0.75 if single else 1.0, "Plotted channels"),
+        ([name for name in shown if name in single], 0.25, "Channels of single contacts"),
+    ):
+        if not names:
+            continue
+        times, starts = _intervals(results, sum(shown[name][0].shape[1] for name in names), share * budget)
+        if starts is not None:
             notes.append(
-                f"{len(shown) - len(few):,} of {len(shown):,} channels are not in this page; results.h5 has them."
+                f"{what} have the smallest and the largest value of each of {len(starts):,} intervals of "
+                f"{len(results.time):,} records."
             )
-            shown = few
-        notes.append(
-            f"Plotted channels have the smallest and the largest value of each of {buckets:,} intervals of "
-            f"{count:,} records."
-        )
-    ranged = buckets < count
-    edges = np.linspace(0, count, buckets + 1).round().astype(np.int64) if ranged else np.arange(count + 1)
-    starts = edges[:-1]
-    times = 0.5 * (results.time[starts] + results.time[edges[1:] - 1]) if ranged else results.time
-    if ranged:  # the ends of the run are ends of the curves
-        times[0], times[-1] = results.time[0], results.time[-1]
-    packed = []
-    for name, (values, components) in shown.items():
-        unit, shown_values = results.unit(name), values
-        if ranged:
-            with np.errstate(invalid="ignore"):
-                low = np.fmin.reduceat(values, starts, axis=0)
-                high = np.fmax.reduceat(values, starts, axis=0)
-            shown_values = np.stack([low, high], axis=2)
-        packed.append(
-            {
-                "name": name,
-                "unit": "" if unit == "1" else unit,
-                "components": list(components),
-                "timeline": 0,
-                "ranged": ranged,
-                "values": block.add(shown_values),
-                "description": descriptions.get(name, ""),
-            }
-        )
-    return packed, [block.add(times)], notes
+        for name in names:
+            values, components = shown[name]
+            unit = results.unit(name)
+            packed.append(
+                {
+                    "name": name,
+                    "unit": "" if unit == "1" else unit,
+                    "components": list(components),
+                    "timeline": len(timelines),
+                    "ranged": starts is not None,
+                    "values": block.add(values if starts is None else _ranges(values, starts)),
+                    "description": descriptions.get(name, ""),
+                }
+            )
+        timelines.append(block.add(times))
+    order = {name: number for number, name in enumerate(shown)}
+    return sorted(packed, key=lambda one: order[one["name"]]), timelines, notes
+
+
+def _intervals(
+    results: Results, columns: int, budget: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64] | None]:
+    """Times of the plotted points, and the records at which intervals begin; None if all records are plotted."""
+    count = len(results.time)
+    if 4 * count * columns <= budget or count <= 2 * LEAST:
+        return results.time, None
+    number = int(np.clip(budget // (8 * columns), LEAST, count // 2))
+    edges = np.linspace(0, count, number + 1).round().astype(np.int64)
+    times = 0.5 * (results.time[edges[:-1]] + results.time[edges[1:] - 1])
+    times[0], times[-1] = results.time[0], results.time[-1]  # the ends of the run are ends of the curves
+    return times, edges[:-1]
+
+
+def _ranges(values: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Smallest and largest value of each column in each interval, shape (intervals, columns, 2)."""
+    with np.errstate(invalid="ignore"):
+        low, high = (part.reduceat(values, starts, axis=0) for part in (np.fmin, np.fmax))
+    return np.stack([low, high], axis=2)
 
 
 def _shown(results: Results, name: str) -> tuple[NDArray[np.float64], tuple[str, ...]]:

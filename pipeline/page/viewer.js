@@ -1727,7 +1727,9 @@ const heavylift = (() => {
     verdict.textContent = data.verdict.text;
     verdict.className = data.verdict.passed === null ? "open" : data.verdict.passed ? "passed" : "failed";
     node("title").textContent = data.title;
-    node("notes").replaceChildren(...data.notes.map((text) => make("p", {}, text)));
+    const notes = [...(trouble ? [trouble] : []), ...data.notes];
+    node("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));
+    document.querySelector('#hl [data-tab="notepane"]').textContent = notes.length ? `about (${notes.length})` : "about";
     node("player").hidden = !(clock.end > clock.begin);
   }
 
@@ -1817,6 +1819,7 @@ const heavylift = (() => {
     }
   }
 
+  let trouble = ""; // why there is no scene
   const state = { ready: false, error: "" };
 
   async function start() {
@@ -1838,8 +1841,8 @@ const heavylift = (() => {
         await openCanvas();
       } catch (error) {
         world = null;
-        node("canvas").classList.add("none");
-        say(`No scene in three dimensions: ${error.message}. Plots and the pictures below are complete.`);
+        trouble = `No scene in three dimensions: ${error.message}. Plots, tables and pictures are complete.`;
+        node("canvas").replaceChildren(make("p", { class: "none" }, trouble));
       }
       fill();
       node("labels").classList.toggle("on", options.labels);
@@ -1875,7 +1878,7 @@ const heavylift = (() => {
     },
     there: (name) => bodies.some((body) => body.name === name && body.there),
     visible: (name) => items.some((item) => item.name === name && item.objects.some((object) => object.visible)),
-    camera: () => Array.from(world.controls.getCameraArray()),
+    camera: () => ({ array: Array.from(world.controls.getCameraArray()), fov: world.camera.fov, aspect: world.camera.aspect }),
     drawn: () => drawn,
     level: () => level,
     header: () => data,
