@@ -65,6 +65,8 @@ class CheckResult:
     where
         Name of the worst member of a group, and when an extreme was: ``"sling_3 at 12.4 s"``, ``"at 12.4 s"``. Of all
         steps it is the record that ends the interval with the extreme.
+    time, member
+        When an extreme was [s], else None; the quantity, of a group that of its worst member.
     """
 
     id: str
@@ -81,6 +83,8 @@ class CheckResult:
     minimum: float | None = None
     seen: str = ""
     where: str = ""
+    time: float | None = None
+    member: str = ""
 
     @property
     def has_limits(self) -> bool:
@@ -526,6 +530,8 @@ def _of_member(
         minimum=check.minimum,
         seen=quantities.seen(quantity),
         where=" ".join(filter(None, (owner, "" if time is None else f"at {time:.6g} s"))),
+        time=time,
+        member=quantity,
     )
     if check.reference is None:
         margin = result.margin

@@ -87,6 +87,18 @@ class SolidStresses:
         stress = interpolated(self.model, self._of(state)[np.newaxis], point, self._source)[0]
         return float(stress_component(stress, component))
 
+    def fields(self, amplitudes: NDArray[np.float64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Von Mises stress of some nodes at modal coordinates, shape (k, nf), [Pa], shape (k, len(nodes))."""
+        from heavylift.modal.stress import stress_component
+
+        modes = self._modes[:, nodes]
+        found = np.empty((len(amplitudes), len(nodes)))
+        size = max(1, _VALUES // max(1, len(nodes)))
+        for start in range(0, len(amplitudes), size):
+            part = slice(start, start + size)
+            found[part] = stress_component(np.tensordot(amplitudes[part], modes, axes=1), "von_mises")
+        return found
+
     def history(self, results: Results, point: ArrayLike | None, component: str) -> NDArray[np.float64]:
         """Component of the stress at a point, or the largest of all nodes if it is None [Pa], shape (records,)."""
         from heavylift.modal.stress import stress_component

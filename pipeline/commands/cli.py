@@ -29,6 +29,7 @@ from heavylift.pipeline.commands.command_line import (
     print_json,
     print_lines,
 )
+from heavylift.pipeline.commands.page import PAGE_COMMANDS
 from heavylift.pipeline.commands.sea import SEA_COMMANDS, Seeds
 from heavylift.pipeline.commands.start import main
 
@@ -271,7 +272,7 @@ def scenario(
     return guarded(command, quiet=quiet, json=json)
 
 
-for _command in SEA_COMMANDS:
+for _command in (*PAGE_COMMANDS, *SEA_COMMANDS):
     app.command(_command)
 
 

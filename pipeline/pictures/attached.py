@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
-__all__ = ["Others", "Seen", "elevations", "rope_line"]
+__all__ = ["Others", "Seen", "Solid", "elevations", "rigid_shapes", "rope_line", "single_joints"]
 
 _ROPE, _SPRING, _RIGID, _JOINT = "#7a4a12", "#2e7d32", "#5b6b7c", "#1d2733"
 _LINE, _FENDER, _WATER, _SAND, _FLOORING = "#a0522d", "#ef8a17", "#4d8fc4", "#d9c9a3", "#e4e7ea"
@@ -80,6 +80,42 @@ class Seen(NamedTuple):
         """All points, shape (m, 3), for the camera; without what is around, as water and moorings."""
         parts = [part.points for group in self[:3] for part in group]
         return np.concatenate(parts) if parts else np.empty((0, 3))
+
+
+class Solid(NamedTuple):
+    """Triangles of a body, or of the ground: points in its frame [m], shape (n, 3), and corners, shape (m, 3)."""
+
+    name: str
+    body: str
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+
+
+def rigid_shapes(
+    scene: Scene,
+) -> tuple[list[Solid], dict[str, tuple[NDArray[np.float64], NDArray[np.int64]]]]:
+    """Surfaces that bodies and the ground have, and of rigid bodies that have none the boxes of their inertia."""
+    solids = [
+        Solid(part.name, part.body, *drawn_triangles(part.surface)[:2])
+        for part in scene.surfaces
+        if part.surface is not None
+    ]
+    solids += [
+        Solid(deck.name, *strip) for deck, strip in zip(scene.decks, deck_strips(scene.decks), strict=True)
+    ]
+    drawn = {part.body for part in scene.surfaces}
+    for hull in () if scene.sea is None else scene.sea.hulls:
+        if isinstance(hull.restoring, TriangleSurface) and hull.body not in drawn:
+            solids.append(Solid(hull.body, hull.body, *drawn_triangles(hull.restoring)[:2]))
+            drawn.add(hull.body)
+    drawn |= {contact.body for contact in scene.contacts if not isinstance(contact.shape, PointShape)}
+    drawn |= {contour.body for contour in scene.contours}
+    boxes = {
+        body.name: inertia_box(body.mass, body.inertia, body.centre_of_mass)
+        for body in scene.bodies
+        if isinstance(body, RigidBody) and body.name not in drawn
+    }
+    return solids, boxes
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +193,7 @@ class Others:
         self._fenders = [(self._place(part.body_a, part.point_a), part.direction) for part in fenders]
         self._joints = [
             (self._place(joint.body_a, joint.frame_a.point), self._place(joint.body_b, joint.frame_b.point))
-            for joint in _single_joints(scene)
+            for joint in single_joints(scene)
         ]
         pairs = [*self._joints, *self._springs, *self._pulls]
         attached = [place for pair in pairs for place in pair]
@@ -175,26 +211,9 @@ class Others:
         ]
 
         self._touching = [self._place(contact.body, contact.point) for contact in scene.contacts]
-        self._solids: list[tuple[str, NDArray[np.float64], NDArray[np.int64]]] = []
-        self._solids += [
-            (part.body, *drawn_triangles(part.surface)[:2])
-            for part in scene.surfaces
-            if part.surface is not None
-        ]
-        self._solids += deck_strips(scene.decks)
+        solids, self._boxes = rigid_shapes(scene)
+        self._solids = [(part.body, part.points, part.triangles) for part in solids]
         self._vehicles = [vehicle for vehicle in scene.transporters if vehicle.wheel_radius > 0.0]
-        drawn = {part.body for part in scene.surfaces}
-        for hull in () if scene.sea is None else scene.sea.hulls:
-            if isinstance(hull.restoring, TriangleSurface) and hull.body not in drawn:
-                self._solids.append((hull.body, *drawn_triangles(hull.restoring)[:2]))
-                drawn.add(hull.body)
-        drawn |= {contact.body for contact in scene.contacts if not isinstance(contact.shape, PointShape)}
-        drawn |= {contour.body for contour in scene.contours}
-        self._boxes = {
-            body.name: inertia_box(body.mass, body.inertia, body.centre_of_mass)
-            for body in scene.bodies
-            if isinstance(body, RigidBody) and body.name not in drawn
-        }
         self._contacts = None
         if scene.contours:
             self._contacts = ContactParts(
@@ -635,7 +654,7 @@ def _circle(centre: NDArray[np.float64], radius: float, axis: NDArray[np.float64
     return Lines(centre + radius * circle, ends, colour=_ROPE, width=1.5)
 
 
-def _single_joints(scene: Scene) -> list[Joint]:
+def single_joints(scene: Scene) -> list[Joint]:
     """Joints at points: along an edge one a node."""
     return [
         part

@@ -128,6 +128,8 @@ class MeshSkin:
         Of a shell whose stress is shown.
     widening
         Tubes are drawn with so many times their radius.
+    most
+        Points at most, if its elements allow it.
     """
 
     def __init__(
@@ -137,18 +139,19 @@ class MeshSkin:
         lengths: NDArray[np.float64] | None = None,
         side: ShellSide = "largest",
         widening: float = 1.0,
+        most: int = _POINTS,
     ) -> None:
         self.body = body
         self.widening = widening
         self._lengths, self._side = lengths, side
         count = len(body.elements)
         if isinstance(body, ShellBody):
-            fit = int(np.sqrt(_POINTS / count)) - 1
+            fit = int(np.sqrt(most / count)) - 1
             self._places = _places(fit, "shell")
             self._triangles, self._sides = _grid_triangles(count, len(self._places))
             self._outline = self._sides[_lonely(body.elements)].reshape(-1, 2)
         else:
-            fit = _POINTS // (_AROUND * count) - 3
+            fit = most // (_AROUND * count) - 3
             self._places = _places(fit, "frame")
             self._triangles = _tube_triangles(count, len(self._places))
 

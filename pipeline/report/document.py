@@ -167,7 +167,9 @@ def _md(text: str) -> str:
     return re.sub(r"([\\`*_\[\]|])", r"\\\1", line)
 
 
-def to_html(document: Document, pictures: Mapping[str, bytes]) -> str:
+def to_html(
+    document: Document, pictures: Mapping[str, bytes], interactive: tuple[str, str] = ("", "")
+) -> str:
     """One HTML file that needs nothing else.
 
     Parameters
@@ -176,6 +178,8 @@ def to_html(document: Document, pictures: Mapping[str, bytes]) -> str:
         The report.
     pictures
         Content of the files (PNG, GIF, MP4) that its figures name; they are embedded.
+    interactive
+        Style and HTML of a part that stands above all of it.
     """
     body = [
         "<header>",
@@ -199,7 +203,10 @@ def to_html(document: Document, pictures: Mapping[str, bytes]) -> str:
         if narrow:
             body.append(_pair(narrow))
         body.append("</section>")
-    return _PAGE.format(title=escape(document.title), style=_STYLE, body="\n".join(body))
+    style, above = interactive
+    return _PAGE.format(
+        title=escape(document.title), style=f"{_STYLE}\n{style}", above=above, body="\n".join(body)
+    )
 
 
 def _pair(parts: list[str]) -> str:
@@ -277,6 +284,7 @@ _PAGE = """<!DOCTYPE html>
 </style>
 </head>
 <body>
+{above}
 <main>
 {body}
 </main>

@@ -9,10 +9,10 @@ from heavylift.pipeline.report.document import Section, Table, Text
 if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import Results
 
-__all__ = ["operation_section", "phase_bands"]
+__all__ = ["operation_log", "operation_section", "phase_bands"]
 
 
-def _log(results: Results | None) -> tuple[list[str], list[list[Any]]]:
+def operation_log(results: Results | None) -> tuple[list[str], list[list[Any]]]:
     """Names of all phases, and lines of the log: time, phase, event, words and value."""
     said = {} if results is None else results.metadata.get("scenario") or {}
     return list(said.get("phases", [])), list(said.get("log", []))
@@ -20,7 +20,7 @@ def _log(results: Results | None) -> tuple[list[str], list[list[Any]]]:
 
 def phase_bands(results: Results) -> list[tuple[str, float, float]]:
     """Name, begin and end [s] of each phase of the first track that began; empty without a scenario."""
-    names, log = _log(results)
+    names, log = operation_log(results)
     count = (results.metadata.get("scenario") or {}).get("first_track", len(names))
     return [band for band in _bands(results, log) if band[0] in names[:count]]
 
@@ -35,7 +35,7 @@ def _bands(results: Results, log: list[list[Any]]) -> list[tuple[str, float, flo
 
 def operation_section(results: Results | None) -> list[Section]:
     """Phases of the scenario as a table, and limits that were passed."""
-    names, log = _log(results)
+    names, log = operation_log(results)
     if results is None or not names:
         return []
     bands = {name: (begin, end) for name, begin, end in _bands(results, log)}

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.checks.quantities import CheckResult, evaluate_checks
+from heavylift.pipeline.page.packing import LibraryMissingError, page_parts
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.collisions import collision_sections, surface_sections
@@ -24,6 +26,7 @@ from heavylift.pipeline.report.document import (
     to_markdown,
 )
 from heavylift.pipeline.report.inputs import input_section, rigid_sections
+from heavylift.pipeline.report.interactive import JudgedRun, interactive_content
 from heavylift.pipeline.report.meshes import edge_sections, mesh_sections
 from heavylift.pipeline.report.operation import operation_section
 from heavylift.pipeline.report.run import (
@@ -45,8 +48,9 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.log import Log
+    from heavylift.pipeline.results.histories import Results
 
-__all__ = ["write_report"]
+__all__ = ["judged_run", "write_report"]
 
 
 def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) -> list[Path]:
@@ -94,22 +98,16 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     finally:
         if renderer is not None:
             renderer.close()
-    checks, open_checks = _checks(case, out)
-    judged, open_criteria = criteria_results(case, out, results)
-    told = str(results.metadata.get("warning", "")) if results is not None else ""
-    warnings = [Text(text, warning=True) for text in (problem, f"{told}." if told else "", remedy) if text]
-    outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
-    failed = tuple(dict.fromkeys(f"criterion {one.name}" for one in judged if not one.passed))
-    verdict = _stopped(outcome, message, checks, failed) or _verdict(
-        case, checks, open_checks, simulated=results is not None, judged=judged, open_criteria=open_criteria
-    )
+    told = judged_run(case, stages, results, problem)
+    judged, open_criteria, verdict = told.criteria, told.open_criteria, told.verdict
+    warnings = [Text(text, warning=True) for text in (*told.warnings, remedy) if text]
     document = Document(
         title=case.title,
         subtitle=f"case {case.name} · heavylift {version('heavylift')}",
         sections=(
             Section("", (verdict, *warnings)),
             *criteria_section(case, out, results, judged, open_criteria, album),
-            *([_check_section(checks, open_checks)] if case.check else []),
+            *([_check_section(told.checks, told.open_checks)] if case.check else []),
             *stills,
             input_section(case),
             *run_section(case, stages, results),
@@ -126,12 +124,22 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     )
     if log is not None:
         log.say(f"report: {verdict.text}")
+    interactive = ("", "")
+    if results is not None and len(results.time):
+        try:
+            content = interactive_content(case, stages, results, told)
+            interactive = page_parts(content.header, content.block)
+        except LibraryMissingError as error:
+            missing = Text(f"No interactive scene: {error}", warning=True)
+            document = replace(
+                document, sections=(Section("", (verdict, *warnings, missing)), *document.sections[1:])
+            )
     files = []
     if case.criteria:
         ended = "not simulated" if results is None else results.outcome
         files = write_criteria(folder, case, judged, open_criteria, ended)
     for name, text in (
-        ("report.html", to_html(document, album.pictures)),
+        ("report.html", to_html(document, album.pictures, interactive)),
         ("report.md", to_markdown(document)),
     ):
         with replacing(folder / name) as temporary:
@@ -141,6 +149,28 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
     for name in before - set(album.pictures):
         (folder / name).unlink(missing_ok=True)
     return files + [folder / name for name in album.pictures]
+
+
+def judged_run(case: Case, stages: OutputFolder, results: Results | None, problem: str = "") -> JudgedRun:
+    """Checks, criteria and verdict of whatever stages have run.
+
+    Parameters
+    ----------
+    case, stages, results
+        The case, its output folder, and its finite time histories if there are any.
+    problem
+        What is wrong with them.
+    """
+    checks, open_checks = _checks(case, stages.root)
+    judged, open_criteria = criteria_results(case, stages.root, results)
+    told = str(results.metadata.get("warning", "")) if results is not None else ""
+    outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
+    failed = tuple(dict.fromkeys(f"criterion {one.name}" for one in judged if not one.passed))
+    verdict = _stopped(outcome, message, checks, failed) or _verdict(
+        case, checks, open_checks, simulated=results is not None, judged=judged, open_criteria=open_criteria
+    )
+    warnings = tuple(text for text in (problem, f"{told}." if told else "") if text)
+    return JudgedRun(verdict, checks, open_checks, judged, open_criteria, warnings)
 
 
 def _renderer() -> tuple[Renderer | None, str]:

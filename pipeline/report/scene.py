@@ -8,6 +8,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.log import Log
+from heavylift.pipeline.page.scene import scene_up
 from heavylift.pipeline.report.document import Figure, Section, Text
 from heavylift.pipeline.results.mesh_results import mesh_body, mesh_coordinates
 from heavylift.pipeline.results.words import number_words
@@ -114,7 +115,7 @@ def still_sections(
     if others is None:
         return []
     painter = SolidPainter(
-        renderer, others, results.time, words=" · ".join(_legend(case, others)), up=_up(case)
+        renderer, others, results.time, words=" · ".join(_legend(case, others)), up=scene_up(case)
     )
     if painter.empty:
         return []
@@ -158,13 +159,6 @@ def _legend(case: Case, others: Others) -> list[str]:
     ]
 
 
-def _up(case: Case) -> NDArray[np.float64] | None:
-    """Direction against gravity, or out of the water; None without both."""
-    if case.gravity is None or not any(case.gravity.acceleration):
-        return None if case.sea is None else np.array([0.0, 0.0, 1.0])
-    return -np.array(case.gravity.acceleration)
-
-
 def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: Renderer) -> ScenePainter:
     """Painter of the frames and shells of a run, and of whatever else the case has."""
     from heavylift.pipeline.pictures.meshes import MeshSkin
@@ -178,7 +172,7 @@ def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: 
         runs,
         results.time,
         others=scene_others(case, stages, results, runs, skins),
-        up=_up(case),
+        up=scene_up(case),
         side=side,
         skins=skins,
     )

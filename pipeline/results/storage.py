@@ -61,7 +61,7 @@ class OutputFolder:
     @property
     def folders(self) -> tuple[Path, ...]:
         """Where files are made, replaced and removed: the root, and what is below it, a folder before its parts."""
-        stages = ("check", "mesh", "modes", "simulate", "report")
+        stages = ("check", "mesh", "modes", "simulate", "report", "draw", "export")
         return (self.root, *(self.root / name for name in stages), self.segments)
 
     def stage(self, name: str) -> Path:
