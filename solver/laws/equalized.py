@@ -287,6 +287,21 @@ class EqualizedLines(Arrays):
         """Numbers of the ropes whose tension at the start is given: none."""
         return np.zeros(0, dtype=np.int64)
 
+    def one_sided(
+        self,
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Block, sense, elongation and stiffness of rows that act, at rest: see `solver.statics.forces.OneSided`."""
+        block, elongation, stiffness = [], [], []
+        for entry in self.table:
+            lines = slice(entry.first, entry.first + entry.count)
+            line, depth, stop = self.lines[lines], self.line["depth"][lines], self.line["stop"][lines]
+            at = np.where(stop > 0, line["high"], line["low"])
+            block += [entry.block, *line["block"][stop != 0]]
+            elongation += [np.where(stop == 0, depth, at).sum() - entry.total, *(depth - at)[stop != 0]]
+            compliance = entry.compliance + (1.0 / line["stiffness"][stop == 0]).sum()
+            stiffness += [1.0 / compliance, *line["stiffness"][stop != 0]]
+        return np.array(block, dtype=np.int64), np.ones(len(block)), np.array(elongation), np.array(stiffness)
+
 
 @kernel(internal=True)
 def _find_depth(kind: EqualizedLines, k: int, work: Workspace) -> float:

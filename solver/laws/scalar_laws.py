@@ -157,6 +157,16 @@ class ScalarLaws(Arrays):
     curves: Floats2
     state: Records[ScalarLawState]
 
+    def one_sided(
+        self,
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Block, sense, elongation and stiffness of both ends of stops: see `solver.statics.forces.OneSided`."""
+        stops = np.flatnonzero(self.table["law"] == STOP)
+        table, value = self.table[stops], self.state["value"][stops]
+        sense = np.repeat([1.0, -1.0], len(stops))
+        elongation = np.concatenate([value - table["upper"], table["lower"] - value])
+        return np.tile(table["block"], 2), sense, elongation, np.tile(table["stiffness"], 2)
+
 
 @kernel(internal=True)
 def _carry(kind: ScalarLaws, i: int, q: float) -> float:

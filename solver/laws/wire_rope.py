@@ -386,6 +386,15 @@ class Ropes(Arrays):
         length, stiffness = entry.start_length, entry.axial_stiffness
         return max(0.0, stiffness * (path / length - 1.0)), stiffness * path / length**2
 
+    def one_sided(
+        self,
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Block, sense, elongation and stiffness of what pulls only, at rest: see `solver.statics.forces.OneSided`."""
+        rows = np.flatnonzero(self.table["block"] >= 0)
+        table, rest = self.table[rows], self.state["rest"][rows]
+        stiffness = np.where(table["stiffness"] > 0.0, table["stiffness"], table["axial_stiffness"] / rest)
+        return table["block"], np.ones(len(rows)), self.state["stretched"][rows] - rest, stiffness
+
     def put_length(self, rope: int, length: float) -> None:
         """Give a rope another unstretched length [m] before time starts."""
         self.table[rope].start_length = self.state[rope].rest = length

@@ -200,6 +200,20 @@ class StartRows:
             return csr_array(shape)
         return csr_array((self._system.panels[self._sources], (self._rows, self._columns)), shape=shape)
 
+    @property
+    def entry_rows(self) -> NDArray[np.int64]:
+        """Row of each entry of the Jacobian, in the order of `entries`."""
+        return self._rows
+
+    @property
+    def entry_columns(self) -> NDArray[np.int64]:
+        """Velocity of each entry of the Jacobian."""
+        return self._columns
+
+    def entries(self) -> NDArray[np.float64]:
+        """Entries of the Jacobian."""
+        return np.zeros(0) if self._system is None else self._system.panels[self._sources]
+
     def metric(self) -> NDArray[np.float64]:
         """Inverse inertia of each velocity, 0 if it is prescribed."""
         inverse = np.zeros(len(self.inertia))

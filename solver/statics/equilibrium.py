@@ -9,10 +9,20 @@ and damped by a multiple of the mass (K. Levenberg, Q. Appl. Math. 2, 1944)::
 F is what the joints do not carry. Steps go downhill (``F . dx > 0``) and stop short of the next hill, without
 asking for a potential, so the result is a stable position, if one is in reach. At a position of balance that is
 not stable, e.g. a pendulum upside down, the softest direction gives a push, and the search goes on.
+
+Ropes, lines and stops do not push, and which of them are taut changes on the way. So a step goes to the balance of
+the scene that is linear but for them: with their elongations e and rows u a minimum of ::
+
+    1/2 dx . (K + mu M) dx - f . dx + sum k/2 max(0, e + u . dx)^2,        G dx = 0
+
+which Newton's method finds with the same matrices, each step to where the downhill way ends. K is made with the
+tensions that the step promises: a fall that hangs slack at the start holds its block upright once it carries, which
+only its tension says (stresses as unknowns: D. Magisano, L. Leonetti, G. Garcea, Int. J. Numer. Meth. Eng. 109, 2017).
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +31,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.start.consistent_start import close_positions, close_velocities, project_start
 from heavylift.solver.start.rows import StartRows
-from heavylift.solver.statics.forces import StaticForces
+from heavylift.solver.statics.forces import OneSided, StaticForces
 from heavylift.solver.statics.problem import Equilibrium
 
 __all__ = ["find_equilibrium"]
@@ -47,6 +57,22 @@ PUSH = 0.03
 DENSE = 600
 """Velocities up to which stability is read from all eigenvalues."""
 
+PROMISED, RENEWALS = 0.3, 3
+"""Change of the tensions in a step, relative to those at its end, from which the stiffness is made anew with these, and
+how often."""
+
+AIMS = 60
+"""Most rounds of the search for what is taut at the end of a step; what they leave to do is another step's."""
+
+FARTHEST_CORNER = 1e6
+"""Part of a direction beyond which nobody asks for ropes that go taut."""
+
+NOTHING = 1e-9
+"""Stiffness relative to the largest which is a rounded zero."""
+
+AIMED = 1e-12
+"""Part of the work of the forces along a step that ends the rounds."""
+
 
 def find_equilibrium(rows: StartRows) -> Equilibrium:
     """Bring a scene to rest in a stable equilibrium, with the reactions that belong to it.
@@ -71,10 +97,9 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
     search = _Search(rows)
     search.run()
     rows.start()
-    load, G, soft = search.forces.evaluate()
-    reaction, _ = search.forces.balance(load, G)
+    reaction = search.look().reaction
     close_velocities(rows)
-    rows.put_reactions(reaction + soft)
+    rows.put_reactions(reaction)
     moved = float(np.linalg.norm(rows.survey()[0][:, 1:4] - begin[:, 1:4], axis=1).max())
     kind = {True: "stable ", False: "unstable ", None: ""}[search.stable]
     return Equilibrium(
@@ -85,6 +110,32 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
         f"{kind}equilibrium after {search.iterations} iterations, bodies moved by up to {moved:.3g} m,"
         f" {search.residual:.1e} of the loads is left",
     )
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A position, with what acts there.
+
+    Attributes
+    ----------
+    force
+        That is left (dof_count).
+    reaction
+        Of all rows (rows).
+    one_sided, G
+        What pulls only, and its rows over the free velocities.
+    """
+
+    force: NDArray[np.float64]
+    reaction: NDArray[np.float64]
+    one_sided: OneSided
+    G: Any
+
+    def stiffness(self, elongation: NDArray[np.float64]) -> Any:
+        """Of what is taut at some elongations."""
+        taut = elongation > 0.0
+        rows = self.G[taut] * np.sqrt(self.one_sided.stiffness[taut])[:, None]
+        return (rows.T @ rows).tocsc()
 
 
 class _Search:
@@ -103,48 +154,67 @@ class _Search:
     def run(self) -> None:
         """Go on until nothing is left."""
         forces = self.forces
-        force, reaction = self._force()
+        place = self.look()
+        forces.size = max(forces.size, self._slack(place))
         if forces.weight == 0.0:
             self.residual = 0.0
             return
         pushes = 0
         while True:
             before = self.residual
-            self.residual = forces.norm(force) / forces.weight
+            forces.keep()
+            self.residual = forces.norm(place.force) / forces.weight
             done = self.residual <= POLISHED or (self.residual <= BALANCED and self.residual > 0.3 * before)
             if self.iterations >= ITERATIONS or self._is_gone() or not np.isfinite(self.residual):
-                raise self._failure(force)
-            K = forces.stiffness(reaction)
-            self.iterations += 1
-            G = self._tangent()
-            scaled = self._scaled(K)
+                raise self._failure(place.force)
+            K, G = self._stiffness(place, place.reaction), self._tangent()
             if self.natural == 0.0:
-                self._start_damping(force, scaled)
+                self._start_damping(place.force, K + place.stiffness(place.one_sided.elongation))
             if done:
-                lowest, direction = self._softest(scaled, G)
+                lowest, direction = self._softest(K + place.stiffness(place.one_sided.elongation), G)
                 self.stable = None if lowest is None else lowest > -1e-6 * self.natural
                 if self.stable is not False:
                     return
                 if pushes == PUSHES:
-                    raise self._failure(force)
+                    raise self._failure(place.force)
                 pushes += 1
                 self.residual = np.inf
                 self.damping = max(self.damping, 0.1 * self.natural)
                 self._displace(PUSH * pushes * self._limited(direction, shorten=False)[0])
-                force, reaction = self._force()
+                place = self.look()
                 continue
-            force, reaction = self._step(scaled, G, force)
+            place = self._step(place, K, G)
+
+    def look(self) -> _Place:
+        """What acts at the present position."""
+        rows, forces = self.rows, self.forces
+        load, G, soft = forces.evaluate()
+        rigid, force = forces.balance(load, G)
+        one_sided = forces.one_sided(soft)
+        own = G[one_sided.row][:, rows.free] * (one_sided.sense[:, None] / forces.root[None, :])
+        return _Place(force, rigid + soft, one_sided, own.tocsr())
+
+    def _slack(self, place: _Place) -> float:
+        """How far ropes are from being taut [m]: scenes sink that far, however small their bodies."""
+        G, one_sided = self.rows.jacobian(), place.one_sided
+        ways = [
+            -e
+            for row, e in zip(one_sided.row, one_sided.elongation, strict=True)
+            if -np.inf < e < 0.0 and self.rows.unit(int(row), G) == "m"
+        ]
+        return max(ways, default=0.0)
+
+    def _stiffness(self, place: _Place, reaction: NDArray[np.float64]) -> Any:
+        """``M^-1/2 K M^-1/2`` of everything but the stretch of what pulls only, with its tensions."""
+        self.iterations += 1
+        inverse = 1.0 / self.forces.root
+        K = self.forces.stiffness(reaction, place.one_sided.row)
+        return (K * inverse[:, None] * inverse[None, :]).tocsc()
 
     def _is_gone(self) -> bool:
         """Whether a body is too far away from its start."""
         moved = self.rows.survey()[0][:, 1:4] - self._begin
         return not float(np.abs(moved).max()) <= RUNAWAY * self.forces.size
-
-    def _force(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Force that is left at the present position, and the rigid reactions."""
-        load, G, _ = self.forces.evaluate()
-        reaction, force = self.forces.balance(load, G)
-        return force, reaction
 
     def _tangent(self) -> Any:
         """Rigid rows of unit length over velocities scaled by the root of the mass."""
@@ -153,17 +223,13 @@ class _Search:
         norm = np.sqrt(np.asarray((G * G).sum(axis=1)).ravel())
         return (G * (1.0 / np.where(norm > 0.0, norm, 1.0))[:, None]).tocsc()
 
-    def _scaled(self, K: Any) -> Any:
-        """``M^-1/2 K M^-1/2``."""
-        inverse = 1.0 / self.forces.root
-        return (K * inverse[:, None] * inverse[None, :]).tocsc()
-
     def _start_damping(self, force: NDArray[np.float64], K: Any) -> None:
         """Such that the first step would be of the longest length if there was no stiffness."""
         f = force[self.rows.free] / self.forces.root
         length = self._length(f / self.forces.root)
         diagonal = np.abs(K.diagonal())
-        floor = 1e-6 * float(np.median(diagonal[diagonal > 0.0])) if diagonal.any() else 1.0
+        counts = diagonal > NOTHING * diagonal.max(initial=0.0)
+        floor = 1e-6 * float(np.median(diagonal[counts])) if counts.any() else 1.0
         self.natural = self.damping = max(length, floor)
 
     def _length(self, increment: NDArray[np.float64]) -> float:
@@ -187,30 +253,36 @@ class _Search:
         self.rows.move(full)
         return close_positions(self.rows, LOOSE, quick=True) if self.rows.rigid.any() else True
 
-    def _step(
-        self, K: Any, G: Any, force: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """One step downhill; returns the force and reactions there."""
-        rows = self.rows
-        f = force[rows.free] / self.forces.root
+    def _step(self, place: _Place, K: Any, G: Any) -> _Place:
+        """One step downhill; returns what acts there."""
+        rows, forces = self.rows, self.forces
+        f = place.force[rows.free] / forces.root
         before = rows.snapshot()
         small = 1e-9 * self.natural
+        one_sided, tension = place.one_sided, place.one_sided.tension
+        renewals = 0
         while True:
-            xi = _solver(K, G, self.damping)(f)
+            xi = self._aim(place, K, G, f)
             slope = float(f @ xi)
             if np.isfinite(slope) and slope > 0.0:
+                elongation = one_sided.elongation + place.G @ xi
+                promised = replace(one_sided, elongation=elongation).tension
+                change = np.linalg.norm(promised - tension)
+                if renewals < RENEWALS and change > PROMISED * np.linalg.norm(promised):
+                    K, tension, renewals = self._renewed(place, promised), promised, renewals + 1
+                    continue
                 increment, length = self._limited(xi)
                 if length <= 1.0 or self.damping > small:
                     break
             self.damping = max(8.0 * self.damping, 1e-3 * self.natural)
             if self.damping > 1e12 * self.natural:
-                raise self._failure(force)
+                raise self._failure(place.force)
         part = 1.0
         for _ in range(12):
             closed = self._displace(part * increment)
-            there, reaction = self._force()
-            ahead = float(there[rows.free] / self.forces.root @ xi) / slope
-            near = self.residual < 1e-5 and self.forces.norm(there) < self.forces.norm(force)
+            there = self.look()
+            ahead = float(there.force[rows.free] / forces.root @ xi) / slope
+            near = self.residual < 1e-5 and forces.norm(there.force) < forces.norm(place.force)
             if closed and (ahead > -0.5 or near):
                 break
             part *= min(0.5, max(0.1, 1.0 / (1.0 - ahead))) if closed and np.isfinite(ahead) else 0.25
@@ -219,7 +291,34 @@ class _Search:
             self.damping *= 2.0
         elif length <= 1.0:
             self.damping = max(self.damping * (0.1 if ahead < 0.5 else 0.25), small)
-        return there, reaction
+        return there
+
+    def _renewed(self, place: _Place, tension: NDArray[np.float64]) -> Any:
+        """The stiffness with other tensions of what pulls only, and the reactions of rigid rows that belong to them."""
+        forces = self.forces
+        load, G, soft = forces.evaluate()
+        other = place.one_sided.put(tension, soft)
+        rigid, _ = forces.balance(load + G.T @ (other - soft), G)
+        return self._stiffness(place, rigid + other)
+
+    def _aim(self, place: _Place, K: Any, G: Any, f: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Way to the balance of what is linear but for ropes, lines and stops, which go slack and taut on it."""
+        stiffness, begin = place.one_sided.stiffness, place.one_sided.elongation
+        x, e, r = np.zeros(len(f)), begin, f
+        for _ in range(AIMS):
+            d = _solver(K + place.stiffness(e), G, self.damping)(r)
+            rate = place.G @ d
+            if np.array_equal(e + rate > 0.0, e > 0.0):
+                return x + d
+            work = float(r @ d)
+            if not work > AIMED * float(f @ x):
+                return x if x.any() else d
+            curvature = float(d @ (K @ d)) + self.damping * float(d @ d)
+            x = x + _end_of_slope(work, curvature, stiffness, e, rate) * d
+            e = begin + place.G @ x
+            pull = stiffness * (np.maximum(0.0, e) - np.maximum(0.0, begin))
+            r = f - K @ x - self.damping * x - place.G.T @ pull
+        return x
 
     def _softest(self, K: Any, G: Any) -> tuple[float | None, NDArray[np.float64]]:
         """Smallest eigenvalue of the stiffness along what the joints allow [1/s2], and its direction."""
@@ -230,8 +329,10 @@ class _Search:
         if count <= DENSE:
             basis = np.eye(count)
             if G.shape[0]:
-                _, sigma, vt = np.linalg.svd(G.toarray())
-                basis = vt[np.count_nonzero(sigma > 1e-7) :].T
+                from scipy.linalg import qr
+
+                q, triangle, _ = qr(G.toarray().T, pivoting=True)
+                basis = q[:, np.count_nonzero(np.abs(np.diag(triangle)) > 1e-7) :]
             if not basis.shape[1]:
                 return 0.0, np.zeros(count)
             reduced = basis.T @ (K @ basis)
@@ -271,6 +372,42 @@ class _Search:
             key="start",
             expected="joints, springs or ropes that carry all loads, or a start nearer to the equilibrium",
         )
+
+
+def _end_of_slope(
+    work: float,
+    curvature: float,
+    stiffness: NDArray[np.float64],
+    elongation: NDArray[np.float64],
+    rate: NDArray[np.float64],
+) -> float:
+    """Part of a direction after which the way is no longer downhill.
+
+    Parameters
+    ----------
+    work
+        Of the force that is left along the direction.
+    curvature
+        Along it, of everything but what pulls only.
+    stiffness, elongation, rate
+        Of what pulls only, and how far the direction stretches it.
+    """
+
+    def left(part: float) -> float:
+        change = np.maximum(0.0, elongation + part * rate) - np.maximum(0.0, elongation)
+        return work - part * curvature - float(np.sum(stiffness * change * rate))
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        corners = -elongation / rate
+    low = 0.0
+    for high in np.sort(corners[(corners > 0.0) & (corners < FARTHEST_CORNER)]):
+        if left(high) <= 0.0:
+            break
+        low = high
+    else:
+        high = low + 1.0
+    a, b = left(low), left(high)
+    return float(low + (high - low) * a / (a - b)) if a > b else 1.0
 
 
 def _is_positive(K: Any, G: Any, shift: float) -> bool:

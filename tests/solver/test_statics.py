@@ -19,6 +19,7 @@ from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.scene import Fixed, FlexibleBody, RigidBody, Scene
 from heavylift.solver.statics.equilibrium import find_equilibrium
+from heavylift.solver.statics.forces import StaticForces
 
 
 def pendulum(angle: float) -> Scene:
@@ -127,6 +128,78 @@ def test_hook_on_a_spring_a_rope_and_a_slack_rope() -> None:
     found = find_equilibrium(rows)
     assert found.residual < 1e-8
     assert place(rows, "hook") == pytest.approx([*expected, 0.0], abs=1e-7)
+
+
+def many_ropes(seed: int) -> tuple[Scene, np.ndarray, np.ndarray]:
+    """A stone below 16 stiff ropes of all lengths, above all of them; ends of the ropes and their lengths."""
+    rng = np.random.default_rng(seed)
+    ends = np.column_stack([rng.uniform(-5, 5, 16), rng.uniform(2, 4, 16), rng.uniform(-5, 5, 16)])
+    lengths = rng.uniform(9.0, 12.0, 16)
+    ropes = tuple(
+        Rope(
+            name=f"rope{i}",
+            path=(RopePoint(GROUND, end), RopePoint("stone", np.zeros(3))),
+            axial_stiffness=1e8,
+            length=float(length),
+        )
+        for i, (end, length) in enumerate(zip(ends, lengths, strict=True))
+    )
+    stone = RigidBody("stone", 100.0, np.eye(3), position=np.array([0.3, 0.5, -0.2]))
+    return Scene((stone,), (DOWN,), (), (), ropes), ends, lengths
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_ropes_that_hang_slack_go_taut_on_the_way(seed: int) -> None:
+    """All are slack at first, few at rest; each stretches by a millionth of its length only. Forces summed by hand."""
+    scene, ends, lengths = many_ropes(seed)
+    rows = rows_of(scene)
+    found = find_equilibrium(rows)
+    way = ends - place(rows, "stone")
+    reach = np.linalg.norm(way, axis=1)
+    tension = np.maximum(0.0, 1e8 * (reach / lengths - 1.0))
+    assert 1 <= np.count_nonzero(tension) <= 4
+    assert np.abs(tension @ (way / reach[:, None]) - [0.0, 100.0 * G, 0.0]).max() < 1e-3 * 100.0 * G
+    assert found.residual < 1e-8
+    assert found.iterations < 150
+
+
+def test_stiffness_is_that_of_differences_body_by_body() -> None:
+    """Bodies that are displaced together must not be taken for each other: a chain with a spring, ropes and a loop."""
+    scene = hung(1.82)
+    chain = linkage([(4, 0, 0), (5, -1, 0), (6, -1, 0), (7, 0, 0)])
+    more = Rope(
+        name="tie",
+        path=(RopePoint("hook", np.zeros(3)), RopePoint("r1", np.zeros(3)), RopePoint(GROUND, np.array([9, 3, 0.0]))),
+        axial_stiffness=1e4,
+        length=9.2,
+    )  # fmt: skip
+    both = replace(
+        scene, bodies=(*scene.bodies, *chain.bodies), joints=chain.joints, ropes=(*scene.ropes, more)
+    )
+    rows = rows_of(both)
+    forces = StaticForces(rows)
+    load, G, soft = forces.evaluate()
+    reaction = forces.balance(load, G)[0]
+    given = forces.one_sided(soft)
+    assert np.count_nonzero(given.tension) >= 2
+    K = forces.stiffness(reaction).toarray()
+    kept = forces.stiffness(reaction + soft, given.row).toarray()
+    before, step, count = rows.snapshot(), 1e-6, len(rows.inertia)
+    expected = np.zeros((count, count))
+    for k in rows.free:
+        sides = []
+        for sign in (step, -step):
+            rows.move(sign * np.eye(count)[k])
+            there, turned, _ = forces.evaluate()
+            sides.append(there + turned.T @ reaction)
+            rows.restore(before)
+        expected[:, k] = (sides[1] - sides[0]) / (2.0 * step)
+    expected = expected[np.ix_(rows.free, rows.free)]
+    assert np.abs(K - expected).max() < 1e-6 * np.abs(expected).max()
+    rows_of_taut = G[given.row][:, rows.free].toarray() * given.sense[:, None]
+    taut = given.elongation > 0.0
+    stretch = rows_of_taut[taut].T @ (given.stiffness[taut, None] * rows_of_taut[taut])
+    assert np.abs(kept + stretch - expected).max() < 1e-6 * np.abs(expected).max()
 
 
 def test_modes_of_a_fixed_flexible_body_sag() -> None:

@@ -7,6 +7,7 @@ added by the kinds.
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from typing import Annotated, ClassVar
 
@@ -14,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
+from heavylift.numerics.jit import in_python
 from heavylift.numerics.records import Quaternion, Record, Records, Vector, Vector6
+from heavylift.numerics.rotation import exponential_quaternion, quaternion_product
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import FORCES, BodyKind, Workspace
 from heavylift.solver.markers import PackedMarker
@@ -181,16 +184,18 @@ class FrameBodies(BodyKind):
 
     def move(self, increment: NDArray[np.float64]) -> None:
         """``x += d``, ``R := R exp(t)`` of free frames."""
-        from scipy.spatial.transform import Rotation
-
         free = self._free()
         if not free.size:
             return
         shift = increment[self._dofs()[free]]
         self.frame["position"][free] += shift[:, :3]
-        before = Rotation.from_quat(self.frame["orientation"][free], scalar_first=True)
-        after = before * Rotation.from_rotvec(shift[:, 3:])
-        self.frame["orientation"][free] = after.as_quat(scalar_first=True)
+        orientation = self.frame["orientation"]
+        for i in np.flatnonzero(shift[:, 3:].any(axis=1)):
+            before = tuple(orientation[free[i]].tolist())
+            after = in_python(quaternion_product)(
+                before, in_python(exponential_quaternion)(*shift[i, 3:].tolist())
+            )
+            orientation[free[i]] = np.array(after) / math.hypot(*after)
 
     def poses(self) -> tuple[NDArray[np.float64], ...]:
         """Positions [m] and quaternions, copied; and what else `move` changes."""

@@ -224,15 +224,22 @@ def test_hooks_share_a_load_that_is_aside_by_moments(tmp_path):
     assert np.ptp(load) > 0.05 * load.mean()
 
 
-def test_rest_of_a_hull_off_its_trim(tmp_path):
+@pytest.mark.parametrize("model", ["massless", "pulleys"])
+def test_rest_of_a_hull_off_its_trim(model, tmp_path):
     folder = tmp_path / "lift"
     shutil.copytree(CASES / "floating_crane_lift", folder, ignore=shutil.ignore_patterns("out"))
     lift = (folder / "case.toml").read_text()
     lift = lift[: lift.index("[report]")].replace('"-43.03520296 m"', '"-3.2 m"')
+    if model == "pulleys":
+        lift = lift.replace('model = "massless"', 'pulley = { mass = "10 kg" }')
     results = run(folder, lift.replace('duration = "120 s"', 'duration = "0.1 s"'))
     ropes = [12.0 * float(results[f"crane_hook_{i}_rope.tension"].ravel()[0]) for i in range(1, 5)]
     assert sum(ropes) == pytest.approx(1200e3 * G, rel=2e-3)
-    lines = np.array([results[f"loader_{i}_rope.segment_tension"][0] for i in range(1, 5)])
+    of_line = "loader_{}_rope.segment_tension" if model == "massless" else "loader_{}_line_{}.tension"
+    lines = np.array(
+        [[np.ravel(results[of_line.format(i, j)])[0 if model == "pulleys" else j - 1] for j in range(1, 6)]
+         for i in range(1, 5)]
+    )  # fmt: skip
     assert lines.mean() == pytest.approx(1000e3 * G / 20.0, rel=2e-3)
     assert np.abs(lines / lines.mean(axis=1, keepdims=True) - 1.0).max() < 5e-3
     # moment of the moved ballast over rho g I + displacement x z_B - weights x their heights
