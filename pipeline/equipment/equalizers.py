@@ -7,6 +7,9 @@ pulley below the fixed sheaves and the tension T of the rope::
 
     sum 2 z_i + (2 n - 1) pi r = L,        F_i cos a_i = 2 T - m (g + z_i''),        needed travel  z_i - mean(z)
 
+Sheaves with an efficiency eta hold tensions that differ: of two lines that follow each other the forces have any ratio from
+eta^2 to its inverse, at the ends of it while the rope runs past.
+
 A pulley at a stop is an anchor: its line takes what balance gives. As ``massless`` all lines are one rope whose path
 jumps from lug to lug, see `heavylift.solver.laws.equalized`.
 
@@ -176,6 +179,9 @@ class Equalizer:
     """Extension pulleys, of lines with `other_point`."""
     friction: Annotated[float, Quantity("force", minimum=0.0, closed=True)] = 0.0
     """Of each pulley on its guide [N]."""
+    efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
+    """Of each sheave, moving, fixed or of an extension, as that of ropes: 0.98 on roller bearings, 0.96 on plain ones. The
+    forces of two lines then differ by up to ``efficiency^(2 (n - 1))`` with n lines."""
 
     @staticmethod
     def check(said: Any) -> None:
@@ -190,6 +196,12 @@ class Equalizer:
         for key, given in (("friction", said.friction > 0.0), ("extension", extended)):
             if given and said.model == "massless":
                 raise InputError(f"{key!r} with model 'massless'", key=key, expected="model 'pulleys'")
+        if said.efficiency < 1.0 and said.model == "massless":
+            raise InputError(
+                f"{said.efficiency:.6g} with model 'massless', in which one row has one force for all lines",
+                key="efficiency",
+                expected="model 'pulleys', whose lines have forces of their own, or 1",
+            )
         if said.travel.up >= said.part_length:
             raise InputError(
                 f"{said.travel.up:.6g} m upwards, and part_length = {said.part_length:.6g} m: pulleys would "
@@ -423,10 +435,11 @@ def _add_pulleys(said: Any, layout: _Layout, places: Places, made: Made) -> None
             "limits": stops,
         }
         made.add("joints", guide | ({"friction": said.friction} if said.friction else {}), "travel")
-        path.append({"body": pulley, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, -1.0, 0.0]})
+        sheave = {"body": pulley, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, -1.0, 0.0]}
+        path.append(sheave | _rubs(said))
         if i < count - 1:
-            sheave = {"body": f"{name}_beam", "point": [x + 2.0 * r, 0.0, -depth]}
-            path.append(sheave | {"radius": r, "axis": [0.0, 1.0, 0.0]})
+            fixed = {"body": f"{name}_beam", "point": [x + 2.0 * r, 0.0, -depth]}
+            path.append(fixed | {"radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(said))
         _add_line(said, i, layout, places, made)
     path.append({"body": f"{name}_beam", "point": [float(layout.offsets[-1]) + r, 0.0, -depth]})
     rope = {
@@ -437,6 +450,11 @@ def _add_pulleys(said: Any, layout: _Layout, places: Places, made: Made) -> None
         "path": path,
     }
     made.add("ropes", rope, "rope")
+
+
+def _rubs(said: Any) -> dict[str, float]:
+    """What a sheave says of its efficiency: nothing if it has no friction."""
+    return {"efficiency": said.efficiency} if said.efficiency < 1.0 else {}
 
 
 def _rope_length(said: Any) -> float:
@@ -457,7 +475,7 @@ def _add_line(said: Any, i: int, layout: _Layout, places: Places, made: Made) ->
         angle = float(np.arctan2(across[1], across[0]))
         inertia = [v * mass * r * r for v in (0.25, 0.5, 0.25)]
         made.rigid(body, mass, inertia, layout.ends[i] + 2.0 * r * DOWN, angle, key="extension")
-        sheave = {"body": body, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, 1.0, 0.0]}
+        sheave = {"body": body, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(said)
         ends = [{"body": line.body, "point": list(point)} for point in (line.point, line.other_point)]
         sling = {"name": f"{name}_sling_{i + 1}", **of_rope, "length": said.extension.sling_length}
         made.add("ropes", sling | {"path": [ends[0], sheave, ends[1]]}, f"lines.{i}")

@@ -134,6 +134,8 @@ class FloatingCrane:
     """A table that slews; none if absent."""
     sheave_radius: Annotated[float, Positive("length")]
     """Of all sheaves of the falls [m]."""
+    efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
+    """Of each sheave of the falls, as that of ropes."""
     block: HookBlock
     """Each hook block."""
     rope: FallsRope
@@ -244,6 +246,7 @@ class FloatingCrane:
                 "along": listed(ahead),
                 "parts": hook.parts,
                 "sheave_radius": said.sheave_radius,
+                "efficiency": said.efficiency,
                 "drop": hook.drop,
                 "block": given(said.block),
                 "rope": given(said.rope),

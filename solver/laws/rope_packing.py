@@ -29,7 +29,6 @@ from heavylift.solver.laws.wire_rope import (
 )
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import Attachment
-from heavylift.solver.scene.bodies import Free
 from heavylift.solver.scene.connections import (
     GROUND,
     ROPE_CHANNELS,
@@ -78,7 +77,6 @@ def pack_ropes(
     block = first_block
     for rope, column in zip(ropes, columns, strict=True):
         points = rope.path
-        _check_rubbing(rope, bodies)
         path = start_path(rope, bodies)
         rows = _winch_rows(rope, leaders)
         length = _unstretched(rope, path, rows)
@@ -167,6 +165,7 @@ def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
 def _with_friction(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
     """The kind of ropes over sheaves with an efficiency."""
     from heavylift.solver.laws.sheave_friction import Chain, Sheave, SheavedRopes, SheaveState
+    from heavylift.solver.laws.sheave_states import make_search
 
     chains: list[tuple[float, ...]] = []
     sheaves: list[tuple[float, ...]] = []
@@ -175,7 +174,7 @@ def _with_friction(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
         stride = max(1, (entry.attachments + 1) // 2)
         winch = getattr(rope, "winch", None)
         winch_last = float(winch is not None and winch.end == "last")
-        chains.append((len(sheaves), len(rubbing), stride, winch_last, 0, 0, 0, 0))
+        chains.append((len(sheaves), len(rubbing), stride, winch_last, 0, False))
         column = entry.column + len(ROPE_CHANNELS) - 1 + parts
         for row, place in enumerate(rubbing, start=1):
             block = entry.block + row // ROWS_A_BLOCK * stride
@@ -190,32 +189,13 @@ def _with_friction(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
         leaving=records(PlaceGradient, places),
         parts=np.zeros(places),
         tension=np.zeros(places),
+        search=make_search(len(sheaves), len(chains)),
     )
 
 
 def _axes(rope: Any, point: RopePoint) -> NDArray[np.float64]:
     """Axes about that of a pulley, in the frame of its body."""
     return axes_about(point.axis, source=rope.name) if point.radius > 0.0 else np.eye(3)
-
-
-MOST_RUBBING = 2
-"""Free bodies over whose pulleys a rope with an efficiency may run."""
-
-
-def _check_rubbing(rope: Any, bodies: Sequence[AnyBody]) -> None:
-    """Refuse an efficiency where the rope runs over pulleys of many free bodies.
-
-    Which of them stick is then not found reliably: with three, a load that hangs evenly at rest was seen to slide.
-    """
-    free = {body.name for body in bodies if isinstance(body.motion, Free)}
-    held = {rope.path[place - 1].body for place in rubbing_places(rope)} & free
-    if len(held) > MOST_RUBBING:
-        raise _error(
-            rope,
-            f"places with an efficiency on {len(held)} free bodies",
-            "path",
-            f"{MOST_RUBBING} free bodies at most; an efficiency of 1 on the others",
-        )
 
 
 def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:

@@ -46,7 +46,8 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rope_path import PlaceGradient, find_parts
-from heavylift.solver.laws.rows import FREE_SOFTNESS, ROWS_A_BLOCK, put_residual
+from heavylift.solver.laws.rows import FREE_SOFTNESS, ROWS_A_BLOCK, law_impulse, put_residual
+from heavylift.solver.laws.sheave_states import SheaveSearch, find_states
 from heavylift.solver.laws.wire_rope import (
     Ropes,
     compare_length,
@@ -69,13 +70,31 @@ from heavylift.solver.rows.structure import REGULARISATION, RowArrays
 __all__ = ["Chain", "Sheave", "SheaveState", "SheavedRopes"]
 
 PLAIN_ROUNDS = 5
-"""Rounds of the iteration after which sheaves change their states only where all forces fit."""
+"""Rounds of the iteration in which all sheaves that are contradicted change their states at once."""
 
-PATIENCE = 3
-"""Changes of many states at once that need not leave fewer contradictions than ever before."""
+FIT_ROUNDS = 12
+"""Rounds more after which states are searched for though forces do not fit yet."""
+
+BASE_ROUNDS = 12
+"""Rounds in which all other laws are fitted to sheaves that are freed for a search, at most."""
+
+ATTEMPTS = 4
+"""Searches in one step; other laws may change their branches in between."""
+
+FITTED, FREED, PUSHED = range(3)
+"""Phases of a round: forces and states are fitted; sheaves are freed; one of them has been pushed."""
+
+SAME_FLOW = 1e-10
+"""Change of flows, relative to the largest, that counts as none."""
 
 STUCK = 1e-10
 """Excess of a ratio of tensions up to which a sheave sticks."""
+
+SHARING = 1e-5
+"""Compliance of a sheave that sticks, relative to that of its rope."""
+
+SMALL = 1e-8
+"""Of a tension: what its force makes of a row that sticks counts as no flow."""
 
 SETTLED = 1e-12
 """Miss of a friction relative to the tension that counts as fitted."""
@@ -92,19 +111,16 @@ class Chain(Record):
         Blocks from one that has rows of it to the next.
     winch_last
         1 if the drum is at the last end.
-    rounds, settling, fewest, patience
-        Scratch of the iteration: rounds, those since a sheave has changed its state, the fewest contradictions so far,
-        and how many changes at once may still find more.
+    settling, asked
+        Scratch of the iteration: rounds since a sheave has changed its state, and whether a search asks the rope.
     """
 
     first: int
     count: int
     stride: int
     winch_last: float
-    rounds: int
     settling: int
-    fewest: int
-    patience: int
+    asked: bool
 
 
 class Sheave(Record):
@@ -133,11 +149,13 @@ class SheaveState(Record):
     loss, work
         Energy lost here, and what the winch works for it [J].
     held
-        Force with which the row of one that sticks began.
+        `force` of the last step that stands: the row of one that sticks begins with it.
     acting
         State that the tensions follow: `branch`, or the sense of a row that holds more than friction can.
     other
         State that does not contradict them.
+    stops
+        Whether the row sticks at the end of the step.
     force_before, miss_before
         Scratch of the iteration: of the round before.
     """
@@ -152,6 +170,7 @@ class SheaveState(Record):
     held: float
     acting: int
     other: int
+    stops: bool
     force_before: float
     miss_before: float
 
@@ -171,6 +190,8 @@ class SheavedRopes(Ropes):
         Length of the part behind each place [m].
     tension
         Of the part behind each place, in the middle of the last step [N].
+    search
+        For states, where those of the last step and what contradicts them do not lead to any.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state", "wraps", "sheave_state", "tension")
@@ -181,6 +202,7 @@ class SheavedRopes(Ropes):
     leaving: Records[PlaceGradient]
     parts: Floats1
     tension: Floats1
+    search: SheaveSearch
 
 
 @kernel(internal=True)
@@ -305,11 +327,23 @@ def _hauling(kind: SheavedRopes, i: int, step: float) -> float:
     return (kind.state[i].rest - kind.state[i].next_rest) / step
 
 
+@kernel(inline=True, internal=True)
+def _held_softness(kind: SheavedRopes, i: int, s: int, step: float, system: RowArrays) -> float:
+    """Of the row of a sheave that sticks in the middle of a step: a part of what its rope stretches.
+
+    Rigid rows leave open how the frictions of many sheaves share; what they are would be rounding in short steps.
+    """
+    compliance = SHARING / stiffness_of(kind, i, 1.0 / kind.state[i].rest)
+    lane = kind.sheaves[s].lane
+    return REGULARISATION * system.rows[kind.sheaves[s].block].scale[lane] + 4.0 * compliance / (step * step)
+
+
 @kernel(internal=True)
-def _stick(kind: SheavedRopes, i: int, s: int, hauling: float, held: float, system: RowArrays) -> None:
-    """A rigid row on the flow, whose impulse begins with one."""
+def _stick(
+    kind: SheavedRopes, i: int, s: int, hauling: float, softness: float, held: float, system: RowArrays
+) -> None:
+    """A row without flow but for its softness, whose impulse begins with one."""
     row, lane = system.rows[kind.sheaves[s].block], kind.sheaves[s].lane
-    softness = REGULARISATION * row.scale[lane]
     prescribed = (kind.chains[i].winch_last - kind.sheave_state[s].share) * hauling
     row.softness[lane] = softness
     row.target[lane] = softness * held - prescribed
@@ -333,8 +367,8 @@ def _impulse(kind: SheavedRopes, s: int, system: RowArrays) -> float:
 def _put_sheave(kind: SheavedRopes, i: int, s: int, step: float, system: RowArrays) -> None:
     """Row in the middle of a step, by the state."""
     if kind.sheave_state[s].branch == 0:
-        held = -0.5 * step * kind.sheave_state[s].held
-        _stick(kind, i, s, _hauling(kind, i, step), held, system)
+        held, softness = -0.5 * step * kind.sheave_state[s].held, _held_softness(kind, i, s, step, system)
+        _stick(kind, i, s, _hauling(kind, i, step), softness, held, system)
     else:
         _slide(kind, s, step, system)
 
@@ -384,25 +418,35 @@ def set_sheaved_targets(
     At its end sheaves stick as in the middle, and where the step has turned the flow round.
     """
     set_rope_targets(kind, time, step, at_midpoint, work, system)
+    if at_midpoint:
+        counts = kind.search.counts
+        counts.phase = counts.rounds = counts.attempts = 0
     for i in range(kind.table.shape[0]):
         chain, rope = kind.chains[i], kind.state[i]
         if at_midpoint:
-            chain.rounds = chain.settling = 0
-            chain.fewest, chain.patience = chain.count + 1, PATIENCE
+            chain.asked, chain.settling = False, 0
         for s in range(chain.first, chain.first + chain.count):
             state = kind.sheave_state[s]
             if at_midpoint:
-                state.held = state.force
+                if (
+                    rope.fresh
+                ):  # a search for equilibrium asks at places of any kind, and leaves nothing behind
+                    state.branch = 0
+                state.force = state.held
                 if state.branch != 0:
                     state.force += 0.5 * (step + work.control.last_step) * state.trend
                 _put_sheave(kind, i, s, step, system)
                 continue
             state.speed = _flow(kind, i, s, rope.hauling, work.velocity, system)
+            state.stops = False
             if rope.fresh or rope.stretched <= rope.rest:
                 continue
-            if state.branch * state.speed <= 0.0:
-                state.branch = 0
-                _stick(kind, i, s, rope.hauling, 0.0, system)
+            state.stops = (
+                state.branch * state.speed <= 0.0
+            )  # records ask as well, and must leave the state as it is
+            if state.stops:
+                scale = system.rows[kind.sheaves[s].block].scale[kind.sheaves[s].lane]
+                _stick(kind, i, s, rope.hauling, REGULARISATION * scale, 0.0, system)
 
 
 @kernel(internal=True)
@@ -428,39 +472,30 @@ def _find_tensions(kind: SheavedRopes, i: int, mean: float) -> float:
             return largest
 
 
-@kernel(internal=True)
-def _change_states(
-    kind: SheavedRopes, i: int, mean: float, step: float, work: Workspace, system: RowArrays
-) -> bool:
-    """Sheaves whose tensions or flow contradict their states take others, if there are any.
+@kernel(inline=True, internal=True)
+def _creep(kind: SheavedRopes, i: int, s: int, step: float, system: RowArrays) -> float:
+    """Flow per force of a row that sticks [m/s/N]."""
+    return 0.5 * step * _held_softness(kind, i, s, step, system)
 
-    All at once while that leaves fewer of them than ever before, with `PATIENCE`; else the first one alone (J. J.
-    Judice and F. M. Pires, Comput. Oper. Res. 21, 1994).
-    """
-    chain = kind.chains[i]
-    hauling, count, first = _hauling(kind, i, step), 0, -1
+
+@kernel(internal=True)
+def _find_others(
+    kind: SheavedRopes, i: int, mean: float, largest: float, step: float, work: Workspace, system: RowArrays
+) -> bool:
+    """States that do not contradict tensions and flows; whether there are others than those it has."""
+    chain, hauling, found = kind.chains[i], _hauling(kind, i, step), False
     for s in range(chain.first, chain.first + chain.count):
         state = kind.sheave_state[s]
         state.other = state.acting
-        flow = _flow(kind, i, s, hauling, work.velocity, system)
-        if mean > 0.0 and state.branch * flow < 0.0:
-            state.other = 0
-        if state.other != state.branch:
-            count += 1
-            if first < 0:
-                first = s
-    if count == 0:
-        return False
-    if count < chain.fewest:
-        chain.fewest, chain.patience = count, PATIENCE
-    else:
-        chain.patience -= 1
-    for s in range(chain.first, chain.first + chain.count):
-        state = kind.sheave_state[s]
-        if state.other != state.branch and (s == first or chain.patience >= 0):
-            state.branch, state.held = state.other, state.force
-    chain.settling = 0
-    return True
+        if state.branch != 0 and mean > 0.0:
+            creep = _creep(
+                kind, i, s, step, system
+            )  # of a row that sticks: so both states agree on what is none
+            flow = _flow(kind, i, s, hauling, work.velocity, system) + creep * (state.held - state.force)
+            if state.branch * flow < -SMALL * creep * largest:
+                state.other = 0
+        found = found or state.other != state.branch
+    return found
 
 
 @kernel(internal=True)
@@ -488,6 +523,132 @@ def _fit_friction(kind: SheavedRopes, i: int, largest: float) -> bool:
     return True
 
 
+@kernel(inline=True, internal=True)
+def _mean_tension(kind: SheavedRopes, i: int, step: float, system: RowArrays) -> float:
+    """Of the row of the length [N]."""
+    return -2.0 / step * law_impulse(system, kind.table[i].block)
+
+
+@kernel(internal=True)
+def _begin_search(kind: SheavedRopes, step: float, system: RowArrays) -> None:
+    """Free the sheaves of all ropes whose states were contradicted, at forces that friction can hold."""
+    search = kind.search
+    counts = search.counts
+    counts.phase, counts.rounds, counts.sheaves = FREED, 0, 0
+    for i in range(kind.table.shape[0]):
+        chain = kind.chains[i]
+        if not chain.asked:
+            continue
+        for s in range(chain.first, chain.first + chain.count):
+            m, state, p = counts.sheaves, kind.sheave_state[s], kind.sheaves[s].place
+            state.force = kind.tension[p] - kind.tension[p - 1]
+            search.number[m], search.rope[m] = s, i
+            search.flow[m] = np.inf
+            _slide(kind, s, step, system)
+            counts.sheaves = m + 1
+
+
+@kernel(internal=True)
+def _measure_base(kind: SheavedRopes, step: float, work: Workspace, system: RowArrays) -> None:
+    """Once flows stay as they are, so all other laws fit, take them down and push the first sheave."""
+    search, moved, largest = kind.search, 0.0, 0.0
+    counts = search.counts
+    for k in range(counts.sheaves):
+        i, s = search.rope[k], search.number[k]
+        q = _flow(kind, i, s, _hauling(kind, i, step), work.velocity, system)
+        moved, largest = max(moved, abs(q - search.flow[k])), max(largest, abs(q))
+        search.flow[k] = q
+    counts.rounds += 1
+    if moved > SAME_FLOW * largest and counts.rounds < BASE_ROUNDS:
+        return
+    for i in range(kind.table.shape[0]):
+        search.tension[i] = _mean_tension(kind, i, step, system)
+    for k in range(counts.sheaves):
+        i, s = search.rope[k], search.number[k]
+        state = kind.sheave_state[s]
+        search.force[k], search.held[k], search.share[k] = state.force, state.held, state.share
+        search.loss[k], search.creep[k] = 1.0 - kind.sheaves[s].efficiency, _creep(kind, i, s, step, system)
+        search.push[k] = search.loss[k] * max(search.tension[i], 1.0)
+    counts.phase, counts.pushed = PUSHED, 0
+    _push(kind, 0, 1.0, step, system)
+
+
+@kernel(inline=True, internal=True)
+def _push(kind: SheavedRopes, k: int, sense: float, step: float, system: RowArrays) -> None:
+    """Change the force of a sheave of the search, or take that back."""
+    s = kind.search.number[k]
+    kind.sheave_state[s].force = kind.search.force[k] + sense * kind.search.push[k]
+    _slide(kind, s, step, system)
+
+
+@kernel(internal=True)
+def _measure_response(kind: SheavedRopes, step: float, work: Workspace, system: RowArrays) -> None:
+    """What the sheave that was pushed does to all flows and tensions; the next one, or the states that follow."""
+    search = kind.search
+    counts = search.counts
+    k = counts.pushed
+    per_force = 1.0 / search.push[k]
+    for j in range(counts.sheaves):
+        i = search.rope[j]
+        q = _flow(kind, i, search.number[j], _hauling(kind, i, step), work.velocity, system)
+        search.response[j, k] = per_force * (q - search.flow[j])
+    for i in range(kind.table.shape[0]):
+        search.stiffness[i, k] = per_force * (_mean_tension(kind, i, step, system) - search.tension[i])
+    _push(kind, k, 0.0, step, system)
+    counts.pushed += 1
+    if counts.pushed < counts.sheaves:
+        _push(kind, counts.pushed, 1.0, step, system)
+        return
+    counts.phase, counts.rounds = FITTED, PLAIN_ROUNDS
+    counts.attempts += 1
+    if not find_states(search):
+        counts.attempts = ATTEMPTS
+        return
+    for j in range(counts.sheaves):
+        i, s = search.rope[j], search.number[j]
+        state = kind.sheave_state[s]
+        state.branch, state.force = search.branch[j], search.force[j]
+        kind.chains[i].settling = 0
+        _put_sheave(kind, i, s, step, system)
+
+
+@kernel(internal=True)
+def _fit_sheaves(kind: SheavedRopes, before: int, step: float, work: Workspace, system: RowArrays) -> None:
+    """Fit states and forces of all sheaves to tensions and flows, for a start all at once, then by a search."""
+    counts = kind.search.counts
+    counts.rounds += 1
+    early, late = counts.rounds <= PLAIN_ROUNDS, counts.rounds > PLAIN_ROUNDS + FIT_ROUNDS
+    settled, contradicted = work.control.changed == before, False
+    for i in range(kind.table.shape[0]):
+        chain = kind.chains[i]
+        _, mean, _, _, _ = midpoint_tension(kind, i, midpoint_rate(kind, i, work, system), step)
+        for s in range(chain.first, chain.first + chain.count):
+            if kind.sheave_state[s].branch == 0:
+                kind.sheave_state[s].force = -2.0 / step * _impulse(kind, s, system)
+        largest = _find_tensions(kind, i, mean)
+        others = _find_others(kind, i, mean, largest, step, work, system)
+        chain.asked, moved = chain.asked or (others and not early), False
+        contradicted = contradicted or others
+        if others and early:
+            for s in range(chain.first, chain.first + chain.count):
+                kind.sheave_state[s].branch = kind.sheave_state[s].other
+            chain.settling, moved = 0, True
+            largest = _find_tensions(kind, i, mean)
+        moved = _fit_friction(kind, i, largest) or moved
+        if moved:
+            settled = False
+            for s in range(chain.first, chain.first + chain.count):
+                _put_sheave(kind, i, s, step, system)
+            work.control.changed += 1
+            work.status.block = kind.table[i].block
+    if contradicted and not early and (settled or late):
+        work.control.changed += 1
+        if counts.attempts < ATTEMPTS:
+            _begin_search(kind, step, system)
+    elif settled:
+        counts.rounds = counts.attempts = 0
+
+
 @implement(relinearise, SheavedRopes)
 @kernel(internal=True)
 def relinearise_sheaved_ropes(
@@ -495,27 +656,16 @@ def relinearise_sheaved_ropes(
 ) -> None:
     """Fit the tensions to the rates found, then states and forces of the sheaves to the tensions."""
     before = work.control.changed
+    if kind.search.counts.phase == PUSHED:
+        _measure_response(kind, step, work, system)
+        work.control.changed += 1
+        return
     relinearise_ropes(kind, time, step, work, system)
-    for i in range(kind.table.shape[0]):
-        chain = kind.chains[i]
-        chain.rounds += 1
-        _, mean, _, _, _ = midpoint_tension(kind, i, midpoint_rate(kind, i, work, system), step)
-        for s in range(chain.first, chain.first + chain.count):
-            if kind.sheave_state[s].branch == 0:
-                kind.sheave_state[s].force = -2.0 / step * _impulse(kind, s, system)
-        largest = _find_tensions(kind, i, mean)
-        early = chain.rounds <= PLAIN_ROUNDS
-        moved = not early and _fit_friction(kind, i, largest)
-        if early or (not moved and work.control.changed == before):
-            if _change_states(kind, i, mean, step, work, system):
-                largest = _find_tensions(kind, i, mean)
-                moved = True
-            moved = _fit_friction(kind, i, largest) or moved
-        if moved:
-            for s in range(chain.first, chain.first + chain.count):
-                _put_sheave(kind, i, s, step, system)
-            work.control.changed += 1
-            work.status.block = kind.table[i].block
+    if kind.search.counts.phase == FREED:
+        _measure_base(kind, step, work, system)
+        work.control.changed += 1
+        return
+    _fit_sheaves(kind, before, step, work, system)
 
 
 @implement(update_rows, SheavedRopes)
@@ -531,6 +681,7 @@ def update_sheaved_ropes(
             state.force = -2.0 / step * _impulse(kind, s, system)
             change = 0.0 if kind.state[i].fresh else state.force - state.held
             state.trend = 2.0 / (step + work.control.last_step) * change
+            state.held = state.force
             state.loss += step * state.force * _flow(kind, i, s, hauling, work.velocity, system)
             state.work += step * state.force * (chain.winch_last - state.share) * hauling
     update_ropes(kind, time, step, work, system)
@@ -577,6 +728,8 @@ def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) 
         for s in range(chain.first, chain.first + chain.count):
             state, P = kind.sheave_state[s], _impulse(kind, s, system)
             before = state.speed
+            if state.stops:
+                state.branch, state.stops = 0, False
             state.speed = _flow(kind, i, s, rope.hauling, work.velocity, system)
             state.loss -= 0.5 * P * (before + state.speed)
             state.work -= P * (chain.winch_last - state.share) * rope.hauling

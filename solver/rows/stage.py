@@ -7,6 +7,8 @@ without which closed loops fail and an inconsistent start rings for ever.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,6 +59,7 @@ from heavylift.solver.rows.structure import (
 __all__ = ["end_step"]
 
 LAW_ITERATIONS = 200
+GOLDEN = 0.6180339887498949
 NOT_CONVERGED, NOT_CLOSED = int(Outcome.NOT_CONVERGED), int(Outcome.NOT_CLOSED)
 
 
@@ -108,14 +111,20 @@ def fit_laws(system: RowSystem, joints: Joints, work: Workspace, time: float, st
     work.status.outcome = NOT_CONVERGED
 
 
-@kernel(internal=True)
+@kernel(internal=True, reassociate=True)
 def _softness(system: RowSystem) -> float:
-    """A sum that tells whether a softness has changed: a factor that is not the last one costs a round, no more."""
+    """A sum that tells whether a softness has changed: with a factor of another one rounds do not converge.
+
+    Of roots, since some are 1e30 times as large as others, with weights that depend on the row.
+    """
     total = 0.0
     for node in range(system.attachments.shape[0] // 2):
-        row = system.rows[node]
+        softness = system.rows[node].softness
+        part = 0.0
         for r in range(len(system.shape[1])):
-            total = 1.7 * total + row.softness[r]
+            part += (r + 1.3) * math.sqrt(math.sqrt(math.sqrt(softness[r])))
+        share = GOLDEN * (node + 1)
+        total += (1.0 + share - math.floor(share)) * part
     return total
 
 

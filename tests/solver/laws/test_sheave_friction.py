@@ -188,11 +188,3 @@ def test_a_run_goes_on_where_it_was(made: Scene) -> None:
     first.advance(150)
     second.restore(first.state())
     np.testing.assert_array_equal(first.advance(100)[1], second.advance(100)[1])
-
-
-def test_pulleys_that_rub_on_many_free_bodies_are_refused() -> None:
-    """What sticks is not found reliably there."""
-    plain = pulleys(0.98)
-    path = (*plain.ropes[0].path[:-1], rubbing(pulley("box", (0, 0, 0), 0.1), 0.98), eye(GROUND, (3.0, 0, 0)))
-    with pytest.raises(InputError, match="places with an efficiency on 3 free bodies"):
-        Simulation(dataclasses.replace(plain, ropes=(dataclasses.replace(plain.ropes[0], path=path),)), 1e-3)
