@@ -52,6 +52,8 @@ class FallsRope:
     """EA [N]."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Tension per rate of elongation [N s/m], while it is taut."""
+    tension: Annotated[float | None, Positive("force"), Absent()] = None
+    """Tension at the start [N], of a search for equilibrium that in the place of rest; as long as drawn if absent."""
 
 
 @EQUIPMENT.part
@@ -94,7 +96,7 @@ class Falls:
     block: HookBlock
     """The hook block."""
     rope: FallsRope
-    """The rope; it is as long as drawn."""
+    """The rope; it is as long as drawn, or as its tension says."""
     drum: FallsCrown | None = None
     """First drum; the rope begins at the crown if absent."""
     other_drum: FallsCrown | None = None
@@ -172,8 +174,7 @@ class Falls:
             path.append(on_crown(-r, float(aside[-1])))
         else:
             path += [sheave(float(aside[-1])), _drum(said, "other_drum", crown, -along, places)]
-        rope = {"name": f"{name}_rope", "path": path, "axial_stiffness": said.rope.axial_stiffness}
-        rope["damping"] = said.rope.damping
+        rope = {"name": f"{name}_rope", "path": path} | given(said.rope)
         if said.moves:
             rope["winch"] = speeds_of(said.moves, float(said.parts))
         elif said.winch is not None:
