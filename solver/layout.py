@@ -99,6 +99,10 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         If names repeat, a force or sensor names a body that is not there, or a value does not fit.
     """
     check_scene(scene)
+    if scene.scenario is not None:
+        from heavylift.solver.scenario.packing import with_drives
+
+        scene = with_drives(scene)
     if scene.sea is not None:
         from heavylift.solver.layout_sea import float_bodies
 
@@ -181,9 +185,10 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         work.markers[marker].point[:] = vector
     kinds: tuple[Any, ...] = (tuple(bodies), tuple(made.joints), tuple(made.systems))
     if scene.scenario is not None:
-        from heavylift.solver.scenario.packing import reserve_winches
+        from heavylift.solver.scenario.packing import reserve_tables, share_profiles
 
-        kinds = (kinds[0], reserve_winches(kinds[1], scene.scenario, channels), kinds[2])
+        moving, profiles = share_profiles(reserve_tables(kinds[:2], scene, channels), scene.scenario)
+        kinds = (*moving, kinds[2])
     if (
         scene.touches or scene.scenario is not None
     ):  # steps are taken back where something hits, or is to be done
@@ -200,9 +205,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.scenario.packing import pack_scenario
 
         copied = np.zeros(0) if scene.touches else carried
-        director = pack_scenario(
-            scene.scenario, scene.ropes, kinds[1], channels, phase_column, column, copied
-        )
+        director = pack_scenario(scene, kinds[:2], channels, phase_column, column, copied, profiles)
         forces.append(director)
         groups |= {SCENARIO}
     return Layout(

@@ -2,6 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+import math
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
@@ -30,12 +31,12 @@ from heavylift.pipeline.case.quantity_names import (
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case.report import ReportSection
-from heavylift.pipeline.case.scenario import scenario_of
+from heavylift.pipeline.case.scenario import Hook, Known, key_as_said, scenario_of
 from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import Scenario, check_scenario
+from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -244,14 +245,37 @@ class Case(SceneTables, _CaseHeading):
                 key="simulate.integrator",
             )
         try:
-            check_scenario(scenario_of(self.scenario, self._names), self.ropes)
+            operation = scenario_of(self.scenario, self._known)
         except InputError as error:
             reject(error.problem, error.expected, key=f"scenario.{error.key}")
+        try:
+            check_scenario(operation, Movable(**self._movable, duration=self.simulate.duration or math.inf))
+        except InputError as error:
+            key = key_as_said(self.scenario, self._known, error.key)
+            reject(error.problem, error.expected, key=f"scenario.{key}")
 
     @property
     def operation(self) -> Scenario | None:
         """The scenario for the solver."""
-        return None if self.scenario is None else scenario_of(self.scenario, self._names)
+        return None if self.scenario is None else scenario_of(self.scenario, self._known)
+
+    @property
+    def _movable(self) -> dict[str, Any]:
+        """What can be told something."""
+        frames = {name: body.frame for name, body in self.bodies.items() if hasattr(body, "frame")}
+        return {
+            "ropes": {rope.name: rope for rope in self.ropes},
+            "tanks": frozenset(tank.name for tank in self.tanks),
+            "drives": drives_of(self.joints, frames),
+        }
+
+    @property
+    def _known(self) -> Known:
+        """What a scenario can name."""
+        movable = self._movable
+        wire = [name for name, rope in movable["ropes"].items() if rope.DESCRIBED.WORD == "wire"]
+        hooks = {one.name: Hook(one.parts, one.block.hook_depth) for one in self.falls}
+        return Known(self._names, tuple(wire), tuple(movable["tanks"]), tuple(movable["drives"]), hooks)
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

@@ -23,6 +23,7 @@ from heavylift.pipeline.commands.command_line import (
     Out,
     Quiet,
     Set,
+    TellWord,
     complain,
     guarded,
     print_json,
@@ -239,11 +240,22 @@ def converge(
 
 @app.command
 def scenario(
-    case: CaseArgument, *, out: Out = None, set_: Set = (), quiet: Quiet = False, json: Json = False
+    case: CaseArgument,
+    *,
+    out: Out = None,
+    set_: Set = (),
+    tell: TellWord = None,
+    quiet: Quiet = False,
+    json: Json = False,
 ) -> int:
-    """Phases of an operation, and how long its ropes will be, without dynamics."""
+    """Phases of an operation, and how long its ropes will be, without dynamics; or a word to a run that goes on."""
 
     def command(log: "Log") -> int:
+        if tell is not None:
+            from heavylift.pipeline.commands.scenario import tell_command
+
+            print_lines([] if quiet else [tell_command(case, tell, out=out, overrides=set_)])
+            return 0
         from heavylift.pipeline.commands.scenario import scenario_command
 
         document, words = scenario_command(case, out=out, overrides=set_, log=log)

@@ -4,7 +4,7 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -28,6 +28,7 @@ __all__ = [
     "Out",
     "Quiet",
     "Set",
+    "TellWord",
     "complain",
     "guarded",
     "print_json",
@@ -64,6 +65,12 @@ NewFolder = Annotated[
     Path | None,
     Parameter(
         help="Where it is written: a new or empty folder; named as the kind if absent.", show_default=False
+    ),
+]
+TellWord = Annotated[
+    Literal["continue", "hold", "stop"] | None,
+    Parameter(
+        name="--tell", help="Say this to the run that goes on in the output folder.", show_default=False
     ),
 ]
 Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]

@@ -28,7 +28,7 @@ from heavylift.solver.scene.connections import Winch
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
 
-__all__ = ["Falls"]
+__all__ = ["Falls", "FallsRope", "HookBlock", "without_winch"]
 
 
 @EQUIPMENT.part
@@ -54,6 +54,9 @@ class FallsRope:
     """Tension per rate of elongation [N s/m], while it is taut."""
     tension: Annotated[float | None, Positive("force"), Absent()] = None
     """Tension at the start [N], of a search for equilibrium that in the place of rest; as long as drawn if absent."""
+    brake: Annotated[float | None, Positive("force")] = None
+    """Tension at which the brake of its winch slips [N]: a scenario can let such a winch keep a tension, or hooks a
+    load level."""
 
 
 @EQUIPMENT.part
@@ -174,13 +177,21 @@ class Falls:
             path.append(on_crown(-r, float(aside[-1])))
         else:
             path += [sheave(float(aside[-1])), _drum(said, "other_drum", crown, -along, places)]
-        rope = {"name": f"{name}_rope", "path": path} | given(said.rope)
+        rope = {"name": f"{name}_rope", "path": path} | without_winch(said.rope)
         if said.moves:
             rope["winch"] = speeds_of(said.moves, float(said.parts))
         elif said.winch is not None:
             rope["winch"] = given(said.winch)
         if said.drum is None and said.other_drum is not None:
             rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": "last"}
+        if said.rope.brake is not None:
+            if said.efficiency < 1.0:
+                raise InputError(
+                    "a brake that answers to the tension, on a rope over sheaves with an efficiency",
+                    key="rope.brake",
+                    expected="no 'brake', or an efficiency of 1",
+                )
+            rope["winch"] = rope.get("winch", {}) | {"brake": said.rope.brake}
         made.add("ropes", rope, "rope")
         middle = places.local(said.crown.body, crown)
         lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}
@@ -189,6 +200,11 @@ class Falls:
             for key, way in (("axis", DOWN), ("normal", across))
         }
         made.add("leads", lead | {"points": [list(said.crown.point), [0.0, 0.0, 0.0]]}, "crown")
+
+
+def without_winch(rope: Any) -> dict[str, Any]:
+    """What is given of a rope beside its winch."""
+    return {key: value for key, value in given(rope).items() if key != "brake"}
 
 
 def _drum(

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Least, NameOf, Positive, Quantity, Shape
-from heavylift.pipeline.equipment.falls import FallsRope, HookBlock
+from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, without_winch
 from heavylift.pipeline.equipment.moves import Move, Turn, check_moves, positions_of, speeds_of, turned
 from heavylift.pipeline.equipment.parts import EQUIPMENT, given, heading, listed
 
@@ -312,7 +312,7 @@ def _add_stay(said: Any, made: Made, along: NDArray[np.float64], on_carrier: Cal
     rope: dict[str, Any] = {
         "name": f"{said.name}_stay",
         "path": [ends[k % 2] for k in range(parts + 1)],
-    } | given(stay.rope)
+    } | without_winch(stay.rope)
     if said.luffing:
         aside = float(np.subtract(stay.head, said.hinge) @ np.cross([0.0, 0.0, 1.0], along))
 
@@ -322,6 +322,8 @@ def _add_stay(said: Any, made: Made, along: NDArray[np.float64], on_carrier: Cal
 
         times = _times(turned(said.luffing))
         rope["winch"] = {"times": times, "speeds": [-rate for rate in _rates(said, times, length)]}
+    if stay.rope.brake is not None:
+        rope["winch"] = rope.get("winch", {}) | {"brake": stay.rope.brake}
     made.add("ropes", rope, "stay")
 
 

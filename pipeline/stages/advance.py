@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.pipeline.stages.told import Told
+
 __all__ = ["Advancer", "StopRequest", "stop_requests"]
 
 PIECE_SECONDS = 0.2
@@ -112,6 +114,8 @@ class Advancer:
     restart_reason
         Set by `resume`: why it could not go on from what an earlier run left in the folder; empty if it did, or
         if nothing is there.
+    told
+        What someone outside says to the run, if it has a scenario.
     loss
         Set by `resume`: what of an earlier run is computed again, because segments before it are missing or damaged.
     segments
@@ -125,6 +129,7 @@ class Advancer:
     adaptive: bool = False
     restart_reason: str = ""
     loss: str = ""
+    told: Told | None = None
     segments: list[SegmentMark] = field(default_factory=list)
     _written_steps: int = 0
     _times: list[NDArray[np.float64]] = field(default_factory=list)
@@ -189,7 +194,11 @@ class Advancer:
             and not stop
         ):
             begin = time.monotonic()
-            self._keep(*simulation.advance(min(piece, self.step_count - simulation.step_index)))
+            last = self.step_count
+            if self.told is not None:
+                at = simulation.step_index
+                last = min(last, self.told.take(at, at * simulation.step) or last)
+            self._keep(*simulation.advance(min(piece, last - simulation.step_index)))
             now = time.monotonic()
             piece = _next_piece(piece, now - begin, growth)
             if now - flushed > wait or sum(r.nbytes for r in self._records) > SEGMENT_BYTES:

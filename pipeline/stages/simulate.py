@@ -15,6 +15,7 @@ from heavylift.pipeline.results.provenance import simulate_digest, source_digest
 from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.advance import Advancer, stop_requests
 from heavylift.pipeline.stages.stages import StageReport
+from heavylift.pipeline.stages.told import Told, words_there
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.stages.stages import Work
     from heavylift.solver.scenario.operation import Operation
+    from heavylift.solver.scene.scene import Scene
     from heavylift.solver.simulation import Simulation
 
 __all__ = [
@@ -91,7 +93,7 @@ def _listed(sentences: Sequence[str]) -> str:
 def operation_log(operation: Operation) -> dict[str, Any]:
     """Names of the phases, and what happened, as plain values."""
     return {
-        "phases": [phase.name for phase in operation.scenario.phases],
+        "phases": [phase.name for phase in operation.scenario.all_phases],
         "log": [[line.time, line.phase, line.event, line.what, line.value] for line in operation.log],
     }
 
@@ -127,6 +129,7 @@ def simulate_stage(work: Work) -> StageReport:
         log.say(f"simulate: {folder.results} is {state}, simulated again")
     if forced:
         remove_segments(folder.segments)
+        Told.forget(folder.root)
     cut_off = bool(manifest) and not manifest.get("finished")
     return _simulate(work, digest, cut_off=cut_off)
 
@@ -154,6 +157,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
+    old_words = words_there(folder.root)
     scene = assemble_scene(work.case, folder)
     for note in collision_notes(work.case):
         log.say(f"simulate: {note}")
@@ -166,6 +170,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     with in_case(work.case):
         simulation = Simulation(scene, section.solver_step, section.integrator, **options)
     _refuse_beyond_disk(work, simulation)
+    if simulation.operation is not None:
+        _check_plan(work, scene, simulation.operation)
     with contextlib.suppress(FileNotFoundError):
         folder.results.unlink()  # from here on it would belong to other inputs
     save_meshes(folder.meshes, meshes)
@@ -198,6 +204,8 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     elif advancer.restart_reason or cut_off:
         forced = "--force" if "simulate" in work.force else "nothing had been written"
         log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
+    if simulation.operation is not None:
+        advancer.told = Told(folder.root, digest, simulation.operation, old_words)
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)
@@ -236,6 +244,14 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
+
+
+def _check_plan(work: Work, scene: Scene, operation: Operation) -> None:
+    """Refuse an operation that is certain to fail."""
+    from heavylift.pipeline.assemble.operation_plan import check_plan, plan, starts_of
+
+    starts = starts_of(scene, operation)
+    check_plan(work.case, plan(operation.scenario, starts), starts)
 
 
 def _refuse_beyond_disk(work: Work, simulation: Simulation) -> None:

@@ -133,7 +133,14 @@ def pack_ropes(
 
 def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
     """The kind of ropes whose winches answer to their tension."""
-    from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
+    from heavylift.solver.laws.winch_control import (
+        PLANNED,
+        TABLED,
+        ControlledRopes,
+        ControlState,
+        TensionRow,
+        WinchControl,
+    )
 
     controls: list[tuple[float, ...]] = []
     rows: list[tuple[float, float]] = []
@@ -141,7 +148,8 @@ def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
         winch, count = rope.winch, len(rope.winch.tensions)
         speed = winch.speed if count else math.inf
         brake = math.inf if winch.brake is None else winch.brake
-        controls.append((len(rows), count, winch.dead_band, speed, brake))
+        mode = TABLED if count else PLANNED
+        controls.append((len(rows), count, winch.dead_band, speed, brake, mode, 0.0, 0))
         if count:
             rows += [(float(t), float(T)) for t, T in zip(winch.times, winch.tensions, strict=True)]
     return ControlledRopes(

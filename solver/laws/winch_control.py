@@ -1,4 +1,4 @@
-"""Wire ropes whose winch answers to their tension: one that keeps a tension, and a brake that slips.
+"""Wire ropes whose winch answers to their tension: one that keeps a tension, a brake that slips, a share of a load.
 
 Between two tensions the drum does what is planned, or rests. Beyond the upper one it pays out, below the lower one it
 hauls in, just so much that the elastic tension at the end of the step is that limit, but no faster than it can. With
@@ -9,6 +9,14 @@ the path s and the unstretched length l that is planned::
 So the tension is a law of the rate of the path, as of any rope, which is level while the drum gives way: it is fitted
 as they are, and the work is that of the winch. A winch of constant tension has ``T (1 -+ band)``, T a linear table in
 time. A brake has no lower limit, and slips at any speed; what it has slipped stays out.
+
+Winches that keep a load level do so beside their plans. With the elastic tensions at the end of the last step and
+shares w, which add up to 1, each pays out what its rope is stretched too much, and hauls in what is missing, so far as
+it is off by more than the dead band, less the mean over all winches, which would move the load::
+
+    dl = (T - w (1 -+ band) sum T) l/EA - mean,        |dl| <= v h
+
+Ropes side by side on a rigid load are level after one step then; where the load gives way it takes some.
 """
 
 from __future__ import annotations
@@ -34,7 +42,19 @@ from heavylift.solver.laws.wire_rope import (
 )
 from heavylift.solver.rows.structure import RowArrays
 
-__all__ = ["ControlState", "ControlledRopes", "TensionRow", "WinchControl"]
+__all__ = [
+    "CONSTANT",
+    "LEVEL",
+    "PLANNED",
+    "TABLED",
+    "ControlState",
+    "ControlledRopes",
+    "TensionRow",
+    "WinchControl",
+]
+
+PLANNED, TABLED, CONSTANT, LEVEL = range(4)
+"""Modes: as planned; a table of tensions; a tension; as planned, and level with a group of winches."""
 
 
 class WinchControl(Record):
@@ -50,6 +70,12 @@ class WinchControl(Record):
         Largest speed [m/s].
     brake
         Tension at which the brake slips [N].
+    mode
+        What limits the tension beside the brake.
+    wanted
+        Tension [N], or share of what a group holds.
+    group
+        Number of the group.
     """
 
     first: int
@@ -57,6 +83,9 @@ class WinchControl(Record):
     band: float
     speed: float
     brake: float
+    mode: int
+    wanted: float
+    group: int
 
 
 class TensionRow(Record):
@@ -79,6 +108,8 @@ class ControlState(Record):
         Unstretched length at the end of the step without anything more [m].
     low, high
         Limits of the step [N].
+    levelled
+        Paid out in the step to keep the load level [m].
     """
 
     paid_out: float
@@ -86,6 +117,7 @@ class ControlState(Record):
     planned: float
     low: float
     high: float
+    levelled: float
 
 
 class ControlledRopes(Ropes):
@@ -132,15 +164,55 @@ def _tension_with(kind: ControlledRopes, i: int, u: float, h: float, paid: float
 def _answer(kind: ControlledRopes, i: int, u: float, h: float) -> tuple[float, float]:
     """Tension of the step and its slope by the rate u; the length at the end of the step."""
     state, elasticity = kind.control_state[i], kind.table[i].axial_stiffness
+    if elasticity == 0.0:  # it was let go
+        return _tension_with(kind, i, u, h, 0.0)
     path = kind.state[i].stretched + h * u
     longest = path / (1.0 + state.low / elasticity)  # with the lowest tension
     shortest = path / (1.0 + state.high / elasticity)
     paid = max(0.0, shortest - state.planned) + min(0.0, longest - state.planned)
-    farthest = kind.controls[i].speed * h
+    farthest = kind.controls[i].speed * h if kind.controls[i].mode != LEVEL else math.inf
     if abs(paid) < farthest:
         tension, slope = _tension_with(kind, i, u, h, paid)
         return tension, slope if paid == 0.0 else 0.0
     return _tension_with(kind, i, u, h, math.copysign(farthest, paid))
+
+
+@kernel(internal=True)
+def _elastic(kind: ControlledRopes, i: int) -> float:
+    """Tension of the carried stretch [N]."""
+    state = kind.state[i]
+    return max(0.0, kind.table[i].axial_stiffness * (state.stretched / state.rest - 1.0))
+
+
+@kernel(internal=True)
+def _excess(kind: ControlledRopes, i: int, tensions: float, shares: float) -> float:
+    """What a rope of a group is stretched more than its share of the tensions wants [m]; less if negative."""
+    control, elasticity = kind.controls[i], kind.table[i].axial_stiffness
+    if elasticity == 0.0:
+        return 0.0
+    tension, wanted = _elastic(kind, i), control.wanted / shares * tensions
+    beyond = max(0.0, tension - wanted * (1.0 + control.band)) + min(
+        0.0, tension - wanted * (1.0 - control.band)
+    )
+    return beyond * kind.state[i].rest / elasticity
+
+
+@kernel(internal=True)
+def _level(kind: ControlledRopes, i: int, step: float) -> float:
+    """Length that a winch pays out in a step to keep its load level [m]."""
+    group = kind.controls[i].group
+    tensions = shares = mean = 0.0
+    count = 0
+    for k in range(kind.table.shape[0]):
+        if kind.controls[k].mode == LEVEL and kind.controls[k].group == group:
+            tensions += _elastic(kind, k)
+            shares += kind.controls[k].wanted
+            count += 1
+    for k in range(kind.table.shape[0]):
+        if kind.controls[k].mode == LEVEL and kind.controls[k].group == group:
+            mean += _excess(kind, k, tensions, shares) / count
+    farthest = kind.controls[i].speed * step
+    return min(max(_excess(kind, i, tensions, shares) - mean, -farthest), farthest)
 
 
 @implement(set_targets, ControlledRopes)
@@ -154,11 +226,17 @@ def set_controlled_targets(
     for i in range(kind.table.shape[0]):
         control, state, rope = kind.controls[i], kind.control_state[i], kind.state[i]
         hauled, rope.hauling = winch_state(kind, i, time + step)
-        state.planned = kind.table[i].start_length - hauled + state.paid_out
+        state.levelled = _level(kind, i, step) if control.mode == LEVEL else 0.0
+        state.planned = kind.table[i].start_length - hauled + state.paid_out + state.levelled
         state.low, state.high = -0.5 * kind.table[i].axial_stiffness, control.brake
-        if control.count > 0:
+        wanted = 0.0
+        if control.mode == TABLED:
             wanted = _wanted(kind, i, time + step)
-            state.low, state.high = wanted * (1.0 - control.band), wanted * (1.0 + control.band)
+        elif control.mode == CONSTANT:
+            wanted = control.wanted
+        if wanted > 0.0:
+            state.low = wanted * (1.0 - control.band)
+            state.high = min(wanted * (1.0 + control.band), control.brake)
         tension, slope = _answer(kind, i, rope.rate, step)
         put_law(system, kind.table[i].block, step, rope.rate, tension, slope)
 
@@ -183,7 +261,7 @@ def update_controlled_ropes(
     """As a rope, and what the control has paid out."""
     for i in range(kind.table.shape[0]):
         state, rope = kind.control_state[i], kind.state[i]
-        paid = rope.next_rest - state.planned
+        paid = rope.next_rest - state.planned + state.levelled
         state.paid_out += paid
         state.speed = paid / step
         rope.hauling -= state.speed

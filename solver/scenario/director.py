@@ -1,19 +1,16 @@
-"""Phases of an operation, evaluated at the end of each step: conditions, limits, winches, ropes that go and come.
+"""Phases of an operation, evaluated at the end of each step: conditions, limits, and what moves.
 
 A *signal* is a combination of columns of a record, which is written into a row of scratch after each step, so
 whatever can be recorded can be waited for. A condition ``g(t) = x(t) - value >= 0`` that becomes true in a step from t0
 to t1 does so at ``t0 + (t1 - t0) g0/(g0 - g1)``, off by a part of the square of the step. It holds for its time from
 there on; the phase ends when all of its conditions have held, or any. What the next phase begins with jumps, so the
 step is taken back and repeated up to that time, as where something hits, and the actions take place at its end: results
-stay of second order. A copy of the state is kept for that, where contacts do not keep one.
+stay of second order. A copy of the state is kept for that, where contacts do not keep one. Phases stand in *tracks*,
+rows of their own that go on beside each other.
 
-A winch is told by rewriting its rows, between which its speed is linear: from speed v0 with acceleration a to a
-length with the distance D to be hauled in, in the direction s at most with speed V::
-
-    peak |v| = min(V, sqrt(s a D + v0^2 / 2)),     rest of the way at V
-
-(the sum of the distances of speeding up and slowing down, ``s (2 v^2 - v0^2) / (2 a)``, is D). The last row has the
-length that was asked for.
+What can be told to move is a *mover*: the winch of a rope, a drive of a joint or of a frame, the pump of a tank. A move
+is planned once, as cubics in time (`plan_speed`, `plan_move`), and written into the table that the mover reads anyway:
+rows of a winch, a profile, levels of a tank.
 
 A rope lets go by losing its stiffness: what the scene stores less then counts as dissipated. One that is connected gets
 the length of its path and its slack; what less than no slack stores is work of its winch.
@@ -29,6 +26,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.records import Record, Records
+from heavylift.solver.drive import profile_value
 from heavylift.solver.integrate.loop import TOTAL_COLUMNS, write_record
 from heavylift.solver.interface import (
     Bodies,
@@ -40,52 +38,82 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.laws.winch_control import (
+    CONSTANT,
+    LEVEL,
+    PLANNED,
+    ControlledRopes,
+    ControlState,
+    WinchControl,
+)
 from heavylift.solver.laws.wire_rope import RopeEntry, Ropes, WinchRow, winch_state
 from heavylift.solver.scenario.interface import direct, keep_state, take_back
+from heavylift.solver.scenario.moves import MoveRow, plan_move, plan_speed
+from heavylift.solver.scene.speed_profiles import FOREVER
+from heavylift.solver.water.hulls.kind import TankData, TankLevel
 
 __all__ = [
     "ACTION",
     "BEGUN",
+    "BRAKE",
     "CONNECT",
     "DONE",
+    "DRIVE",
+    "DRIVE_BREAKS",
     "ENDED",
+    "FOLLOW",
     "FUNCTIONS",
+    "GO_BY",
+    "GO_TO",
+    "HELD_ROPE",
+    "KEEP",
+    "KEEP_LEVEL",
     "LIMIT_STOP",
     "LIMIT_WARNING",
     "NOTE",
     "NOT_CONNECTED",
+    "PLAIN_ROPE",
     "RELEASE",
     "ROPE_USED_UP",
+    "RUBBING_ROPE",
+    "SPEED",
+    "TANK",
     "TIMED_OUT",
-    "WINCH_LENGTH",
-    "WINCH_ROWS",
-    "WINCH_SPEED",
+    "TOLD",
+    "WORDS",
     "ActionEntry",
     "ConditionEntry",
     "Director",
     "DirectorState",
-    "GivenRope",
     "LimitEntry",
     "LogEntry",
+    "Mover",
+    "MoverState",
     "PhaseEntry",
     "SignalEntry",
     "TermEntry",
     "Timer",
+    "TrackEntry",
+    "TrackState",
     "Worst",
     "begin_scenario",
-    "plan_length",
 ]
 
-FUNCTIONS = ("sum", "norm", "largest", "smallest")
-"""Of signals, by their numbers."""
-SUM, NORM, LARGEST, SMALLEST = range(4)
-WINCH_SPEED, WINCH_LENGTH, RELEASE, CONNECT, NOTE = range(5)
+FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
+"""Of signals, by their numbers. `arrived`: time since the last of some movers came to rest where it was told to go;
+`told`: whether someone outside said "continue" since a phase began."""
+SUM, NORM, LARGEST, SMALLEST, ARRIVED, CONTINUED = range(6)
+SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE = range(10)
 """Actions."""
-BEGUN, ACTION, DONE, LIMIT_WARNING, LIMIT_STOP, TIMED_OUT, ROPE_USED_UP, NOT_CONNECTED = range(8)
+BEGUN, ACTION, DONE, LIMIT_WARNING, LIMIT_STOP, TIMED_OUT, ROPE_USED_UP, NOT_CONNECTED, TOLD = range(9)
 """Events of the log."""
+WORDS = ("continue", "hold", "stop")
+"""What can be told from outside, by number."""
+PLAIN_ROPE, RUBBING_ROPE, HELD_ROPE, TANK, DRIVE = range(5)
+"""Sorts of movers."""
 
-WINCH_ROWS = 4
-"""Of a winch that is told what to do."""
+DRIVE_BREAKS = 12
+"""Of the profile of a drive that is told what to do, at least."""
 
 ENDED = -1
 """In place of an outcome: the last phase is done and the run ends with it."""
@@ -101,6 +129,13 @@ SHORTEST = 1e-6
 
 LARGEST_STRAIN = 0.02
 """By which a rope that is connected may be shorter than its path."""
+
+
+class TrackEntry(Record):
+    """First of its phases, and how many."""
+
+    first: int
+    phases: int
 
 
 class PhaseEntry(Record):
@@ -143,40 +178,70 @@ class SignalEntry(Record):
 
 
 class TermEntry(Record):
-    """Column of a record, and weight."""
+    """Column of a record, or number of a mover; and weight."""
 
     column: int
     weight: float
 
 
 class ActionEntry(Record):
-    """What, with which rope; speed [m/s], length or slack [m]; speed at most [m/s]; ramp [s]."""
-
-    action: int
-    rope: int
-    value: float
-    speed: float
-    ramp: float
-
-
-class GivenRope(Record):
-    """A rope.
+    """Something to be done.
 
     Attributes
     ----------
-    second, number
-        Whether it is of the second kind of ropes, and its number there.
-    axial_stiffness, damping
-        EA [N] and damping [N s/m] while it is connected.
-    commanded
-        Whether its winch is told what to do.
+    action, mover
+        What, with which mover.
+    value
+        Speed, place, way, slack, tension, share of a load or whether a brake is set.
+    speed
+        At most.
+    ramp
+        Time in which the speed changes, or reaches the largest one, [s]; 0 if the limits below say it.
+    acceleration, jerk
+        Limits; 0 is none.
+    other
+        Mover that is followed, signal that a way is reckoned from, or number of a group; -1 is none.
+    factor
+        Ratio to what is followed, way per difference of the signal, or dead band.
     """
 
-    second: bool
+    action: int
+    mover: int
+    value: float
+    speed: float
+    ramp: float
+    acceleration: float
+    jerk: float
+    other: int
+    factor: float
+
+
+class Mover(Record):
+    """What can be told to move.
+
+    Attributes
+    ----------
+    sort, number
+        Sort, and number in its kind; of a drive where its profile begins.
+    axial_stiffness, damping
+        Of a rope EA [N] and damping [N s/m] while it is connected.
+    commanded
+        Whether it is told what to do.
+    """
+
+    sort: int
     number: int
     axial_stiffness: float
     damping: float
     commanded: bool
+
+
+class MoverState(Record):
+    """Number of the winch that it follows or -1, ratio to that; when it is at rest where it was told to go [s]."""
+
+    leader: int
+    ratio: float
+    arrives: float
 
 
 class Timer(Record):
@@ -193,7 +258,7 @@ class Worst(Record):
 
 
 class LogEntry(Record):
-    """Time [s], event, number of the phase from 0, number of the action, limit or rope, value."""
+    """Time [s], event, number of the phase from 0, number of the action, limit or mover, value."""
 
     time: float
     event: int
@@ -202,8 +267,8 @@ class LogEntry(Record):
     value: float
 
 
-class DirectorState(Record):
-    """How far the operation is; carried.
+class TrackState(Record):
+    """How far a track is.
 
     Attributes
     ----------
@@ -211,19 +276,36 @@ class DirectorState(Record):
         Number from 1; 0 before the scenario begins, one more than there are when all are done.
     begun
         When the phase began [s].
-    due
-        When the step that is repeated ends [s], or 0.
-    logged
-        Lines of the log.
-    outcome
-        With which the run ends, `ENDED`, or 0.
+    ends
+        When it ends, of the step that is looked at [s].
     """
 
     phase: int
     begun: float
+    ends: float
+
+
+class DirectorState(Record):
+    """How far the operation is; carried.
+
+    Attributes
+    ----------
+    due, due_track
+        When the step that is repeated ends [s], or 0; and the track whose phase ends then.
+    logged
+        Lines of the log.
+    outcome
+        With which the run ends, `ENDED`, or 0.
+    held, continued
+        Whether someone outside has said "hold", and "continue".
+    """
+
     due: float
+    due_track: int
     logged: int
     outcome: int
+    held: bool
+    continued: bool
 
 
 class Director(Arrays):
@@ -231,22 +313,27 @@ class Director(Arrays):
 
     Attributes
     ----------
-    phases, conditions, limits, actions, signals, terms
+    tracks, phases, conditions, limits, actions, signals, terms
         What was said.
-    given
-        Of each wire rope of the scene.
-    ropes, others
-        Both kinds of ropes, empty if there is none: with one tension, and over sheaves that rub.
-    rope_table, winches, other_table, other_winches
+    movers
+        First the wire ropes of the scene, then its tanks and drives that are told something.
+    ropes, rubbing, held, controlled
+        The kinds of ropes, empty if there is none: with one tension, over sheaves that rub, and with a winch that
+        answers to the tension, twice.
+    rope_table, winches, rubbing_table, rubbing_winches, held_table, held_winches, controls, control_state
         Theirs, which actions change, and which are carried for that.
-    state, timers, passed, values, log
+    tanks, levels
+        Of the hulls.
+    profiles
+        Of the drives; carried.
+    state, track_state, mover_state, timers, passed, values, log
         What is carried; values of all signals at the end of the last step.
     trial
         Those of the step that is looked at.
-    row
-        Record of scratch.
+    row, plan
+        Record of scratch, and a plan.
     column
-        Record column of the number of the phase.
+        Record column of the number of the phase of the first track.
     stops_at_end
         Whether the run ends with the last phase.
     carried, saved
@@ -255,36 +342,56 @@ class Director(Arrays):
 
     carried_fields: ClassVar[tuple[str, ...]] = (
         "state",
+        "track_state",
+        "mover_state",
         "timers",
         "passed",
         "values",
         "log",
         "rope_table",
         "winches",
-        "other_table",
-        "other_winches",
+        "rubbing_table",
+        "rubbing_winches",
+        "held_table",
+        "held_winches",
+        "controls",
+        "levels",
+        "profiles",
     )
 
+    tracks: Records[TrackEntry]
     phases: Records[PhaseEntry]
     conditions: Records[ConditionEntry]
     limits: Records[LimitEntry]
     actions: Records[ActionEntry]
     signals: Records[SignalEntry]
     terms: Records[TermEntry]
-    given: Records[GivenRope]
+    movers: Records[Mover]
     ropes: Ropes
-    others: Ropes
+    rubbing: Ropes
+    held: Ropes
+    controlled: ControlledRopes
     rope_table: Records[RopeEntry]
     winches: Records[WinchRow]
-    other_table: Records[RopeEntry]
-    other_winches: Records[WinchRow]
+    rubbing_table: Records[RopeEntry]
+    rubbing_winches: Records[WinchRow]
+    held_table: Records[RopeEntry]
+    held_winches: Records[WinchRow]
+    controls: Records[WinchControl]
+    control_state: Records[ControlState]
+    tanks: Records[TankData]
+    levels: Records[TankLevel]
+    profiles: Floats1
     state: DirectorState
+    track_state: Records[TrackState]
+    mover_state: Records[MoverState]
     timers: Records[Timer]
     passed: Records[Worst]
     values: Floats1
     log: Records[LogEntry]
     trial: Floats1
     row: Floats1
+    plan: Records[MoveRow]
     column: int
     stops_at_end: bool
     carried: Floats1
@@ -300,8 +407,8 @@ def add_nothing(kind: Director, time: float, work: Workspace) -> None:
 @implement(record_forces, Director)
 @kernel(internal=True)
 def record_phase(kind: Director, time: float, work: Workspace, row: Floats1) -> None:
-    """Number of the phase."""
-    row[kind.column] = kind.state.phase
+    """Number of the phase of the first track."""
+    row[kind.column] = kind.track_state[0].phase
 
 
 @implement(keep_state, Director)
@@ -321,12 +428,12 @@ def restore_copy(kind: Director) -> None:
 
 
 @kernel(internal=True)
-def _note(kind: Director, time: float, event: int, item: int, value: float) -> None:
+def _note(kind: Director, time: float, event: int, phase: int, item: int, value: float) -> None:
     """A line in the log, which has room for all that can happen."""
     state = kind.state
     if state.logged < kind.log.shape[0]:
         line = kind.log[state.logged]
-        line.time, line.event, line.phase = time, event, state.phase - 1
+        line.time, line.event, line.phase = time, event, phase
         line.item, line.value = item, value
         state.logged += 1
 
@@ -335,6 +442,15 @@ def _note(kind: Director, time: float, event: int, item: int, value: float) -> N
 def _margin(below: bool, value: float, x: float) -> float:
     """How far inside of what is wanted; negative outside."""
     return value - x if below else x - value
+
+
+@kernel(internal=True)
+def _arrived(kind: Director, first: int, count: int, time: float) -> float:
+    """Time since the last of some movers came to rest [s]; minus infinity if one has no place to go to."""
+    last = -math.inf
+    for i in range(first, first + count):
+        last = max(last, kind.mover_state[kind.terms[i].column].arrives)
+    return time - last
 
 
 @kernel(internal=True)
@@ -353,6 +469,12 @@ def _measure(
         first, count = kind.signals[s].first, kind.signals[s].terms
         function = kind.signals[s].function
         found = 0.0
+        if function == ARRIVED:
+            kind.trial[s] = _arrived(kind, first, count, time)
+            continue
+        if function == CONTINUED:
+            kind.trial[s] = 1.0 if kind.state.continued else 0.0
+            continue
         for i in range(first, first + count):
             x = kind.terms[i].weight * kind.row[kind.terms[i].column]
             if function == SUM:
@@ -365,9 +487,12 @@ def _measure(
 
 
 @kernel(internal=True)
-def _end_of_phase(kind: Director, start: float, end: float) -> float:
+def _end_of_phase(kind: Director, track: int, start: float, end: float) -> float:
     """When the phase ends [s], not before the start of the step; infinite if its conditions do not hold at the end."""
-    phase = kind.phases[kind.state.phase - 1]
+    said, state = kind.tracks[track], kind.track_state[track]
+    if state.phase > said.phases:
+        return math.inf
+    phase = kind.phases[said.first + state.phase - 1]
     if phase.conditions == 0:
         return math.inf
     found = -math.inf
@@ -376,7 +501,7 @@ def _end_of_phase(kind: Director, start: float, end: float) -> float:
     for c in range(phase.first_condition, phase.first_condition + phase.conditions):
         condition, timer = kind.conditions[c], kind.timers[c]
         if condition.signal < 0:
-            before, now = start - kind.state.begun, end - kind.state.begun
+            before, now = start - state.begun, end - state.begun
         else:
             before, now = kind.values[condition.signal], kind.trial[condition.signal]
         before = _margin(condition.below, condition.value, before)
@@ -393,89 +518,217 @@ def _end_of_phase(kind: Director, start: float, end: float) -> float:
         else:
             timer.trial = math.nan
         found = min(found, ready) if phase.any_of else max(found, ready)
-    return max(found, start)
-
-
-@kernel
-def plan_length(hauled: float, speed: float, target: float, most: float, ramp: float, rows: Floats1) -> int:
-    """Trapezoid of speeds from a present one to rest at a length.
-
-    Parameters
-    ----------
-    hauled, speed
-        Length hauled in [m] and speed [m/s] now.
-    target
-        Length hauled in at the end [m].
-    most, ramp
-        Speed at most [m/s], and time from rest to it [s]; 0 is at once.
-    rows
-        Receives times from now on [s], speeds and lengths hauled in, four each, shape (12,).
-
-    Returns
-    -------
-    int
-        Number of rows, 4.
-    """
-    way = target - hauled
-    t1 = t2 = t3 = d1 = 0.0
-    if ramp > 0.0:
-        a = most / ramp
-        s = 1.0 if way - 0.5 * speed * abs(speed) / a >= 0.0 else -1.0
-        peak = min(most, math.sqrt(max(0.0, s * a * way + 0.5 * speed * speed)))
-        t1, t3 = abs(s * peak - speed) / a, peak / a
-        d1 = 0.5 * (speed + s * peak) * t1
-        rest = s * (way - d1) - 0.5 * peak * t3
-    else:
-        s = 1.0 if way >= 0.0 else -1.0
-        peak, rest = most, abs(way)
-    if peak > 0.0:
-        t2 = max(0.0, rest) / peak
-    rows[0], rows[4], rows[8] = 0.0, speed, hauled
-    rows[1], rows[5], rows[9] = t1, s * peak, hauled + d1
-    rows[2], rows[6], rows[10] = t1 + t2, s * peak, target - s * 0.5 * peak * t3
-    rows[3], rows[7], rows[11] = t1 + t2 + t3, 0.0, target
-    return 4
+    return math.inf if kind.state.held else max(found, start)
 
 
 @kernel(internal=True)
-def _put_row(row: WinchRow, time: float, speed: float, hauled: float) -> None:
-    """A row from which on the speed is linear, whatever it was before."""
+def _ropes_of(kind: Director, sort: int) -> Ropes:
+    """Kind of the ropes of a sort."""
+    if sort == RUBBING_ROPE:
+        return kind.rubbing
+    if sort == HELD_ROPE:
+        return kind.held
+    return kind.ropes
+
+
+@kernel(internal=True)
+def _put_row(row: WinchRow, time: float, speed: float, hauled: float, jerk: float) -> None:
+    """A row of a winch, whatever it was before."""
     words = row.words
     for k in range(words.shape[0]):
         words[k] = 0.0
-    row.time, row.speed, row.hauled = time, speed, hauled
+    row.time, row.speed, row.hauled, row.jerk = time, speed, hauled, jerk
 
 
 @kernel(internal=True)
-def _hold_last(ropes: Ropes, i: int, count: int) -> None:
-    """Rows of a winch behind those that say something are as the last of these."""
-    first, rows = ropes.table[i].winch, ropes.winches
-    last = rows[first + count - 1]
-    for k in range(count, ropes.table[i].winch_rows):
-        _put_row(rows[first + k], last.time, last.speed, last.hauled)
-
-
-@kernel(internal=True)
-def _set_speed(ropes: Ropes, i: int, time: float, target: float, ramp: float) -> None:
-    """A winch comes to a speed within a ramp."""
-    hauled, speed = winch_state(ropes, i, time)
-    first = ropes.table[i].winch
-    _put_row(ropes.winches[first], time, speed, hauled)
-    _put_row(ropes.winches[first + 1], time + ramp, target, hauled + 0.5 * (speed + target) * ramp)
-    _hold_last(ropes, i, 2)
-
-
-@kernel(internal=True)
-def _set_length(
-    ropes: Ropes, i: int, time: float, length: float, most: float, ramp: float, plan: Floats1
+def _write_winch(
+    ropes: Ropes, i: int, count: int, time: float, ratio: float, hauled: float, plan: Records[MoveRow]
 ) -> None:
-    """A winch goes to a length."""
-    hauled, speed = winch_state(ropes, i, time)
+    """A plan, times a ratio, from a length hauled in on, as rows of a winch; those behind it are as its last one."""
     first = ropes.table[i].winch
-    count = plan_length(hauled, speed, ropes.table[i].start_length - length, most, ramp, plan)
-    for k in range(count):
-        _put_row(ropes.winches[first + k], time + plan[k], plan[4 + k], plan[8 + k])
-    _hold_last(ropes, i, count)
+    for k in range(ropes.table[i].winch_rows):
+        row = plan[min(k, count - 1)]
+        way = hauled + ratio * (row.value - plan[0].value)
+        _put_row(ropes.winches[first + k], time + row.time, ratio * row.speed, way, ratio * row.jerk)
+
+
+@kernel(internal=True)
+def _write_profile(profiles: Floats1, start: int, count: int, time: float, plan: Records[MoveRow]) -> None:
+    """A plan as the cubics of a profile; what was before it goes on with its first speed."""
+    breaks = int(profiles[start])
+    cubics = start + 2 + breaks
+    first = plan[0]
+    for k in range(breaks - 1):
+        row = plan[min(max(k - 1, 0), count - 1)]
+        c = cubics + 4 * k
+        profiles[start + 2 + k] = time + row.time
+        profiles[c], profiles[c + 1] = row.jerk / 6.0, 0.5 * row.acceleration
+        profiles[c + 2], profiles[c + 3] = row.speed, row.value
+    profiles[start + 2] = time - 1.0
+    profiles[cubics], profiles[cubics + 1] = 0.0, 0.0
+    profiles[cubics + 2], profiles[cubics + 3] = first.speed, first.value - first.speed
+    profiles[start + 1 + breaks] = time + plan[count - 1].time + FOREVER
+
+
+@kernel(internal=True)
+def _write_levels(kind: Director, tank: int, count: int, time: float, plan: Records[MoveRow]) -> None:
+    """A plan of constant rates as levels of a tank, which are held behind the last one."""
+    data, last = kind.tanks[tank], plan[count - 1]
+    for k in range(data.count):
+        level = kind.levels[data.first + k]
+        if k < count:
+            level.time, level.mass = time + plan[k].time, plan[k].value
+        else:
+            level.time, level.mass = time + last.time + FOREVER, last.value + last.speed * FOREVER
+
+
+@kernel(internal=True)
+def _acceleration(ropes: Ropes, i: int, time: float) -> float:
+    """Of a winch by its rows [m/s2]."""
+    first, count = ropes.table[i].winch, ropes.table[i].winch_rows
+    for k in range(first, first + count - 1):
+        a, b = ropes.winches[k], ropes.winches[k + 1]
+        if a.time <= time < b.time:
+            h = b.time - a.time
+            return (b.speed - a.speed) / h + a.jerk * (time - a.time - 0.5 * h)
+    return 0.0
+
+
+@kernel(internal=True)
+def _present(kind: Director, mover: int, time: float) -> tuple[float, float, float]:
+    """Value of a mover, speed and acceleration: length hauled in [m], mass [kg], place [m] or [rad]."""
+    said = kind.movers[mover]
+    if said.sort == TANK:
+        return kind.tanks[said.number].mass, 0.0, 0.0  # of the record that was just written
+    if said.sort == DRIVE:
+        return profile_value(kind.profiles, said.number, time)
+    ropes = _ropes_of(kind, said.sort)
+    hauled, speed = winch_state(ropes, said.number, time)
+    return hauled, speed, _acceleration(ropes, said.number, time)
+
+
+@kernel(internal=True)
+def _hauled_at(kind: Director, mover: int, length: float) -> float:
+    """Length hauled in of a winch whose rope has an unstretched length [m]."""
+    said = kind.movers[mover]
+    ropes = _ropes_of(kind, said.sort)
+    hauled = ropes.table[said.number].start_length - length
+    if said.sort == HELD_ROPE:
+        hauled += kind.control_state[said.number].paid_out
+    return hauled
+
+
+@kernel(internal=True)
+def _write(kind: Director, mover: int, count: int, time: float) -> None:
+    """Give the plan to a mover, and to the winches that follow it."""
+    said, plan = kind.movers[mover], kind.plan
+    if said.sort == TANK:
+        _write_levels(kind, said.number, count, time, plan)
+    elif said.sort == DRIVE:
+        _write_profile(kind.profiles, said.number, count, time, plan)
+    else:
+        _write_winch(_ropes_of(kind, said.sort), said.number, count, time, 1.0, plan[0].value, plan)
+        for m in range(kind.movers.shape[0]):
+            other = kind.mover_state[m]
+            if other.leader == mover and kind.movers[m].commanded:
+                hauled, _, _ = _present(kind, m, time)
+                ropes = _ropes_of(kind, kind.movers[m].sort)
+                _write_winch(ropes, kind.movers[m].number, count, time, other.ratio, hauled, plan)
+                other.arrives = kind.mover_state[mover].arrives
+
+
+@kernel(internal=True)
+def _go_on(kind: Director, mover: int, time: float, speed: float, acceleration: float, jerk: float) -> None:
+    """A mover comes to a speed; an empty tank stops."""
+    value, before, present = _present(kind, mover, time)
+    arrives = math.inf
+    if kind.movers[mover].sort == TANK and speed < 0.0:
+        count = plan_move(value, before, present, 0.0, -speed, acceleration, jerk, kind.plan)
+        arrives = time + kind.plan[count - 1].time
+    else:
+        count = plan_speed(value, before, present, speed, acceleration, jerk, kind.plan)
+        if speed == 0.0:
+            arrives = time + kind.plan[count - 1].time
+    kind.mover_state[mover].arrives = arrives
+    _write(kind, mover, count, time)
+
+
+@kernel(internal=True)
+def _go_to(
+    kind: Director, mover: int, time: float, target: float, most: float, acceleration: float, jerk: float
+) -> None:
+    """A mover comes to rest at a value."""
+    value, speed, present = _present(kind, mover, time)
+    count = plan_move(value, speed, present, target, most, acceleration, jerk, kind.plan)
+    kind.mover_state[mover].arrives = time + kind.plan[count - 1].time
+    _write(kind, mover, count, time)
+
+
+@kernel(internal=True)
+def _follow(kind: Director, mover: int, leader: int, ratio: float, time: float) -> None:
+    """A winch does as another one from now on, times a ratio."""
+    follower, said = kind.movers[mover], kind.movers[leader]
+    ropes, others = _ropes_of(kind, follower.sort), _ropes_of(kind, said.sort)
+    own, _, _ = _present(kind, mover, time)
+    hauled, _, _ = _present(kind, leader, time)
+    i, j = follower.number, said.number
+    count, first, other = others.table[j].winch_rows, ropes.table[i].winch, others.table[j].winch
+    for k in range(ropes.table[i].winch_rows):
+        row = others.winches[other + min(k, count - 1)]
+        way = own + ratio * (row.hauled - hauled)
+        _put_row(ropes.winches[first + k], row.time, ratio * row.speed, way, ratio * row.jerk)
+    state = kind.mover_state[mover]
+    state.leader, state.ratio, state.arrives = leader, ratio, kind.mover_state[leader].arrives
+
+
+@kernel(internal=True)
+def _move(kind: Director, action: ActionEntry, time: float) -> float:
+    """Let something move; what it was told, for the log."""
+    mover = action.mover
+    acceleration, value = action.acceleration, action.value
+    said = kind.movers[mover]
+    if action.action != FOLLOW:
+        kind.mover_state[mover].leader = -1
+    if said.sort == HELD_ROPE and action.action in (SPEED, GO_TO, GO_BY, BRAKE):
+        control = kind.controls[said.number]
+        if control.mode != LEVEL or action.action == BRAKE:
+            control.mode, control.speed = PLANNED, math.inf
+    if action.action == SPEED:
+        if action.ramp > 0.0:
+            _, speed, _ = _present(kind, mover, time)
+            acceleration = abs(value - speed) / action.ramp
+        _go_on(kind, mover, time, value, acceleration, action.jerk)
+        return value
+    if action.action == BRAKE:
+        if value > 0.0:
+            _go_on(kind, mover, time, 0.0, 0.0, 0.0)
+        return value
+    if action.action == FOLLOW:
+        _follow(kind, mover, action.other, action.factor, time)
+        return action.factor
+    if action.action in (KEEP, KEEP_LEVEL):
+        control = kind.controls[said.number]
+        control.mode, control.speed, control.band = CONSTANT, action.speed, action.factor
+        control.wanted = value
+        if action.action == KEEP_LEVEL:
+            control.mode, control.group = LEVEL if value > 0.0 else PLANNED, action.other
+            if value == 0.0:
+                control.speed = math.inf
+        else:
+            _go_on(kind, mover, time, 0.0, 0.0, 0.0)
+        return value
+    if action.ramp > 0.0:
+        acceleration = action.speed / action.ramp
+    target = value
+    if action.action == GO_BY:
+        present, _, _ = _present(kind, mover, time)
+        if action.other >= 0:
+            value = action.factor * (value - kind.trial[action.other])
+        target = present + value
+    elif said.sort < TANK:
+        target = _hauled_at(kind, mover, value)
+    _go_to(kind, mover, time, target, action.speed, acceleration, action.jerk)
+    return value
 
 
 @kernel(inline=True, internal=True)
@@ -485,23 +738,32 @@ def _stored(kind: Director) -> float:
 
 
 @kernel(internal=True)
-def _let_go(ropes: Ropes, i: int) -> None:
+def _let_go(kind: Director, said: Mover) -> None:
     """A rope does nothing from now on."""
-    entry, state = ropes.table[i], ropes.state[i]
+    ropes = _ropes_of(kind, said.sort)
+    entry, state = ropes.table[said.number], ropes.state[said.number]
     entry.axial_stiffness = entry.damping = 0.0
     state.tension = 0.0
+    if said.sort == HELD_ROPE:
+        control = kind.controls[said.number]
+        control.mode, control.speed = PLANNED, math.inf
 
 
 @kernel(internal=True)
-def _hold(ropes: Ropes, i: int, given: GivenRope, time: float, path: float, slack: float) -> float:
+def _hold(kind: Director, said: Mover, time: float, slack: float) -> float:
     """A rope holds from now on; its unstretched length [m], negative if it would be too short for its path."""
+    ropes = _ropes_of(kind, said.sort)
+    i = said.number
     entry, state = ropes.table[i], ropes.state[i]
+    path = kind.row[entry.column + 1]
     rest = path + slack
     if not path <= rest * (1.0 + LARGEST_STRAIN):
         return -rest
-    entry.axial_stiffness, entry.damping = given.axial_stiffness, given.damping
+    entry.axial_stiffness, entry.damping = said.axial_stiffness, said.damping
     hauled, _ = winch_state(ropes, i, time)
     entry.start_length = rest + hauled
+    if said.sort == HELD_ROPE:
+        kind.control_state[i].paid_out = 0.0
     state.stretched, state.rest, state.next_rest = path, rest, rest
     state.rate = state.growth = state.drift = 0.0
     state.fresh, state.paced = True, False
@@ -511,7 +773,6 @@ def _hold(ropes: Ropes, i: int, given: GivenRope, time: float, path: float, slac
 @kernel(internal=True)
 def _act(
     kind: Director,
-    ropes: Ropes,
     action: ActionEntry,
     forces: Forces,
     bodies: Bodies,
@@ -520,37 +781,35 @@ def _act(
     work: Workspace,
     time: float,
 ) -> float:
-    """Do something with a rope of a kind; a value for the log, negative for a connection that is too short."""
-    given = kind.given[action.rope]
-    i = given.number
-    if action.action == WINCH_SPEED:
-        _set_speed(ropes, i, time, action.value, action.ramp)
-        return action.value
-    if action.action == WINCH_LENGTH:
-        # the record that is in the row has been looked at
-        _set_length(ropes, i, time, action.value, action.speed, action.ramp, kind.row)
-        return action.value
+    """Do something; a value for the log, negative for a connection that is too short."""
+    if action.action not in (RELEASE, CONNECT):
+        if action.action == GO_BY and action.other >= 0:
+            _measure(kind, forces, bodies, joints, systems, work, time)
+        return _move(kind, action, time)
+    said = kind.movers[action.mover]
+    state = _ropes_of(kind, said.sort).state[said.number]
     _measure(kind, forces, bodies, joints, systems, work, time)
     before = _stored(kind)
     value = 0.0
     if action.action == RELEASE:
-        _let_go(ropes, i)
+        _let_go(kind, said)
     else:
-        value = _hold(ropes, i, given, time, kind.row[ropes.table[i].column + 1], action.value)
+        value = _hold(kind, said, time, action.value)
         if value <= 0.0:
             return value
     _measure(kind, forces, bodies, joints, systems, work, time)
     gained = _stored(kind) - before
     if action.action == RELEASE:
-        ropes.state[i].loss -= gained
+        state.loss -= gained
         return -gained
-    ropes.state[i].winch_work += gained
+    state.winch_work += gained
     return value
 
 
 @kernel(internal=True)
 def _begin_phase(
     kind: Director,
+    track: int,
     forces: Forces,
     bodies: Bodies,
     joints: Joints,
@@ -560,24 +819,23 @@ def _begin_phase(
 ) -> None:
     """Actions of the phase that begins, and its timers; the record of this time has been written."""
     state = kind.state
-    state.begun = time
-    phase = kind.phases[state.phase - 1]
-    _note(kind, time, BEGUN, -1, 0.0)
+    kind.track_state[track].begun = time
+    number = kind.tracks[track].first + kind.track_state[track].phase - 1
+    phase = kind.phases[number]
+    state.continued = False
+    _note(kind, time, BEGUN, number, -1, 0.0)
     for c in range(phase.first_condition, phase.first_condition + phase.conditions):
         kind.timers[c].since = kind.timers[c].trial = math.nan
     for a in range(phase.first_action, phase.first_action + phase.actions):
         action = kind.actions[a]
         value = 0.0
         if action.action != NOTE:
-            ropes = kind.ropes
-            if kind.given[action.rope].second:
-                ropes = kind.others
-            value = _act(kind, ropes, action, forces, bodies, joints, systems, work, time)
+            value = _act(kind, action, forces, bodies, joints, systems, work, time)
             if action.action == CONNECT and value <= 0.0:
-                _note(kind, time, NOT_CONNECTED, action.rope, -value)
+                _note(kind, time, NOT_CONNECTED, number, action.mover, -value)
                 state.outcome = LIMIT
                 return
-        _note(kind, time, ACTION, a, value)
+        _note(kind, time, ACTION, number, a, value)
     _measure(kind, forces, bodies, joints, systems, work, time)
     for s in range(kind.values.shape[0]):
         kind.values[s] = kind.trial[s]
@@ -586,33 +844,65 @@ def _begin_phase(
 @kernel(internal=True)
 def _watch_ropes(kind: Director, time: float, step: float) -> None:
     """End the run before a winch has hauled in the whole rope."""
-    for k in range(kind.given.shape[0]):
-        if not kind.given[k].commanded:
+    for m in range(kind.movers.shape[0]):
+        said = kind.movers[m]
+        if not said.commanded or said.sort >= TANK:
             continue
-        ropes, i = kind.ropes, kind.given[k].number
-        if kind.given[k].second:
-            ropes = kind.others
-        _, speed = winch_state(ropes, i, time)
-        rest = ropes.state[i].rest
+        ropes = _ropes_of(kind, said.sort)
+        _, speed = winch_state(ropes, said.number, time)
+        if said.sort == HELD_ROPE and kind.controls[said.number].mode != PLANNED:
+            speed += kind.controls[said.number].speed
+        rest = ropes.state[said.number].rest
         if rest <= 2.0 * step * speed:
-            _note(kind, time, ROPE_USED_UP, k, rest)
-            _set_speed(ropes, i, time, 0.0, 0.0)
+            state = kind.track_state[0]
+            number = min(state.phase, kind.tracks[0].phases) - 1
+            _note(kind, time, ROPE_USED_UP, kind.tracks[0].first + number, m, rest)
+            if said.sort == HELD_ROPE:
+                kind.controls[said.number].mode = PLANNED
+            kind.mover_state[m].leader = -1
+            _go_on(kind, m, time, 0.0, 0.0, 0.0)
             kind.state.outcome = LIMIT
 
 
 @kernel(internal=True)
-def _watch_limits(kind: Director, time: float) -> None:
-    """Limits of the phase, each told once."""
-    phase = kind.phases[kind.state.phase - 1]
+def _watch_limits(kind: Director, number: int, time: float) -> None:
+    """Limits of a phase, each told once."""
+    phase = kind.phases[number]
     for i in range(phase.first_limit, phase.first_limit + phase.limits):
         limit = kind.limits[i]
         x = kind.trial[limit.signal]
         if kind.passed[i].passed or _margin(limit.below, limit.value, x) >= 0.0:
             continue
         kind.passed[i].passed = True
-        _note(kind, time, LIMIT_STOP if limit.stop else LIMIT_WARNING, i, x)
+        _note(kind, time, LIMIT_STOP if limit.stop else LIMIT_WARNING, number, i, x)
         if limit.stop:
             kind.state.outcome = LIMIT
+
+
+@kernel(internal=True)
+def _earliest(kind: Director, time: float, step: float) -> int:
+    """Ends of the phases of all tracks; the track whose phase ends first, -1 if none does."""
+    state, end = kind.state, time + step
+    first = -1
+    repeated = state.due > 0.0 and abs(end - state.due) <= SHORTEST * step + 1e-14 * end
+    for track in range(kind.tracks.shape[0]):
+        ends = _end_of_phase(kind, track, time, end)
+        if repeated and track == state.due_track:
+            ends = end
+        kind.track_state[track].ends = ends
+        if ends < math.inf and (first < 0 or ends < kind.track_state[first].ends):
+            first = track
+    state.due = 0.0
+    return first
+
+
+@kernel(internal=True)
+def _is_active(kind: Director) -> bool:
+    """Whether any track has a phase left."""
+    left = 0
+    for track in range(kind.tracks.shape[0]):
+        left += kind.track_state[track].phase <= kind.tracks[track].phases
+    return left > 0
 
 
 @implement(direct, Director)
@@ -630,37 +920,42 @@ def direct_phases(
 ) -> None:
     """Where the operation stands at the end of a step."""
     state = kind.state
-    if state.phase == 0:
+    if kind.track_state[0].phase == 0:
         return
     end = time + step
     if state.outcome == 0:
         _watch_ropes(kind, end, step)
-    if state.outcome == 0 and state.phase <= kind.phases.shape[0]:
+    if state.outcome == 0 and _is_active(kind):
         _measure(kind, forces, bodies, joints, systems, work, end)
-        ends = _end_of_phase(kind, time, end)
-        if state.due > 0.0 and abs(end - state.due) <= SHORTEST * step + 1e-14 * end:
-            ends = end
-        state.due = 0.0
-        if ends < end - SHORTEST * step:
-            work.control.split = max(ends - time, SHORTEST * step)
-            state.due = time + work.control.split
+        first = _earliest(kind, time, step)
+        if first >= 0 and kind.track_state[first].ends < end - SHORTEST * step:
+            work.control.split = max(kind.track_state[first].ends - time, SHORTEST * step)
+            state.due, state.due_track = time + work.control.split, first
             return
         for s in range(kind.values.shape[0]):
             kind.values[s] = kind.trial[s]
         for c in range(kind.timers.shape[0]):
             kind.timers[c].since = kind.timers[c].trial
-        _watch_limits(kind, end)
-        phase = kind.phases[state.phase - 1]
-        if state.outcome == 0 and ends <= end + SHORTEST * step:
-            _note(kind, end, DONE, -1, end - state.begun)
-            state.phase += 1
-            if state.phase <= kind.phases.shape[0]:
-                _begin_phase(kind, forces, bodies, joints, systems, work, end)
-            elif kind.stops_at_end:
-                state.outcome = ENDED
-        elif state.outcome == 0 and end - state.begun >= phase.timeout * (1.0 - 1e-12):
-            _note(kind, end, TIMED_OUT, -1, end - state.begun)
-            state.outcome = TIMEOUT
+        for track in range(kind.tracks.shape[0]):
+            said, own = kind.tracks[track], kind.track_state[track]
+            if state.outcome != 0 or own.phase > said.phases:
+                continue
+            number = said.first + own.phase - 1
+            _watch_limits(kind, number, end)
+            if state.outcome == 0 and own.ends <= end + SHORTEST * step:
+                _note(kind, end, DONE, number, -1, end - own.begun)
+                own.phase += 1
+                if own.phase <= said.phases:
+                    _begin_phase(kind, track, forces, bodies, joints, systems, work, end)
+            elif (
+                state.outcome == 0
+                and not state.held
+                and end - own.begun >= kind.phases[number].timeout * (1.0 - 1e-12)
+            ):
+                _note(kind, end, TIMED_OUT, number, -1, end - own.begun)
+                state.outcome = TIMEOUT
+        if state.outcome == 0 and kind.stops_at_end and not _is_active(kind):
+            state.outcome = ENDED
     if recorded and state.outcome != 0:
         work.status.outcome = state.outcome
 
@@ -669,7 +964,10 @@ def direct_phases(
 def begin_scenario(
     kind: Director, forces: Forces, bodies: Bodies, joints: Joints, systems: Systems, work: Workspace
 ) -> None:
-    """Signals at the start, and the actions of the first phase."""
+    """Signals at the start, and the actions of the first phases."""
+    for track in range(kind.tracks.shape[0]):
+        kind.track_state[track].phase = 1
     _measure(kind, forces, bodies, joints, systems, work, 0.0)
-    kind.state.phase = 1
-    _begin_phase(kind, forces, bodies, joints, systems, work, 0.0)
+    for track in range(kind.tracks.shape[0]):
+        if kind.state.outcome == 0:
+            _begin_phase(kind, track, forces, bodies, joints, systems, work, 0.0)

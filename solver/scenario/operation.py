@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scenario.director import (
     ACTION,
     BEGUN,
     DONE,
+    FUNCTIONS,
     LIMIT_STOP,
     LIMIT_WARNING,
     NOT_CONNECTED,
     ROPE_USED_UP,
     TIMED_OUT,
+    TOLD,
+    WORDS,
     Director,
 )
 from heavylift.solver.scene.channels import Channel
@@ -31,6 +37,7 @@ EVENTS = {
     TIMED_OUT: "timed out, stop",
     ROPE_USED_UP: "rope hauled in, stop",
     NOT_CONNECTED: "rope too short, stop",
+    TOLD: "told from outside",
 }
 """Words of the events of the log."""
 
@@ -60,7 +67,9 @@ class LogLine:
     def text(self) -> str:
         """All of it in a line."""
         what = f": {self.what}" if self.what else ""
-        value = f" ({self.value:.6g})" if self.event not in {EVENTS[BEGUN], EVENTS[ACTION]} else ""
+        value = (
+            f" ({self.value:.6g})" if self.event not in {EVENTS[BEGUN], EVENTS[ACTION], EVENTS[TOLD]} else ""
+        )
         return f"t = {self.time:.6g} s, {self.phase}: {self.event}{what}{value}"
 
 
@@ -80,23 +89,21 @@ class Operation:
     def __init__(self, director: Director, scenario: Scenario, channels: Sequence[Channel]) -> None:
         self.director, self.scenario = director, scenario
         owners = {channel.column: channel.name.rpartition(".")[0] for channel in channels}
-        kinds = (director.ropes, director.others)
+        kinds = (director.ropes, director.rubbing, director.held)
         self._ropes = tuple(owners[int(entry.column)] for kind in kinds for entry in kind.table)
 
     @property
     def log(self) -> list[LogLine]:
         """What happened so far."""
-        phases = self.scenario.phases
-        actions = [action.text for phase in phases for action in phase.actions]
+        phases = self.scenario.all_phases
         limits = [limit.text for phase in phases for limit in phase.limits]
-        winches = [f"winch of {name!r}" for name in self._ropes]
-        connections = [f"connection of {name!r}" for name in self._ropes]
         words = {
-            ACTION: actions,
+            ACTION: [action.text for action in self.scenario.actions],
             LIMIT_WARNING: limits,
             LIMIT_STOP: limits,
-            ROPE_USED_UP: winches,
-            NOT_CONNECTED: connections,
+            ROPE_USED_UP: [f"winch of {name!r}" for name in self._ropes],
+            NOT_CONNECTED: [f"connection of {name!r}" for name in self._ropes],
+            TOLD: WORDS,
         }
         found = []
         for line in self.director.log[: int(self.director.state.logged)]:
@@ -108,14 +115,61 @@ class Operation:
         return found
 
     @property
+    def rope_lengths(self) -> dict[str, float]:
+        """Unstretched lengths of the wire ropes at the start [m], by name."""
+        kinds = (self.director.ropes, self.director.rubbing, self.director.held)
+        lengths = [float(entry.start_length) for kind in kinds for entry in kind.table]
+        return dict(zip(self._ropes, lengths, strict=True))
+
+    @property
+    def told_count(self) -> int:
+        """How many words came from outside so far."""
+        return int(np.count_nonzero(self.director.log["event"][: int(self.director.state.logged)] == TOLD))
+
+    @property
     def unfinished(self) -> str:
         """What it still waits for, as words; empty if the last phase is done, or waits for nothing."""
-        phases, number = self.scenario.phases, int(self.director.state.phase)
-        if number > len(phases) or (number == len(phases) and not phases[-1].until):
-            return ""
-        phase = phases[number - 1]
-        waits = _waits_for(phase) or "its timeout"
-        return f"phase {phase.name!r}, number {number} of {len(phases)}, still waits for {waits}"
+        for row, track in zip(self.scenario.rows, self.director.track_state, strict=True):
+            number = int(track.phase)
+            if number > len(row) or (number == len(row) and not row[-1].until):
+                continue
+            phase = row[number - 1]
+            waits = _waits_for(phase) or "its timeout"
+            return f"phase {phase.name!r}, number {number} of {len(row)}, still waits for {waits}"
+        return ""
+
+    def tell(self, word: Literal["continue", "hold", "stop"], time: float) -> None:
+        """Let someone outside say something: go on, or wait in this phase, or end the run.
+
+        Parameters
+        ----------
+        word
+            "continue" ends what "hold" began; else it is what a phase waits for, if any does.
+        time
+            Now [s].
+        """
+        director = self.director
+        state = director.state
+        if word == "stop" and int(state.outcome) == 0:
+            state.outcome = int(Outcome.LIMIT_REACHED)
+        elif word == "hold":
+            state.held = True
+        elif word == "continue":
+            state.continued = not state.held
+            state.held = False
+            told = director.signals["function"] == FUNCTIONS.index("told")
+            director.values[told] = float(state.continued)
+        number = min(int(director.track_state[0].phase), len(self.scenario.phases)) - 1
+        if int(state.logged) < len(director.log):
+            line = director.log[int(state.logged)]
+            line.time, line.event, line.phase, line.item, line.value = (
+                time,
+                TOLD,
+                number,
+                WORDS.index(word),
+                0.0,
+            )
+            state.logged += 1
 
     @property
     def end(self) -> tuple[Outcome, str]:
@@ -124,6 +178,8 @@ class Operation:
         if why <= 0:
             return Outcome.COMPLETED, ""
         outcome, last = Outcome(why), self.log[-1]
+        if last.event == EVENTS[TOLD]:
+            return outcome, f"stopped from outside at t = {last.time:.9g} s, phase {last.phase!r}"
         what = f": {last.what} is {last.value:.6g}" if last.what else f" after {last.value:.6g} s"
         return outcome, f"{outcome.text} at t = {last.time:.9g} s, phase {last.phase!r}{what}"
 
@@ -143,15 +199,18 @@ class Operation:
                 key="phases.0.actions",
                 expected="more slack",
             )
-        phase = self.scenario.phases[0]
-        met = [self._is_met(i) for i in range(len(phase.until))]
-        if phase.until and (any(met) if phase.ends_with == "any" else all(met)):
-            raise InputError(
-                f"phase {phase.name!r} is over before it begins: {phase.until[met.index(True)].text} at the start",
-                source="scenario",
-                key="phases.0.until",
-                expected="a condition that is not true at the start",
-            )
+        first = 0
+        for number, row in enumerate(self.scenario.rows):
+            phase = row[0]
+            met = [self._is_met(first + i) for i in range(len(phase.until))]
+            if phase.until and (any(met) if phase.ends_with == "any" else all(met)):
+                raise InputError(
+                    f"phase {phase.name!r} is over before it begins: {phase.until[met.index(True)].text} at the start",
+                    source="scenario",
+                    key=f"tracks.{number - 1}.phases.0.until" if number else "phases.0.until",
+                    expected="a condition that is not true at the start",
+                )
+            first += sum(len(one.until) for one in row)
 
     def _is_met(self, number: int) -> bool:
         """Whether a condition is true as things are, and need not be so for a time."""

@@ -3,196 +3,546 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.small import aligned
+from heavylift.solver.carried import LINE
+from heavylift.solver.drive import DRIVE_HEAD
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
+from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
 from heavylift.solver.laws.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
 from heavylift.solver.scenario.director import (
+    BRAKE,
     CONNECT,
+    DRIVE,
+    DRIVE_BREAKS,
+    FOLLOW,
     FUNCTIONS,
+    GO_BY,
+    GO_TO,
+    HELD_ROPE,
+    KEEP,
+    KEEP_LEVEL,
     NOTE,
+    PLAIN_ROPE,
     RELEASE,
-    WINCH_LENGTH,
-    WINCH_ROWS,
-    WINCH_SPEED,
+    RUBBING_ROPE,
+    SPEED,
+    TANK,
     ActionEntry,
     ConditionEntry,
     Director,
     DirectorState,
-    GivenRope,
     LimitEntry,
     LogEntry,
+    Mover,
+    MoverState,
     PhaseEntry,
     SignalEntry,
     TermEntry,
     Timer,
+    TrackEntry,
+    TrackState,
     Worst,
 )
+from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow
+from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.scenario import (
+    AXES,
+    MOVES,
     Action,
     Connect,
+    DriveSpeed,
+    DriveTo,
+    Movable,
     Note,
     Release,
     Scenario,
     Signal,
+    TankRate,
     Term,
+    WinchBrake,
+    WinchFollow,
+    WinchHaul,
     WinchLength,
+    WinchLevel,
     WinchSpeed,
+    WinchTension,
     check_scenario,
+    drives_of,
 )
+from heavylift.solver.water.hulls.kind import Hulls, TankData, TankLevel
 
-__all__ = ["pack_scenario", "reserve_winches"]
+__all__ = ["pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
+
+TANK_LEVELS = 3
+"""Of a tank that is told what to do, at least."""
+
+TOLD_LINES = 1000
+"""Of the log, for what is said from outside."""
 
 
-def reserve_winches(
-    joints: Sequence[Any], scenario: Scenario, channels: Sequence[Channel]
-) -> tuple[Any, ...]:
-    """Kinds of joints in which winches that are told what to do have room for it.
+def with_drives(scene: Any) -> Any:
+    """A scene in which frames that are told to move can do so: those that are fixed stand still until then.
+
+    Raises
+    ------
+    InputError
+        If something is told that is not there, or is not as it has to be.
+    """
+    tanks = () if scene.sea is None else scene.sea.tanks
+    motions = {body.name: body.motion for body in scene.bodies if hasattr(body, "motion")}
+    drives = drives_of(scene.joints, motions)
+    ropes = {rope.name: rope for rope in scene.ropes}
+    check_scenario(scene.scenario, Movable(ropes, frozenset(tank.name for tank in tanks), drives))
+    told = {
+        action.drive.rpartition(".")[::2]
+        for action in scene.scenario.actions
+        if isinstance(action, (DriveSpeed, DriveTo)) and "." in action.drive
+    }
+    standing = Profile(times=np.zeros(1), speeds=np.zeros(1))
+
+    def ready(body: Any) -> Any:
+        axes = [axis for name, axis in told if name == body.name and axis in AXES]
+        motion = getattr(body, "motion", None)
+        if not axes or not isinstance(motion, (Fixed, Driven)):
+            return body
+        given = motion if isinstance(motion, Driven) else Driven()
+        missing = {axis: standing for axis in axes if getattr(given, axis) is None}
+        return replace(body, motion=replace(given, **missing))
+
+    return replace(scene, bodies=tuple(map(ready, scene.bodies)))
+
+
+def reserve_tables(
+    kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scene: Any, channels: Sequence[Channel]
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Kinds of bodies and joints in which what is told what to do has room for it.
 
     Parameters
     ----------
-    joints
-        Kinds.
-    scenario
-        What the user said.
+    kinds
+        Bodies, joints.
+    scene
+        With a scenario.
     channels
         Of the record, those of the ropes among them.
     """
-    told = {
-        channel.column
-        for name in _told(scenario)
-        for channel in channels
-        if channel.name == f"{name}.tension"
+    scenario, columns = scene.scenario, _first_columns(channels)
+    winches = {columns[name] for name in _told_winches(scene) if name in columns}
+    drives = {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}
+    joints = {columns[name] for name in drives if name in columns}
+    frames = {
+        columns[name.rpartition(".")[0]]: set() for name in drives if name.rpartition(".")[0] in columns
     }
-    made = []
-    for kind in joints:
-        if not isinstance(kind, Ropes):
-            made.append(kind)
+    for name in drives:
+        owner, _, axis = name.rpartition(".")
+        if owner in columns:
+            frames[columns[owner]].add(AXES.index(axis))
+    pumped = {action.tank for action in scenario.actions if isinstance(action, TankRate)}
+    bodies = []
+    for kind in kinds[0]:
+        made = kind
+        if isinstance(kind, Hulls) and pumped:
+            made = _with_levels(kind, scene.sea.tanks, pumped, columns)
+        if frames and "constants" in kind._fields:
+            made = _with_frame_profiles(made, frames)
+        bodies.append(made)
+    connections: list[Any] = []
+    longest = max((int(k.table["winch_rows"].max()) for k in kinds[1] if isinstance(k, Ropes)), default=0)
+    follows = any(isinstance(action, WinchFollow) for action in scenario.actions)
+    for kind in kinds[1]:
+        if isinstance(kind, Ropes):
+            connections.append(_with_winch_rows(kind, winches, max(MOVE_ROWS, longest if follows else 0)))
+        elif "profiles" in kind._fields and any(int(entry.column) in joints for entry in kind.table):
+            connections.append(_with_profiles(kind, joints))
+        else:
+            connections.append(kind)
+    return tuple(bodies), tuple(connections)
+
+
+def _first_columns(channels: Sequence[Channel]) -> dict[str, int]:
+    """First record column of each owner."""
+    found: dict[str, int] = {}
+    for channel in channels:
+        found.setdefault(channel.name.rpartition(".")[0], channel.column)
+    return found
+
+
+def _told_winches(scene: Any) -> set[str]:
+    """Names of ropes whose winches are told what to do, or follow one that is."""
+    kinds = (*MOVES, WinchFollow, WinchTension, WinchLevel, WinchBrake)
+    told = {action.rope for action in scene.scenario.actions if isinstance(action, kinds)}
+    told |= {action.leader for action in scene.scenario.actions if isinstance(action, WinchFollow)}
+    return told | {name for name, leader in _followers(scene).items() if leader in told}
+
+
+def _followers(scene: Any) -> dict[str, str]:
+    """Leaders of the winches that follow another one from the start, by name."""
+    winches = {rope.name: getattr(rope, "winch", None) for rope in scene.ropes}
+    return {name: winch.follow for name, winch in winches.items() if winch is not None and winch.follow}
+
+
+def _with_winch_rows(kind: Ropes, told: Iterable[int], count: int) -> Ropes:
+    """Room for plans in the winches of some ropes, by their record columns."""
+    rows: list[Any] = []
+    for entry in kind.table:
+        own = list(kind.winches[entry.winch : entry.winch + entry.winch_rows])
+        if int(entry.column) in told:
+            own = own or [WinchRow.one()]
+            own += [own[-1]] * (count - len(own))
+        entry.winch, entry.winch_rows = len(rows), len(own)
+        rows += own
+    winches = records(WinchRow, len(rows))
+    for place, row in zip(winches, rows, strict=True):
+        place.words[:] = row.words
+    return kind._replace(winches=winches)
+
+
+def _with_levels(kind: Any, tanks: Sequence[Any], told: set[str], columns: Mapping[str, int]) -> Any:
+    """Room for plans in the schedules of some tanks."""
+    rows: list[tuple[float, float]] = []
+    for entry, name in zip(kind.tanks, _tank_names(kind, tanks, columns), strict=True):
+        own = [
+            (level.time, level.mass) for level in kind.tank_levels[entry.first : entry.first + entry.count]
+        ]
+        if name in told:
+            own += [own[-1]] * (TANK_LEVELS - len(own))
+        entry.first, entry.count = len(rows), len(own)
+        rows += own
+    return kind._replace(tank_levels=records(TankLevel, rows))
+
+
+def _tank_names(kind: Any, tanks: Sequence[Any], columns: Mapping[str, int]) -> list[str]:
+    """Names of the tanks of a kind, in its order: hull by hull."""
+    owners = {column: name for name, column in columns.items()}
+    hulls = [owners[int(entry.column)] for entry in kind.table]
+    return [tank.name for hull in hulls for tank in tanks if tank.hull == hull]
+
+
+def _profile_length(data: NDArray[np.float64], start: int) -> int:
+    """Numbers of a packed profile."""
+    count, harmonics = int(data[start]), int(data[start + 1])
+    return 2 + (count + 4 * (count - 1) if count else 0) + 3 * harmonics
+
+
+def _roomy(block: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A packed profile without harmonics with `DRIVE_BREAKS` breaks or more, which is the same function."""
+    count = int(block[0])
+    if count >= DRIVE_BREAKS:
+        return block
+    breaks, cubics = np.array([-1.0]), np.zeros((0, 4))
+    if count:
+        breaks = block[2 : 2 + count]
+        cubics = block[2 + count : 2 + count + 4 * (count - 1)].reshape(-1, 4)
+    end = float(np.polyval(cubics[-1], breaks[-1] - breaks[-2])) if count else 0.0
+    more = DRIVE_BREAKS - len(breaks)
+    breaks = np.append(breaks, breaks[-1] + 1.0 + np.arange(more))
+    held = np.tile([0.0, 0.0, 0.0, end], (more, 1))
+    return np.concatenate([[DRIVE_BREAKS, 0.0], breaks, np.vstack([cubics, held]).ravel()])
+
+
+def _with_profiles(kind: Any, told: set[int]) -> Any:
+    """Room for plans in the profiles of some driven joints, by their record columns."""
+    blocks = []
+    for entry in kind.table:
+        start = int(entry.profile)
+        block = kind.profiles[start : start + _profile_length(kind.profiles, start)]
+        blocks.append(_roomy(block) if int(entry.column) in told else block)
+    for entry, start in zip(kind.table, np.cumsum([0, *map(len, blocks)])[:-1], strict=True):
+        entry.profile = start
+    return kind._replace(profiles=np.concatenate(blocks))
+
+
+def _with_frame_profiles(kind: Any, told: Mapping[int, set[int]]) -> Any:
+    """Room for plans in the profiles of some driven frames, by the record columns of their bodies; by their axes."""
+    constants = kind.constants
+    for entry in kind.table:
+        axes = told.get(int(entry.column))
+        if axes is None:
             continue
-        rows: list[Any] = []
-        for entry in kind.table:
-            own = list(kind.winches[entry.winch : entry.winch + entry.winch_rows])
-            if int(entry.column) in told:
-                own = own or [WinchRow.one()]
-                own += [own[-1]] * (WINCH_ROWS - len(own))
-            entry.winch, entry.winch_rows = len(rows), len(own)
-            rows += own
-        winches = records(WinchRow, len(rows))
-        for place, row in zip(winches, rows, strict=True):
-            place.words[:] = row.words
-        made.append(kind._replace(winches=winches))
-    return tuple(made)
+        old = constants[int(entry.drive) :]
+        blocks = []
+        for axis in range(len(AXES)):
+            start = int(old[DRIVE_HEAD - len(AXES) + axis])
+            block = old[start : start + _profile_length(old, start)]
+            blocks.append(_roomy(block) if axis in axes else block)
+        head = old[:DRIVE_HEAD].copy()
+        head[DRIVE_HEAD - len(AXES) :] = DRIVE_HEAD + np.cumsum([0, *map(len, blocks)])[:-1]
+        entry.drive = len(constants)
+        constants = np.concatenate([constants, head, *blocks])
+    if constants is kind.constants:
+        return kind
+    flat = aligned(len(constants))
+    flat[:] = constants
+    return kind._replace(constants=flat)
 
 
-def _told(scenario: Scenario) -> set[str]:
-    """Names of ropes whose winches are told what to do."""
-    actions = [action for phase in scenario.phases for action in phase.actions]
-    return {action.rope for action in actions if isinstance(action, (WinchSpeed, WinchLength))}
+class _Movers:
+    """Everything that can be told something, with its place in the tables of its kind."""
+
+    def __init__(self) -> None:
+        self.numbers: dict[str, int] = {}
+        self.rows: list[tuple[Any, ...]] = []
+
+    def add(
+        self, name: str, sort: int, number: int, *, told: bool, stiffness: float = 0.0, damping: float = 0.0
+    ) -> None:
+        """One more."""
+        self.numbers[name] = len(self.rows)
+        self.rows.append((sort, number, stiffness, damping, told))
+
+
+def share_profiles(
+    kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scenario: Scenario
+) -> tuple[tuple[tuple[Any, ...], tuple[Any, ...]], NDArray[np.float64]]:
+    """Kinds whose drives are told what to do keep their profiles in one array, which the scenario changes."""
+    if not any(isinstance(action, (DriveSpeed, DriveTo)) for action in scenario.actions):
+        return kinds, np.zeros(0)
+    fields = [
+        (row, i, field)
+        for row, group in enumerate(kinds)
+        for i, kind in enumerate(group)
+        for field in (("constants",), ("profiles",))[row]
+        if field in kind._fields and (row == 1 or kind.driven)
+    ]
+    arrays = [getattr(kinds[row][i], field) for row, i, field in fields]
+    starts = np.cumsum([0, *(-(-len(array) // LINE) * LINE for array in arrays)])
+    whole = aligned(int(starts[-1]))
+    made = [list(group) for group in kinds]
+    for (row, i, field), array, start in zip(fields, arrays, starts, strict=False):
+        view = whole[start : start + len(array)]
+        view[:] = array
+        made[row][i] = made[row][i]._replace(**{field: view})
+    return (tuple(made[0]), tuple(made[1])), whole
 
 
 def pack_scenario(
-    scenario: Scenario,
-    ropes: Sequence[Any],
-    joints: Sequence[Any],
+    scene: Any,
+    kinds: tuple[tuple[Any, ...], tuple[Any, ...]],
     channels: Sequence[Channel],
     column: int,
     width: int,
     carried: Any,
+    profiles: NDArray[np.float64],
 ) -> Director:
     """Make the kind.
 
     Parameters
     ----------
-    scenario
-        What the user said.
-    ropes
-        Of the scene.
-    joints
-        Kinds, among them that of the ropes.
+    scene
+        With a scenario.
+    kinds
+        Of bodies and joints, in which `reserve_tables` has made room.
     channels
         Of the whole record.
     column, width
         Of its own channel, and of a record.
     carried
         What a step changes, of which it is to keep a copy; empty if contacts do.
+    profiles
+        Of all drives, as `share_profiles` gives them.
 
     Raises
     ------
     InputError
         If a channel is not there, or an action does not fit.
     """
-    check_scenario(scenario, ropes)
-    # winches that answer to a tension have no length to be told
-    kinds = [kind for kind in joints if isinstance(kind, Ropes) and "controls" not in kind._fields]
-    first, second = (*kinds, _no_ropes(), _no_ropes())[:2]
+    scenario: Scenario = scene.scenario
+    tanks = () if scene.sea is None else scene.sea.tanks
     known = {channel.name: channel for channel in channels}
-    columns = {known[f"{rope.name}.tension"].column: rope.name for rope in ropes}
-    told = _told(scenario)
-    given: list[tuple[Any, ...]] = []
-    numbers: dict[str, int] = {}
-    for kind in (first, second):
+    columns = _first_columns(channels)
+    movers = _Movers()
+    of_sort = _rope_kinds(kinds[1])
+    owners = {column: name for name, column in columns.items()}
+    told, followers = _told_winches(scene), _followers(scene)
+    ratios = {rope.name: rope.winch.ratio for rope in scene.ropes if rope.name in followers}
+    for sort, kind in enumerate(of_sort):
         for i, entry in enumerate(kind.table):
-            name = columns[int(entry.column)]
-            numbers[name] = len(given)
-            given.append((kind is second, i, entry.axial_stiffness, entry.damping, name in told))
+            name = owners[int(entry.column)]
+            given = {"stiffness": float(entry.axial_stiffness), "damping": float(entry.damping)}
+            movers.add(name, sort, i, told=name in told, **given)
             if name in scenario.prepared:
                 entry.axial_stiffness = entry.damping = 0.0
-    signals = scenario.signals
-    terms: list[tuple[int, float]] = []
-    signal_rows: list[tuple[int, int, int]] = []
-    for signal in signals:
-        parts = [found for term in signal.terms for found in _columns(term, signal, known)]
-        signal_rows.append((len(terms), len(parts), FUNCTIONS.index(signal.function)))
-        terms += parts
-    place = {signal: i for i, signal in enumerate(signals)}
-    phases: list[tuple[Any, ...]] = []
-    conditions: list[tuple[Any, ...]] = []
-    limits: list[tuple[Any, ...]] = []
-    actions: list[tuple[Any, ...]] = []
-    for phase in scenario.phases:
-        begin = (len(actions), len(phase.actions), len(conditions), len(phase.until))
-        timeout = phase.timeout or math.inf
-        phases.append((*begin, len(limits), len(phase.limits), phase.ends_with == "any", timeout))
-        actions += [_action(action, numbers) for action in phase.actions]
-        for condition in phase.until:
-            number = -1 if condition.signal is None else place[condition.signal]
-            conditions.append((number, condition.below, condition.value, condition.hold))
-        limits += [(place[one.signal], one.below, one.value, one.stop) for one in phase.limits]
-    timers = records(Timer, len(conditions))
+    hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
+    for i, name in enumerate(_tank_names(hulls, tanks, columns) if hulls is not None else ()):
+        movers.add(name, TANK, i, told=True)
+    for name in {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}:
+        movers.add(name, DRIVE, _profile_start(name, kinds, columns, profiles), told=True)
+    states = records(MoverState, len(movers.rows))
+    states["leader"], states["arrives"] = -1, math.inf
+    for name, leader in followers.items():
+        if name in movers.numbers:
+            states[movers.numbers[name]].leader = movers.numbers[leader]
+            states[movers.numbers[name]].ratio = ratios[name]
+    weight = _Weights(scene)
+    tables = _Tables(scenario, movers.numbers, known, weight)
+    timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
+    held = of_sort[HELD_ROPE]
+    logged = 2 * len(tables.phases) + len(tables.actions) + len(tables.limits) + 2 + TOLD_LINES
     return Director(
-        phases=_table(PhaseEntry, phases),
-        conditions=_table(ConditionEntry, conditions),
-        limits=_table(LimitEntry, limits),
-        actions=_table(ActionEntry, actions),
-        signals=_table(SignalEntry, signal_rows),
-        terms=_table(TermEntry, terms),
-        given=_table(GivenRope, given),
-        ropes=first,
-        others=second,
-        rope_table=first.table,
-        winches=first.winches,
-        other_table=second.table,
-        other_winches=second.winches,
+        tracks=_table(TrackEntry, tables.tracks),
+        phases=_table(PhaseEntry, tables.phases),
+        conditions=_table(ConditionEntry, tables.conditions),
+        limits=_table(LimitEntry, tables.limits),
+        actions=_table(ActionEntry, tables.actions),
+        signals=_table(SignalEntry, tables.signals),
+        terms=_table(TermEntry, tables.terms),
+        movers=_table(Mover, movers.rows),
+        ropes=of_sort[PLAIN_ROPE],
+        rubbing=of_sort[RUBBING_ROPE],
+        held=held,
+        controlled=held,
+        rope_table=of_sort[PLAIN_ROPE].table,
+        winches=of_sort[PLAIN_ROPE].winches,
+        rubbing_table=of_sort[RUBBING_ROPE].table,
+        rubbing_winches=of_sort[RUBBING_ROPE].winches,
+        held_table=held.table,
+        held_winches=held.winches,
+        controls=held.controls,
+        control_state=held.control_state,
+        tanks=records(TankData, 0) if hulls is None else hulls.tanks,
+        levels=records(TankLevel, 0) if hulls is None else hulls.tank_levels,
+        profiles=profiles,
         state=DirectorState.one(),
+        track_state=records(TrackState, len(tables.tracks)),
+        mover_state=states,
         timers=timers,
-        passed=records(Worst, len(limits)),
-        values=np.zeros(len(signals)),
-        log=records(LogEntry, 2 * len(phases) + len(actions) + len(limits) + 2),
-        trial=np.zeros(len(signals)),
+        passed=records(Worst, len(tables.limits)),
+        values=np.zeros(len(tables.signals)),
+        log=records(LogEntry, logged),
+        trial=np.zeros(len(tables.signals)),
         row=np.zeros(width),
+        plan=records(MoveRow, MOVE_ROWS),
         column=column,
         stops_at_end=scenario.stops_at_end,
         carried=carried,
         saved=np.zeros_like(carried),
     )
+
+
+def _rope_kinds(joints: Sequence[Any]) -> tuple[Ropes, Ropes, ControlledRopes]:
+    """Kinds of ropes by their sort, empty ones where a scene has none."""
+    found: dict[int, Any] = {
+        PLAIN_ROPE: _no_ropes(),
+        RUBBING_ROPE: _no_ropes(),
+        HELD_ROPE: _no_controlled_ropes(),
+    }
+    for kind in joints:
+        if isinstance(kind, Ropes):
+            rubs = "sheaves" in kind._fields
+            found[
+                HELD_ROPE if isinstance(kind, ControlledRopes) else RUBBING_ROPE if rubs else PLAIN_ROPE
+            ] = kind
+    return found[PLAIN_ROPE], found[RUBBING_ROPE], found[HELD_ROPE]
+
+
+def _profile_start(
+    name: str, kinds: tuple[tuple[Any, ...], ...], columns: Mapping[str, int], profiles: NDArray[np.float64]
+) -> int:
+    """Where the profile of a drive begins among all that are shared."""
+    owner, _, axis = name.rpartition(".")
+    for row, group in enumerate(kinds):
+        for kind in group:
+            array = getattr(kind, ("constants", "profiles")[row], None)
+            if array is None or not np.may_share_memory(array, profiles):
+                continue
+            base = (array.ctypes.data - profiles.ctypes.data) // profiles.itemsize
+            for entry in kind.table:
+                if row == 1 and int(entry.column) == columns.get(name):
+                    return int(base + entry.profile)
+                if row == 0 and int(entry.column) == columns.get(owner):
+                    place = DRIVE_HEAD - len(AXES) + AXES.index(axis)
+                    return int(base + entry.drive + array[int(entry.drive) + place])
+    raise AssertionError(name)
+
+
+class _Weights:
+    """Weights of bodies [N]."""
+
+    def __init__(self, scene: Any) -> None:
+        from heavylift.solver.scene.scene import Gravity
+
+        self.bodies = {body.name: body for body in scene.bodies}
+        gravity = sum((f.acceleration for f in scene.forces if isinstance(f, Gravity)), np.zeros(3))
+        self.gravity = float(np.linalg.norm(gravity))
+
+    def of(self, names: Sequence[str]) -> float:
+        """Sum over some bodies [N]; 1 of none.
+
+        Raises
+        ------
+        InputError
+            If one is not there, or nothing weighs anything.
+        """
+        total = 0.0
+        for name in names:
+            body = self.bodies.get(name)
+            mass = getattr(body, "mass", None)
+            if mass is None and body is not None and hasattr(body, "reduced"):
+                mass = body.reduced.integrals.mass
+            if mass is None:
+                raise InputError(
+                    f"{name!r} is no body with a mass of its own",
+                    source="scenario",
+                    key="of",
+                    expected="rigid bodies, and bodies with modes",
+                )
+            total += float(mass) * self.gravity
+        if names and not total > 0.0:
+            raise InputError(
+                "a part of a weight without gravity", source="scenario", key="of", expected="[gravity]"
+            )
+        return total if names else 1.0
+
+
+class _Tables:
+    """Rows of all tables of what was said."""
+
+    def __init__(
+        self, scenario: Scenario, numbers: Mapping[str, int], known: Mapping[str, Channel], weights: _Weights
+    ) -> None:
+        self.tracks: list[tuple[int, int]] = []
+        self.phases: list[tuple[Any, ...]] = []
+        self.conditions: list[tuple[Any, ...]] = []
+        self.limits: list[tuple[Any, ...]] = []
+        self.actions: list[tuple[Any, ...]] = []
+        self.signals: list[tuple[int, int, int]] = []
+        self.terms: list[tuple[int, float]] = []
+        for signal in scenario.signals:
+            if signal.function == "arrived":
+                parts = [(numbers[term.channel], 1.0) for term in signal.terms]
+            else:
+                parts = [found for term in signal.terms for found in _columns(term, signal, known)]
+            self.signals.append((len(self.terms), len(parts), FUNCTIONS.index(signal.function)))
+            self.terms += parts
+        place = {signal: i for i, signal in enumerate(scenario.signals)}
+        for row in scenario.rows:
+            self.tracks.append((len(self.phases), len(row)))
+            for phase in row:
+                begin = (len(self.actions), len(phase.actions), len(self.conditions), len(phase.until))
+                timeout = phase.timeout or math.inf
+                end = (len(self.limits), len(phase.limits), phase.ends_with == "any", timeout)
+                self.phases.append((*begin, *end))
+                self.actions += [_action(action, numbers, place) for action in phase.actions]
+                for one in phase.until:
+                    number = -1 if one.signal is None else place[one.signal]
+                    self.conditions.append(
+                        (number, one.below, one.value * weights.of(one.weight_of), one.hold)
+                    )
+                for limit in phase.limits:
+                    value = limit.value * weights.of(limit.weight_of)
+                    self.limits.append((place[limit.signal], limit.below, value, limit.stop))
 
 
 def _table(of: type[Record], rows: Sequence[tuple[Any, ...]]) -> Records[Any]:
@@ -210,6 +560,17 @@ def _no_ropes() -> Ropes:
         records(PlaceGradient, 0),
         records(RopeState, 0),
         np.zeros(0),
+    )
+
+
+def _no_controlled_ropes() -> ControlledRopes:
+    """The same of ropes whose winches answer to their tension."""
+    none = _no_ropes()
+    return ControlledRopes(
+        **{name: getattr(none, name) for name in none._fields},
+        controls=records(WinchControl, 0),
+        control_state=records(ControlState, 0),
+        tensions=records(TensionRow, 0),
     )
 
 
@@ -243,16 +604,50 @@ def _columns(term: Term, signal: Signal, known: Mapping[str, Channel]) -> list[t
     return [(channel.column + i, term.weight) for i in range(len(channel.components))]
 
 
-def _action(action: Action, numbers: Mapping[str, int]) -> tuple[int, int, float, float, float]:
+def _action(
+    action: Action, numbers: Mapping[str, int], signals: Mapping[Signal, int]
+) -> tuple[int, int, float, float, float, float, float, int, float]:
     """Entry of an action."""
-    if isinstance(action, Note):
-        return NOTE, -1, 0.0, 0.0, 0.0
-    rope = numbers[action.rope]
-    if isinstance(action, WinchSpeed):
-        return WINCH_SPEED, rope, action.speed, 0.0, action.ramp
-    if isinstance(action, WinchLength):
-        return WINCH_LENGTH, rope, action.length, action.speed, action.ramp
-    if isinstance(action, Release):
-        return RELEASE, rope, 0.0, 0.0, 0.0
-    assert isinstance(action, Connect)
-    return CONNECT, rope, action.slack, 0.0, 0.0
+    code, mover, value, speed, ramp, acceleration, jerk, other, factor = (
+        NOTE,
+        -1,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        -1,
+        0.0,
+    )
+    if not isinstance(action, Note):
+        name = action.tank if isinstance(action, TankRate) else getattr(action, "drive", "") or action.rope  # type: ignore[union-attr]
+        mover = numbers[name]
+    if isinstance(action, (*MOVES, DriveSpeed, DriveTo)):
+        speed, ramp, acceleration, jerk = action.speed, action.ramp, action.acceleration, action.jerk
+    if isinstance(action, (WinchSpeed, DriveSpeed)):
+        code, value = SPEED, action.speed
+    elif isinstance(action, WinchLength):
+        code, value = GO_TO, action.length
+    elif isinstance(action, WinchHaul):
+        code, value, factor = GO_BY, action.length, action.parts
+        other = -1 if action.signal is None else signals[action.signal]
+    elif isinstance(action, DriveTo):
+        code, value = GO_BY if action.by else GO_TO, action.place
+    elif isinstance(action, WinchFollow):
+        code, other, factor = FOLLOW, numbers[action.leader], action.ratio
+    elif isinstance(action, WinchTension):
+        code, value, speed, factor = KEEP, action.tension, action.speed, action.dead_band
+    elif isinstance(action, WinchLevel):
+        code, value, speed, factor = KEEP_LEVEL, action.share, action.speed, action.dead_band
+        other = action.group
+    elif isinstance(action, WinchBrake):
+        code, value = BRAKE, float(action.on)
+    elif isinstance(action, TankRate):
+        code, value = SPEED, action.rate
+        if action.mass is not None:
+            code, value, speed = GO_TO, action.mass, abs(action.rate)
+    elif isinstance(action, Release):
+        code = RELEASE
+    elif isinstance(action, Connect):
+        code, value = CONNECT, action.slack
+    return code, mover, value, speed, ramp, acceleration, jerk, other, factor

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -10,22 +11,36 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import controlled
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping
 
 __all__ = [
+    "AXES",
+    "MOVES",
     "Action",
     "Condition",
     "Connect",
+    "DriveSpeed",
+    "DriveTo",
     "Limit",
+    "Movable",
     "Note",
     "Phase",
     "Release",
     "Scenario",
     "Signal",
+    "TankRate",
     "Term",
+    "Track",
+    "WinchBrake",
+    "WinchFollow",
+    "WinchHaul",
     "WinchLength",
+    "WinchLevel",
     "WinchSpeed",
+    "WinchTension",
+    "acted_on",
     "check_scenario",
+    "drives_of",
     "loose_ropes",
 ]
 
@@ -56,18 +71,22 @@ class Signal:
     terms
         Of which it is made.
     function
-        Sum of the terms; the norm of a vector with these components; the largest or the smallest of them.
+        Sum of the terms; the norm of a vector with these components; the largest or the smallest of them. `arrived`:
+        time since the last of the things with the names of the terms came to rest where it was told to go; `told`, of
+        no terms: 1 since someone outside said "continue" in a phase, else 0.
     text
         Its name in messages; made from the terms if empty.
     """
 
     terms: tuple[Term, ...]
-    function: Literal["sum", "norm", "largest", "smallest"] = "sum"
+    function: Literal["sum", "norm", "largest", "smallest", "arrived", "told"] = "sum"
     text: str = ""
 
     @property
     def name(self) -> str:
         """Words for it."""
+        if self.function == "told":
+            return "'continue' from outside"
         names = [f"{term.channel}.{term.component}".rstrip(".") for term in self.terms]
         return self.text or (names[0] if len(names) == 1 else f"{self.function}({', '.join(names)})")
 
@@ -81,24 +100,31 @@ class Condition:
     signal
         None for the time in the phase [s].
     value
-        In SI.
+        In SI; with `weight_of` relative to that weight.
     below
         Whether it is true below the value, not above.
     hold
         How long it has to be true without a break [s].
+    weight_of
+        Names of bodies of whose weight the value is a part.
     """
 
     signal: Signal | None
     value: float
     below: bool = False
     hold: float = 0.0
+    weight_of: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
         """Words for it."""
         name = "time in the phase" if self.signal is None else self.signal.name
         held = f" for {self.hold:g} s" if self.hold else ""
-        return f"{name} {'below' if self.below else 'above'} {self.value:.6g}{held}"
+        if self.signal is not None and self.signal.function == "told":
+            return name
+        if self.signal is not None and self.signal.function == "arrived":
+            return f"{name} at rest where told to go{held}"
+        return f"{name} {'below' if self.below else 'above'} {_value(self)}{held}"
 
 
 @dataclass(frozen=True)
@@ -107,7 +133,7 @@ class Limit:
 
     Attributes
     ----------
-    signal, value, below
+    signal, value, below, weight_of
         As of a condition.
     stop
         Whether the run ends where it is not so; else it is told.
@@ -117,15 +143,43 @@ class Limit:
     value: float
     below: bool = True
     stop: bool = True
+    weight_of: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
         """Words for it."""
-        return f"{self.signal.name} {'below' if self.below else 'above'} {self.value:.6g}"
+        return f"{self.signal.name} {'below' if self.below else 'above'} {_value(self)}"
+
+
+def _value(said: Condition | Limit) -> str:
+    """Value of a condition or limit, as words."""
+    return f"{said.value:.6g}" + f" of the weight of {', '.join(said.weight_of)}" * bool(said.weight_of)
 
 
 @dataclass(frozen=True)
-class WinchSpeed:
+class _Ramp:
+    """How quickly a speed changes.
+
+    Attributes
+    ----------
+    ramp
+        Of what derives from it: time that the change takes, or that from rest to the largest speed and back [s]; at
+        once with 0.
+    acceleration, jerk
+        In place of it limits of the speed's rate of change, and of that of the acceleration; 0 is none.
+    """
+
+    acceleration: float = field(default=0.0, kw_only=True)
+    jerk: float = field(default=0.0, kw_only=True)
+
+    @property
+    def _in_ramp(self) -> str:
+        ramp = float(getattr(self, "ramp", 0.0))
+        return f" in {ramp:g} s" * bool(ramp)
+
+
+@dataclass(frozen=True)
+class WinchSpeed(_Ramp):
     """From its present speed a winch comes to another one.
 
     Attributes
@@ -134,8 +188,6 @@ class WinchSpeed:
         Name.
     speed
         [m/s], hauls in if positive.
-    ramp
-        Time that the change takes [s], the acceleration is constant; at once with 0.
     """
 
     rope: str
@@ -145,11 +197,11 @@ class WinchSpeed:
     @property
     def text(self) -> str:
         """Words for it."""
-        return f"winch of {self.rope!r} to {self.speed:g} m/s" + (f" in {self.ramp:g} s" * bool(self.ramp))
+        return f"winch of {self.rope!r} to {self.speed:g} m/s{self._in_ramp}"
 
 
 @dataclass(frozen=True)
-class WinchLength:
+class WinchLength(_Ramp):
     """A winch hauls in or pays out until the rope has an unstretched length, and stops there.
 
     Attributes
@@ -160,8 +212,6 @@ class WinchLength:
         Unstretched length in play [m].
     speed
         At most [m/s].
-    ramp
-        Time from rest to this speed, and back to rest [s]; at once with 0.
     """
 
     rope: str
@@ -173,6 +223,196 @@ class WinchLength:
     def text(self) -> str:
         """Words for it."""
         return f"winch of {self.rope!r} to {self.length:g} m at {self.speed:g} m/s"
+
+
+@dataclass(frozen=True)
+class WinchHaul(_Ramp):
+    """A winch hauls in a length, pays out if it is negative, and stops.
+
+    Attributes
+    ----------
+    rope
+        Name.
+    length
+        [m]; or, with a signal, the value that it is to have.
+    speed
+        At most [m/s].
+    signal, parts
+        The winch hauls in what the signal is below its value, times the number of parts of rope that the load hangs on.
+    """
+
+    rope: str
+    length: float
+    speed: float
+    ramp: float = 0.0
+    signal: Signal | None = None
+    parts: float = 1.0
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        if self.signal is None:
+            return f"winch of {self.rope!r} by {self.length:g} m at {self.speed:g} m/s"
+        return f"winch of {self.rope!r} until {self.signal.name} is {self.length:g} m, at {self.speed:g} m/s"
+
+
+@dataclass(frozen=True)
+class WinchFollow:
+    """A winch does as another one, times a ratio, from now on and whatever that is told, until it is told something."""
+
+    rope: str
+    leader: str
+    ratio: float = 1.0
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"winch of {self.rope!r} follows that of {self.leader!r}"
+
+
+@dataclass(frozen=True)
+class WinchTension:
+    """A winch stops where it is, and keeps a tension from now on.
+
+    Attributes
+    ----------
+    rope
+        Name of one whose winch answers to the tension.
+    tension
+        [N].
+    speed
+        At most [m/s].
+    dead_band
+        Part of the tension by which it may be off before the winch moves.
+    """
+
+    rope: str
+    tension: float
+    speed: float
+    dead_band: float = 0.05
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"winch of {self.rope!r} keeps {self.tension:g} N, at most with {self.speed:g} m/s"
+
+
+@dataclass(frozen=True)
+class WinchLevel:
+    """A winch keeps its share of what a group of winches holds, beside whatever it is told.
+
+    Attributes
+    ----------
+    rope
+        Name of one whose winch answers to the tension.
+    share
+        Relative to the shares of the others; 0 ends it.
+    speed
+        At most, beside that which it is told [m/s].
+    dead_band
+        Part of its share by which it may be off before it moves.
+    group
+        Number of the group.
+    """
+
+    rope: str
+    share: float
+    speed: float = 0.0
+    dead_band: float = 0.05
+    group: int = 0
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"winch of {self.rope!r} {'levels its load' if self.share else 'levels no longer'}"
+
+
+@dataclass(frozen=True)
+class WinchBrake:
+    """A brake is set, so that the drum rests until it slips, or let off."""
+
+    rope: str
+    on: bool
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"brake of {self.rope!r} {'set' if self.on else 'off'}"
+
+
+@dataclass(frozen=True)
+class TankRate:
+    """The pump of a tank fills it, or empties it.
+
+    Attributes
+    ----------
+    tank
+        Name.
+    rate
+        [kg/s]; with a mass at most, else empties it if negative.
+    mass
+        At which the pump stops [kg].
+    """
+
+    tank: str
+    rate: float
+    mass: float | None = None
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        until = "" if self.mass is None else f" to {self.mass:g} kg"
+        return f"pump of {self.tank!r} with {self.rate:g} kg/s{until}"
+
+
+@dataclass(frozen=True)
+class DriveSpeed(_Ramp):
+    """A drive comes to a speed.
+
+    Attributes
+    ----------
+    drive
+        Name of a joint with a drive, or of a body with an axis: ``"trolley.x"``, ``"mast.angle"``.
+    speed
+        [m/s] or [rad/s].
+    """
+
+    drive: str
+    speed: float
+    ramp: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"drive of {self.drive!r} to {self.speed:g} /s{self._in_ramp}"
+
+
+@dataclass(frozen=True)
+class DriveTo(_Ramp):
+    """A drive goes to a place, and stops there.
+
+    Attributes
+    ----------
+    drive
+        As of `DriveSpeed`.
+    place
+        Value of the coordinate of the joint, displacement or angle of the frame [m] or [rad].
+    speed
+        At most.
+    by
+        Whether the place is reckoned from where it is.
+    """
+
+    drive: str
+    place: float
+    speed: float
+    ramp: float = 0.0
+    by: bool = False
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"drive of {self.drive!r} {'by' if self.by else 'to'} {self.place:g} at {self.speed:g} /s"
 
 
 @dataclass(frozen=True)
@@ -212,7 +452,21 @@ class Note:
         return self.words
 
 
-Action: TypeAlias = WinchSpeed | WinchLength | Release | Connect | Note
+RopeAction: TypeAlias = (
+    WinchSpeed
+    | WinchLength
+    | WinchHaul
+    | WinchFollow
+    | WinchTension
+    | WinchLevel
+    | WinchBrake
+    | Release
+    | Connect
+)
+DriveAction: TypeAlias = DriveSpeed | DriveTo
+Action: TypeAlias = RopeAction | TankRate | DriveAction | Note
+MOVES = (WinchSpeed, WinchLength, WinchHaul)
+"""What a winch is told that it does by itself."""
 
 
 @dataclass(frozen=True)
@@ -244,6 +498,14 @@ class Phase:
 
 
 @dataclass(frozen=True)
+class Track:
+    """Phases in a row that go on beside others."""
+
+    name: str
+    phases: tuple[Phase, ...]
+
+
+@dataclass(frozen=True)
 class Scenario:
     """Phases in a row.
 
@@ -255,19 +517,40 @@ class Scenario:
         Names of ropes that are not connected at the start.
     stops_at_end
         Whether the run ends with the last phase, and not with its duration.
+    tracks
+        Other phases, which go on beside these.
     """
 
     phases: tuple[Phase, ...]
     prepared: tuple[str, ...] = ()
     stops_at_end: bool = False
+    tracks: tuple[Track, ...] = ()
+
+    @property
+    def rows(self) -> tuple[tuple[Phase, ...], ...]:
+        """Phases of all tracks."""
+        return self.phases, *(track.phases for track in self.tracks)
+
+    @property
+    def all_phases(self) -> tuple[Phase, ...]:
+        """Those of all tracks, one after the other."""
+        return tuple(phase for row in self.rows for phase in row)
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """Of all phases, one after the other."""
+        return tuple(action for phase in self.all_phases for action in phase.actions)
 
     @property
     def signals(self) -> tuple[Signal, ...]:
         """All that is looked at, each once."""
         found: dict[Signal, None] = {}
-        for phase in self.phases:
+        for phase in self.all_phases:
             waited = [condition.signal for condition in phase.until if condition.signal is not None]
-            found |= dict.fromkeys([*waited, *(limit.signal for limit in phase.limits)])
+            asked = [
+                one.signal for one in phase.actions if isinstance(one, WinchHaul) and one.signal is not None
+            ]
+            found |= dict.fromkeys([*waited, *asked, *(limit.signal for limit in phase.limits)])
         return tuple(found)
 
 
@@ -283,15 +566,219 @@ def loose_ropes(scenario: Scenario, phase: int) -> set[str]:
     return loose
 
 
-def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:
+AXES = ("x", "y", "z", "angle")
+"""Along which a frame is driven, or about which."""
+
+
+@dataclass(frozen=True)
+class Movable:
+    """What a scene or a case has that can be told something.
+
+    Attributes
+    ----------
+    ropes
+        By name: of the scene, or sections of a case.
+    tanks
+        Names.
+    drives
+        By name: whether harmonics are added to it.
+    duration
+        Of the run [s]; infinite if it is not known.
+    """
+
+    ropes: Mapping[str, Any]
+    tanks: frozenset[str] = frozenset()
+    drives: Mapping[str, bool] = field(default_factory=dict)
+    duration: float = math.inf
+
+
+def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
+    """Names of all drives, and whether harmonics are added to one.
+
+    Parameters
+    ----------
+    joints
+        Of a scene or a case.
+    motions
+        Motions of the frames of bodies by name, of a scene or a case. One that is fixed can be told to move.
+    """
+    found = {}
+    for joint in joints:
+        drive = getattr(joint, "drive", None)
+        if drive is not None:
+            found[joint.name] = bool(drive.harmonics)
+    for name, motion in motions.items():
+        if getattr(motion, "motion", type(motion).__name__.lower()) not in {"fixed", "driven"}:
+            continue
+        for axis in AXES:
+            profile = getattr(motion, axis, None)
+            found[f"{name}.{axis}"] = profile is not None and bool(profile.harmonics)
+    return found
+
+
+class _Checker:
+    """Goes through the phases of a track, and knows what is connected and how winches stand."""
+
+    def __init__(self, movable: Movable, prepared: Iterable[str], elsewhere: set[str]) -> None:
+        self.movable, self.elsewhere = movable, elsewhere
+        self.loose = set(prepared)
+        self.braked: set[str] = set()
+        self.planned: dict[str, float] = {}
+        self.arriving: set[str] = set()
+
+    def rope(self, name: str, key: str) -> Any:
+        """A rope of type wire."""
+        rope = _known("rope", name, self.movable.ropes, key)
+        described = getattr(rope, "DESCRIBED", type(rope))  # of a case file, or an object
+        if described.WORD != "wire":
+            raise InputError(
+                f"{name!r} is a rope of type {described.WORD!r}", key=key, expected="a rope of type 'wire'"
+            )
+        return rope
+
+    def act(self, action: Action, key: str) -> None:
+        """See that an action finds what it needs, and change what is so after it."""
+        if isinstance(action, Note):
+            return
+        if acted_on(action) in self.elsewhere:
+            raise InputError(
+                f"{acted_on(action)!r} is told something in another track",
+                key=key,
+                expected="actions of one track for one thing",
+            )
+        if isinstance(action, TankRate):
+            _known("tank", action.tank, self.movable.tanks, f"{key}.tank")
+            if action.mass is not None or action.rate < 0.0:
+                self.arriving.add(action.tank)
+            return
+        if isinstance(action, (DriveSpeed, DriveTo)):
+            self._drive(action, f"{key}.drive")
+            return
+        word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
+        place = f"{key}.{word}"
+        rope = self.rope(action.rope, place)
+        if isinstance(action, Release):
+            if action.rope in self.loose:
+                raise InputError(
+                    f"{action.rope!r} is not connected then", key=place, expected="a rope that is"
+                )
+            self.loose.add(action.rope)
+        elif isinstance(action, Connect):
+            if action.rope not in self.loose:
+                raise InputError(
+                    f"{action.rope!r} is connected then",
+                    key=place,
+                    expected="a rope that was released, or is in 'prepared'",
+                )
+            self.loose.discard(action.rope)
+        elif isinstance(action, (WinchTension, WinchLevel, WinchBrake)):
+            self._control(action, rope, key)
+        else:
+            self._move(action, rope, key)
+
+    def _drive(self, action: DriveSpeed | DriveTo, key: str) -> None:
+        """A drive that is there, and is a table alone."""
+        if _known("drive", action.drive, self.movable.drives, key) is True:
+            raise InputError(
+                f"harmonics are added to {action.drive!r}", key=key, expected="a drive without 'harmonics'"
+            )
+        if isinstance(action, DriveTo) or action.speed == 0.0:
+            self.arriving.add(action.drive)
+
+    def _control(self, action: WinchTension | WinchLevel | WinchBrake, rope: Any, key: str) -> None:
+        """The winch answers to its tension; its brake is off, and is set while it rests."""
+        name = action.rope
+        if isinstance(action, WinchBrake):
+            if getattr(rope.winch, "brake", None) is None:
+                raise InputError(
+                    f"the winch of {name!r} has no brake",
+                    key=f"{key}.brake",
+                    expected="'brake' in its 'winch'",
+                )
+            if action.on and self.planned.get(name, 0.0):
+                raise InputError(
+                    f"the brake of {name!r} is set while its winch goes with {self.planned[name]:g} m/s",
+                    key=f"{key}.brake",
+                    expected="a speed of 0 before, or a length to go to",
+                )
+            (self.braked.add if action.on else self.braked.discard)(name)
+            return
+        if not controlled(rope):
+            raise InputError(
+                f"the winch of {name!r} does not answer to its tension",
+                key=f"{key}.{'tension' if isinstance(action, WinchTension) else 'level'}",
+                expected="a rope whose 'winch' has 'brake' or 'tensions'",
+            )
+        self._is_off(name, key)
+        if isinstance(action, WinchTension):
+            self.planned[name] = 0.0
+            if action.tension > LARGEST_STRAIN * rope.axial_stiffness:
+                raise InputError(
+                    f"{action.tension:g} N is a strain of {action.tension / rope.axial_stiffness:.3g}",
+                    key=f"{key}.tension",
+                    expected=f"at most {LARGEST_STRAIN * rope.axial_stiffness:g} N",
+                )
+        self._check_speed(action.speed, rope, key)
+
+    def _is_off(self, name: str, key: str) -> None:
+        """Nothing moves a drum whose brake is set."""
+        if name in self.braked:
+            raise InputError(
+                f"the brake of {name!r} is set", key=f"{key}.winch", expected="'brake = false' before"
+            )
+
+    def _check_speed(self, speed: float, rope: Any, key: str) -> None:
+        """A winch is no faster than it is said to be."""
+        most = getattr(getattr(rope, "winch", None), "speed", None)
+        if most is not None and abs(speed) > most * (1.0 + 1e-12):
+            raise InputError(
+                f"{abs(speed):g} m/s, and the winch of {rope.name!r} has at most {most:g} m/s",
+                key=f"{key}.speed",
+                expected=f"at most {most:g} m/s",
+            )
+
+    def _move(self, action: WinchSpeed | WinchLength | WinchHaul | WinchFollow, rope: Any, key: str) -> None:
+        """The brake is off, the speed within the limit of the winch."""
+        name = action.rope
+        self._is_off(name, key)
+        if isinstance(action, WinchFollow):
+            leader = self.rope(action.leader, f"{key}.follow")
+            if name == action.leader:
+                raise InputError(f"{name!r} follows itself", key=f"{key}.follow", expected="another rope")
+            if getattr(getattr(leader, "winch", None), "follow", None) is not None:
+                raise InputError(
+                    f"the winch of {action.leader!r} follows another one itself",
+                    key=f"{key}.follow",
+                    expected="a winch that follows none",
+                )
+            self.planned[name] = action.ratio * self.planned.get(action.leader, 0.0)
+            return
+        self._check_speed(action.speed, rope, key)
+        self.planned[name] = action.speed if isinstance(action, WinchSpeed) else 0.0
+        if not isinstance(action, WinchSpeed) or action.speed == 0.0:
+            self.arriving.add(name)
+        else:
+            self.arriving.discard(name)
+
+
+def acted_on(action: Action) -> str:
+    """Name of what an action is for; empty of a note."""
+    return str(getattr(action, "rope", "") or getattr(action, "tank", "") or getattr(action, "drive", ""))
+
+
+LARGEST_STRAIN = 0.02
+"""Of a rope whose winch keeps a tension."""
+
+
+def check_scenario(scenario: Scenario, movable: Movable) -> None:
     """Refuse phases that cannot end, and actions on what is not there or is not as they need it.
 
     Parameters
     ----------
     scenario
         Phases.
-    ropes
-        Of the scene, or sections of a case file.
+    movable
+        What the scene has.
 
     Raises
     ------
@@ -300,85 +787,95 @@ def check_scenario(scenario: Scenario, ropes: Sequence[Any]) -> None:
     """
     if not scenario.phases:
         raise InputError("no phases", key="phases", expected="one or more")
-    known = {rope.name: rope for rope in ropes}
-    loose = set()
     for index, name in enumerate(scenario.prepared):
-        _rope(name, known, f"prepared.{index}")
-        loose.add(name)
+        _known("rope", name, movable.ropes, f"prepared.{index}")
     names: set[str] = set()
-    for index, phase in enumerate(scenario.phases):
-        key = f"phases.{index}"
-        if phase.name in names:
-            raise InputError(
-                f"{phase.name!r} is the name of two phases", key=f"{key}.name", expected="a name of its own"
-            )
-        names.add(phase.name)
-        if not phase.until and not phase.timeout and index + 1 < len(scenario.phases):
-            raise InputError(
-                f"phase {phase.name!r} can never end: it has neither 'until' nor 'timeout'",
-                key=key,
-                expected="'until', or no phases behind it",
-            )
-        if not phase.until and scenario.stops_at_end and index + 1 == len(scenario.phases):
-            raise InputError(
-                f"the last phase {phase.name!r} has no 'until', with which the run could end",
-                key=key,
-                expected="'until', or 'then' of the scenario 'go_on'",
-            )
-        for number, action in enumerate(phase.actions):
-            _check_action(action, known, loose, f"{key}.actions.{number}")
+    for row, phases in enumerate(scenario.rows):
+        others = (phase for other in scenario.rows if other is not phases for phase in other)
+        elsewhere = {acted_on(action) for phase in others for action in phase.actions} - {""}
+        checker = _Checker(movable, scenario.prepared, elsewhere)
+        for index, phase in enumerate(phases):
+            key = f"tracks.{row - 1}.phases.{index}" if row else f"phases.{index}"
+            if phase.name in names:
+                raise InputError(
+                    f"{phase.name!r} is the name of two phases",
+                    key=f"{key}.name",
+                    expected="a name of its own",
+                )
+            names.add(phase.name)
+            last = index + 1 == len(phases)
+            if not phase.until and not phase.timeout and not last:
+                raise InputError(
+                    f"phase {phase.name!r} can never end: it has neither 'until' nor 'timeout'",
+                    key=key,
+                    expected="'until', or no phases behind it",
+                )
+            if not phase.until and scenario.stops_at_end and last:
+                raise InputError(
+                    f"the last phase {phase.name!r} has no 'until', with which the run could end",
+                    key=key,
+                    expected="'until', or 'at_end' of the scenario 'go_on'",
+                )
+            for number, action in enumerate(phase.actions):
+                checker.act(action, f"{key}.actions.{number}")
+            _can_end(phase, checker, f"{key}.until")
 
 
-def _rope(name: str, known: dict[str, Any], key: str) -> Any:
+def _can_end(phase: Phase, checker: _Checker, key: str) -> None:
+    """Refuse conditions of a phase that cannot become true."""
+    reasons = [_why_never(one, checker) for one in phase.until]
+    never = all(reasons) if phase.ends_with == "any" else any(reasons)
+    if reasons and never:
+        reason, expected = next(one for one in reasons if one)
+        raise InputError(f"phase {phase.name!r} can never end: {reason}", key=key, expected=expected)
+
+
+def _why_never(condition: Condition, checker: _Checker) -> tuple[str, str] | None:
+    """Why a condition cannot become true, and what could; None if nothing is known against it."""
+    signal, value = condition.signal, condition.value
+    if signal is None:
+        if value + condition.hold > checker.movable.duration * (1.0 + 1e-12):
+            problem = (
+                f"it waits for {value + condition.hold:g} s, and the run takes {checker.movable.duration:g} s"
+            )
+            return problem, "a shorter time, or a longer duration"
+        return None
+    if signal.function == "arrived":
+        idle = [
+            term.channel for term in signal.terms if term.channel not in checker.arriving | checker.elsewhere
+        ]
+        if idle:
+            return f"{idle[0]!r} has not been told to go anywhere", "an action with a place to go to before"
+        return None
+    owner, _, kind = signal.terms[0].channel.rpartition(".") if signal.terms else ("", "", "")
+    if len(signal.terms) != 1 or owner not in checker.movable.ropes or signal.terms[0].weight != 1.0:
+        return None
+    if owner in checker.elsewhere:
+        return None
+    if kind == "tension" and not condition.below and value > 0.0 and owner in checker.loose:
+        return f"{owner!r} is not connected, and has no tension", "a rope that is connected"
+    if kind == "rest_length":
+        speed = checker.planned.get(owner, 0.0)
+        if (speed > 0.0 and not condition.below) or (speed < 0.0 and condition.below):
+            way = "hauls in" if speed > 0.0 else "pays out"
+            return (
+                None
+                if condition.hold
+                else (
+                    f"the winch of {owner!r} {way} with {abs(speed):g} m/s, and it waits for {condition.text}",
+                    "the other sense, or the other comparison",
+                )
+            )
+    return None
+
+
+def _known(what: str, name: str, known: Any, key: str) -> Any:
+    """What has a name; True of a set."""
     if name not in known:
-        near = get_close_matches(name, known, 1)
+        near = get_close_matches(name, list(known), 1)
         raise InputError(
-            f"{name!r} is no rope" + (f"; did you mean {near[0]!r}?" if near else ""),
+            f"{name!r} is no {what}" + (f"; did you mean {near[0]!r}?" if near else ""),
             key=key,
-            expected=f"one of: {', '.join(known) or 'there are none'}",
+            expected=f"one of: {', '.join(sorted(known)) or 'there are none'}",
         )
-    return known[name]
-
-
-def _check_action(action: Action, known: dict[str, Any], loose: set[str], key: str) -> None:
-    """See that an action finds what it needs, and change what is connected."""
-    if isinstance(action, Note):
-        return
-    word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
-    rope = _rope(action.rope, known, f"{key}.{word}")
-    described = getattr(rope, "DESCRIBED", type(rope))  # of a case file, or an object
-    if described.WORD != "wire":
-        raise InputError(
-            f"{action.rope!r} is a rope of type {described.WORD!r}",
-            key=f"{key}.{word}",
-            expected="a rope of type 'wire'",
-        )
-    if controlled(rope):
-        raise InputError(
-            f"the winch of {action.rope!r} answers to its tension",
-            key=f"{key}.{word}",
-            expected="a rope without 'tensions' and 'brake', whose length a scenario can tell",
-        )
-    pairs = {getattr(getattr(other, "winch", None), "follow", None): name for name, other in known.items()}
-    pairs.pop(None, None)
-    if word == "winch" and action.rope in {*pairs, *pairs.values()}:
-        leader = next(one for one, name in pairs.items() if action.rope in (one, name))
-        raise InputError(
-            f"the winch of {pairs[leader]!r} follows that of {leader!r}",
-            key=f"{key}.winch",
-            expected="an action for each of several winches, none of which follows another one",
-        )
-    if isinstance(action, Release):
-        if action.rope in loose:
-            raise InputError(
-                f"{action.rope!r} is not connected then", key=f"{key}.release", expected="a rope that is"
-            )
-        loose.add(action.rope)
-    elif isinstance(action, Connect):
-        if action.rope not in loose:
-            raise InputError(
-                f"{action.rope!r} is connected then",
-                key=f"{key}.connect",
-                expected="a rope that was released, or is in 'prepared'",
-            )
-        loose.discard(action.rope)
+    return known[name] if hasattr(known, "__getitem__") else None

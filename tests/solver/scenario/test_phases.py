@@ -12,8 +12,9 @@ import pytest
 from law_scenes import G, body, eye, pulley, run, scene, slider, wire
 
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.numerics.records import records
 from heavylift.solver.laws.equalized import SharedLines
-from heavylift.solver.scenario.director import plan_length
+from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move
 from heavylift.solver.scene.connections import GROUND, Winch
 from heavylift.solver.scene.scenario import (
     Condition,
@@ -181,26 +182,46 @@ def test_a_length_is_met_exactly(length: float, ramp: float) -> None:
     assert np.abs(np.diff(found["rope.rest_length"])).max() < most * 0.01 * (1.0 + 1e-9)
 
 
+@pytest.mark.parametrize("jerk", [0.0, 0.05, 3.0])
 @pytest.mark.parametrize("seed", range(50))
-def test_plan_of_a_winch(seed: int) -> None:
+def test_plan_of_a_move(seed: int, jerk: float) -> None:
     """It begins as it was, ends at rest at its target, is never too fast or too quick, and its rows fit each other."""
     rng = np.random.default_rng(seed)
-    hauled, target = rng.uniform(-5.0, 5.0, 2)
+    value, target = rng.uniform(-5.0, 5.0, 2)
     most, ramp = rng.uniform(0.1, 1.0), rng.uniform(0.2, 5.0)
-    speed = rng.uniform(-1.5, 1.5) * most
-    rows = np.zeros(12)
-    assert plan_length(hauled, speed, target, most, ramp, rows) == 4
-    times, speeds, lengths = rows.reshape(3, 4)
-    assert (times[0], speeds[0], lengths[0]) == (0.0, speed, hauled)
-    assert (speeds[3], lengths[3]) == (0.0, target)
-    assert np.all(np.diff(times) >= 0.0)
-    assert np.abs(speeds).max() <= max(most, abs(speed)) * (1.0 + 1e-12)
-    np.testing.assert_allclose(
-        np.diff(lengths), 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times), rtol=0, atol=1e-12
-    )
-    for (t, v), (s, w) in pairwise(zip(times, speeds, strict=True)):
-        if s > t:
-            assert abs(w - v) <= (most / ramp) * (s - t) * (1.0 + 1e-9)
+    speed, quick = rng.uniform(-1.5, 1.5) * most, most / ramp
+    present = rng.uniform(-1.0, 1.0) * quick if jerk else 0.0
+    rows = records(MoveRow, MOVE_ROWS)
+    count = plan_move(value, speed, present, target, most, quick, jerk, rows)
+    rows = rows[:count]
+    first, last = rows[0], rows[-1]
+    assert (first.time, first.value, first.speed) == (0.0, value, speed)
+    assert (last.speed, last.acceleration, last.value) == (0.0, 0.0, target)
+    h = np.diff(rows["time"])
+    assert np.all(h >= 0.0)
+    x, v, a, j = (rows[name][:-1] for name in ("value", "speed", "acceleration", "jerk"))
+    np.testing.assert_allclose(x + h * (v + h * (a / 2 + h * j / 6)), rows["value"][1:], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(v + h * (a + h * j / 2), rows["speed"][1:], rtol=0, atol=1e-10)
+    settled = (
+        0.5 * present**2 / jerk if jerk else 0.0
+    )  # by what the present acceleration still changes the speed
+    assert np.abs(rows["speed"]).max() <= max(most, abs(speed) + settled) * (1.0 + 1e-9)
+    assert np.abs(a).max() <= max(quick, abs(present)) * (1.0 + 1e-9)
+    assert np.abs(j).max(initial=0.0) <= jerk * (1.0 + 1e-9)
+    if jerk:
+        assert first.acceleration == present
+        np.testing.assert_allclose(a + h * j, rows["acceleration"][1:], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("way", "takes"),
+    [(10.0, 10.0 / 0.5 + 0.5 / 0.25 + 0.25 / 0.5), (1e-3, 4.0 * (1e-3 / 0.5 / 2.0) ** (1 / 3))],
+)
+def test_a_move_with_a_limited_jerk_takes_the_time_of_the_closed_form(way: float, takes: float) -> None:
+    """Three ramps and a stretch between; and one so short that neither acceleration nor speed is reached."""
+    rows = records(MoveRow, MOVE_ROWS)
+    count = plan_move(0.0, 0.0, 0.0, way, 0.5, 0.25, 0.5, rows)
+    assert rows["time"][count - 1] == pytest.approx(takes, rel=1e-12)
 
 
 def test_a_condition_has_to_hold() -> None:
@@ -433,20 +454,6 @@ def test_refused(phases: tuple[Phase, ...], prepared: tuple[str, ...], words: st
     with pytest.raises(InputError) as error:
         Simulation(hanging(*phases, prepared=prepared), 0.01).record()
     assert words in str(error.value)
-
-
-def test_winches_that_answer_to_something_else_are_not_told() -> None:
-    tense = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
-    ropes = [wire(eye(GROUND), eye("load"), name=name, stiffness=EA) for name in ("rope", "other")]
-    speeds = Winch(np.array([0.0, 1.0]), np.array([0.0, 0.1]))
-    phases = (Phase("a", (WinchSpeed("rope", 0.1),)),)
-    for winches, words in (
-        ((tense, None), "the winch of 'rope' answers to its tension"),
-        ((speeds, Winch(follow="rope")), "the winch of 'other' follows that of 'rope'"),
-    ):
-        told = [replace(rope, winch=winch) for rope, winch in zip(ropes, winches, strict=True)]
-        with pytest.raises(InputError, match=words):
-            Simulation(replace(hanging(*phases), ropes=tuple(told)), 0.01)
 
 
 def test_ropes_whose_winch_answers_to_its_tension_beside_others() -> None:

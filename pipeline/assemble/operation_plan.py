@@ -1,0 +1,436 @@
+"""What is known of an operation before it runs: how long its phases take, and where winches, pumps and drives go.
+
+Nothing is simulated. A phase that waits for a time, for a rope to have a length, or for something to arrive, takes a
+time that is known; moves are planned as the run plans them. One that waits for something else takes anything up to its
+timeout, so values are between two from there on, until something goes to a place.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.numerics.jit import in_python
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.solver.drive import pack_profile, profile_value
+from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move, plan_speed
+from heavylift.solver.scene.scenario import (
+    AXES,
+    Connect,
+    DriveSpeed,
+    DriveTo,
+    Note,
+    Release,
+    TankRate,
+    WinchBrake,
+    WinchFollow,
+    WinchHaul,
+    WinchLength,
+    WinchSpeed,
+    WinchTension,
+    acted_on,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.solver.scenario.operation import Operation
+    from heavylift.solver.scene.scenario import Action, Phase, Scenario
+    from heavylift.solver.scene.scene import Scene
+
+__all__ = ["PlannedPhase", "Range", "check_plan", "plan", "starts_of"]
+
+
+@dataclass(frozen=True)
+class Range:
+    """Between two values [m], [rad], [kg], [s]; equal if it is known."""
+
+    low: float
+    high: float
+
+    @property
+    def known(self) -> bool:
+        """Whether it is one value."""
+        return math.isfinite(self.high) and self.high - self.low <= 1e-9 * max(1.0, abs(self.high))
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        if not math.isfinite(self.high) and not math.isfinite(self.low):
+            return "unknown"
+        if self.known:
+            return f"{self.high:.3f}"
+        low = "any" if not math.isfinite(self.low) else f"{self.low:.3f}"
+        return f"{low} to {'any' if not math.isfinite(self.high) else f'{self.high:.3f}'}"
+
+
+ANYTHING = Range(-math.inf, math.inf)
+
+
+@dataclass(frozen=True)
+class PlannedPhase:
+    """A phase as far as it is known before.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    takes
+        How long [s].
+    values
+        At its end, of everything that is told to move: unstretched length of a rope [m], mass in a tank [kg], place of
+        a drive [m], [rad].
+    speeds
+        Largest ones on the way.
+    """
+
+    name: str
+    takes: Range
+    values: Mapping[str, Range]
+    speeds: Mapping[str, float]
+
+
+@dataclass
+class _Course:
+    """Of something that moves: what a plan says since the phase began, or bounds.
+
+    Attributes
+    ----------
+    value
+        Where it is as the phase begins.
+    speed, acceleration
+        Then, as far as the value is known.
+    rows
+        Plan; none of what stands still, or goes on with its speed.
+    target
+        Where it comes to rest.
+    arrived
+        Whether it is where it was told to go.
+    largest
+        Speed.
+    leader, ratio
+        What it follows.
+    """
+
+    value: Range
+    speed: float = 0.0
+    acceleration: float = 0.0
+    rows: Any = None
+    target: float | None = None
+    arrived: bool = False
+    largest: float = 0.0
+    leader: str = ""
+    ratio: float = 1.0
+
+    def go_on(self, speed: float, ramp: float, acceleration: float, jerk: float) -> None:
+        """Come to a speed."""
+        limit = abs(speed - self.speed) / ramp if ramp > 0.0 else acceleration
+        rows = records(MoveRow, MOVE_ROWS)
+        count = plan_speed(0.0, self.speed, self.acceleration, speed, limit, jerk, rows)
+        self.rows, self.target, self.arrived = rows[:count], None, False
+        self.largest = max(abs(speed), abs(self.speed))
+
+    def go_to(self, target: float, most: float, ramp: float, acceleration: float, jerk: float) -> None:
+        """Come to rest at a place."""
+        limit = most / ramp if ramp > 0.0 else acceleration
+        rows = records(MoveRow, MOVE_ROWS)
+        way, self.arrived = target - self.value.low, False
+        if not self.value.known:  # the time that it takes is not known
+            self.rows, self.target, self.largest = None, target, most
+            return
+        count = plan_move(0.0, self.speed, self.acceleration, way, most, limit, jerk, rows)
+        self.rows, self.target = rows[:count], target
+        self.largest = float(np.abs(self.rows["speed"]).max())
+
+    @property
+    def arrives(self) -> float:
+        """Time since the phase began at which it is at rest where it was told to go [s]; not a number if unknown."""
+        if self.arrived:
+            return 0.0
+        return math.nan if self.rows is None or self.target is None else float(self.rows["time"][-1])
+
+    def at(self, time: float) -> tuple[float, float, float]:
+        """Way, speed and acceleration after a time."""
+        if self.rows is None:
+            return self.speed * time if self.speed else 0.0, self.speed, 0.0
+        if math.isinf(time):
+            end = self.rows[-1]
+            return (
+                math.copysign(math.inf, end.speed) if end.speed else float(end.value),
+                float(end.speed),
+                0.0,
+            )
+        row = self.rows[max(int(np.searchsorted(self.rows["time"], time, side="right")) - 1, 0)]
+        d = time - row.time
+        way = row.value + d * (row.speed + d * (0.5 * row.acceleration + d * row.jerk / 6.0))
+        return (
+            float(way),
+            float(row.speed + d * (row.acceleration + 0.5 * d * row.jerk)),
+            float(row.acceleration + d * row.jerk),
+        )
+
+    def reaches(self, value: float) -> float:
+        """When it has a value [s]; not a number if never or unknown."""
+        if not self.value.known:
+            return math.nan
+        way = value - self.value.low
+        last = 1e7
+        low, high = 0.0, math.nan
+        times = [0.0, *(self.rows["time"].tolist() if self.rows is not None else []), last]
+        for before, after in pairwise(times):
+            if (self.at(before)[0] - way) * (self.at(after)[0] - way) <= 0.0 and self.at(after)[0] != self.at(
+                before
+            )[0]:
+                low, high = before, after
+                break
+        if math.isnan(high):
+            return math.nan
+        begin = self.at(low)[0] - way
+        for _ in range(200):
+            middle = 0.5 * (low + high)
+            if (self.at(middle)[0] - way) * begin > 0.0:
+                low = middle
+            else:
+                high = middle
+        return high
+
+    def finish(self, takes: Range, *, arrives: bool) -> Range:
+        """Values at the end of a phase, which it keeps for the next one; `arrives` if the phase waits for that."""
+        target = self.target
+        there = target is not None and (arrives or takes.low >= self.arrives * (1.0 - 1e-12))
+        if there:
+            assert target is not None
+            found = Range(target, target)
+        elif target is not None and self.rows is None:
+            found = Range(min(self.value.low, target), max(self.value.high, target))
+        else:
+            times = [takes.low, takes.high]
+            inside = [] if self.rows is None else self.rows["time"].tolist() + self._turns()
+            times += [time for time in inside if takes.low < time < takes.high]
+            ways = [self.at(time)[0] for time in times]
+            found = Range(self.value.low + min(ways), self.value.high + max(ways))
+        _, self.speed, self.acceleration = self.at(takes.low if takes.known else math.inf)
+        left = None if there else self._rest(takes)
+        if target is not None and left is None:
+            self.speed = self.acceleration = 0.0
+        self.value, self.rows, self.target = found, left, target if left is not None else None
+        self.arrived = self.arrived or there
+        return found
+
+    def _rest(self, takes: Range) -> Any:
+        """What of the plan is left behind a phase."""
+        if self.rows is None or not takes.known or takes.low >= self.rows["time"][-1]:
+            return None
+        way, speed, acceleration = self.at(takes.low)
+        first = max(int(np.searchsorted(self.rows["time"], takes.low, side="right")) - 1, 0)
+        rows = self.rows[first:].copy()
+        rows["time"] -= takes.low
+        rows["value"] -= way
+        rows["time"][0] = rows["value"][0] = 0.0
+        rows["speed"][0], rows["acceleration"][0] = speed, acceleration
+        return rows
+
+    def _turns(self) -> list[float]:
+        """Times at which the sense of the speed changes."""
+        found = []
+        for row, after in pairwise(self.rows):
+            roots = np.roots([0.5 * row.jerk, row.acceleration, row.speed])
+            found += [
+                float(row.time + r.real)
+                for r in roots
+                if r.imag == 0.0 and 0.0 < r.real < after.time - row.time
+            ]
+        return found
+
+
+def plan(scenario: Scenario, starts: Mapping[str, float]) -> list[list[PlannedPhase]]:
+    """Times and values of the phases of all tracks.
+
+    Parameters
+    ----------
+    scenario
+        Checked.
+    starts
+        Unstretched lengths of ropes, masses in tanks, places of drives at the start, by name.
+    """
+    return [_plan_row(row, starts) for row in scenario.rows]
+
+
+def _plan_row(phases: Sequence[Phase], starts: Mapping[str, float]) -> list[PlannedPhase]:
+    told = [action for phase in phases for action in phase.actions]
+    names = dict.fromkeys(
+        acted_on(a) for a in told if not isinstance(a, (Note, Release, Connect, WinchBrake))
+    )
+    courses = {name: _Course(Range(starts[name], starts[name])) for name in names}
+    found = []
+    for phase in phases:
+        for course in courses.values():
+            course.largest = abs(course.speed)
+        for action in phase.actions:
+            name = acted_on(action)
+            if name in courses:
+                _tell(courses, name, action)
+        takes = _takes(phase, courses)
+        leaders = {name: course.at(takes.low)[0] for name, course in courses.items() if not course.leader}
+        values = {}
+        arrivals = [
+            one.signal.terms
+            for one in phase.until
+            if one.signal is not None and one.signal.function == "arrived"
+        ]
+        together = len(phase.until) == 1 or phase.ends_with == "all"
+        waited = {term.channel for terms in arrivals for term in terms} if together else set()
+        for name, course in courses.items():
+            if course.leader:
+                known = takes.known and course.leader in leaders and course.value.known
+                way = course.ratio * leaders.get(course.leader, 0.0)
+                value = Range(course.value.low + way, course.value.high + way) if known else ANYTHING
+                values[name] = course.value = value
+                course.largest = (
+                    abs(course.ratio) * courses[course.leader].largest if course.leader in courses else 0.0
+                )
+                continue
+            values[name] = course.finish(takes, arrives=name in waited)
+            if together:
+                values[name] = course.value = _as_waited(phase, name, course.value)
+        found.append(
+            PlannedPhase(phase.name, takes, values, {name: c.largest for name, c in courses.items()})
+        )
+    return found
+
+
+def _as_waited(phase: Phase, name: str, value: Range) -> Range:
+    """Length of a rope at the end of a phase that waits for it to be above or below a value."""
+    for one in phase.until:
+        if one.signal is not None and one.signal.name == f"{name}.rest_length":
+            low, high = value.low, value.high
+            value = (
+                Range(min(low, one.value), min(high, one.value))
+                if one.below
+                else Range(max(low, one.value), max(high, one.value))
+            )
+    return value
+
+
+def _tell(courses: Mapping[str, _Course], name: str, action: Action) -> None:
+    """Let one of them do something; ropes become shorter as they are hauled in."""
+    course = courses[name]
+    if isinstance(action, Connect):
+        course.value = ANYTHING  # that of its path then
+        return
+    if isinstance(action, (Release, WinchBrake, Note)):
+        return
+    course.leader = ""
+    limits = (
+        getattr(action, "ramp", 0.0),
+        getattr(action, "acceleration", 0.0),
+        getattr(action, "jerk", 0.0),
+    )
+    if isinstance(action, WinchSpeed):
+        course.go_on(-action.speed, *limits)
+    elif isinstance(action, DriveSpeed):
+        course.go_on(action.speed, *limits)
+    elif isinstance(action, TankRate):
+        if action.mass is None and action.rate >= 0.0:
+            course.go_on(action.rate, *limits)
+        else:
+            course.go_to(action.mass or 0.0, abs(action.rate), *limits)
+    elif isinstance(action, WinchLength):
+        course.go_to(action.length, action.speed, *limits)
+    elif isinstance(action, DriveTo) and not action.by:
+        course.go_to(action.place, action.speed, *limits)
+    elif (
+        isinstance(action, (DriveTo, WinchHaul))
+        and getattr(action, "signal", None) is None
+        and course.value.known
+    ):
+        way = action.place if isinstance(action, DriveTo) else -action.length
+        course.go_to(course.value.low + way, action.speed, *limits)
+    elif isinstance(action, WinchFollow):
+        course.leader, course.ratio = action.leader, action.ratio
+    elif isinstance(action, (DriveTo, WinchHaul)):
+        course.value, course.largest, course.rows, course.target = ANYTHING, action.speed, None, None
+    elif isinstance(action, WinchTension):
+        course.value, course.largest, course.rows, course.target = ANYTHING, action.speed, None, None
+        course.speed = 0.0
+
+
+def _takes(phase: Phase, courses: Mapping[str, _Course]) -> Range:
+    """How long a phase may take [s]."""
+    longest = phase.timeout or math.inf
+    lows, highs = [], []
+    for condition in phase.until:
+        signal, low = condition.signal, condition.hold
+        when = math.nan
+        if signal is None:
+            when = condition.value
+        elif signal.function == "arrived":
+            times = [
+                courses[term.channel].arrives if term.channel in courses else math.nan
+                for term in signal.terms
+            ]
+            when = max(times) if not any(map(math.isnan, times)) else math.nan
+        elif len(signal.terms) == 1 and signal.name.endswith(".rest_length"):
+            course = courses.get(signal.name.removesuffix(".rest_length"))
+            when = math.nan if course is None else course.reaches(condition.value)
+        lows.append(low + (0.0 if math.isnan(when) else when))
+        highs.append(longest if math.isnan(when) else low + when)
+    if not lows:
+        return Range(0.0, longest)
+    choose = min if phase.ends_with == "any" else max
+    return Range(min(choose(lows), longest), min(choose(highs), longest))
+
+
+def starts_of(scene: Scene, operation: Operation) -> dict[str, float]:
+    """Unstretched lengths of ropes, masses in tanks, places of drives at the start, by name."""
+    found = operation.rope_lengths
+    found |= {tank.name: tank.start_mass for tank in (() if scene.sea is None else scene.sea.tanks)}
+    drives = {joint.name: getattr(joint, "drive", None) for joint in scene.joints}
+    for body in scene.bodies:
+        drives |= {f"{body.name}.{axis}": getattr(getattr(body, "motion", None), axis, None) for axis in AXES}
+    for name, profile in drives.items():
+        value = in_python(profile_value)(pack_profile(profile), 0, 0.0)[0]
+        found.setdefault(name, float(value))
+    return found
+
+
+def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Mapping[str, float]) -> None:
+    """Refuse what is certain to go wrong: a rope that is hauled in whole, a hook that comes to its crown.
+
+    Raises
+    ------
+    InputError
+        The first such phase.
+    """
+    ropes = {rope.name for rope in case.ropes}
+    falls = {f"{one.name}_rope": one for one in case.falls}
+    for row, track in enumerate(phases):
+        for i, phase in enumerate(track):
+            key = f"scenario.tracks.{row - 1}.phases.{i}" if row else f"scenario.phases.{i}"
+            for name, value in phase.values.items():
+                if name not in ropes or not math.isfinite(value.high):
+                    continue
+                if value.high <= 0.0:
+                    raise InputError(
+                        f"phase {phase.name!r} hauls in {starts[name] - value.high:.6g} m of {name!r} or more, which "
+                        f"has {starts[name]:.6g} m",
+                        source=case.file,
+                        key=key,
+                        expected="less",
+                    )
+                hook = falls.get(name)
+                hoisted = 0.0 if hook is None else (starts[name] - value.high) / hook.parts
+                if hook is not None and hoisted >= hook.drop - 2.0 * hook.sheave_radius:
+                    raise InputError(
+                        f"phase {phase.name!r} hoists the block of {hook.name!r}, {hook.drop:.6g} m below its crown, "
+                        f"by {hoisted:.6g} m",
+                        source=case.file,
+                        key=key,
+                        expected=f"less than {hook.drop - 2.0 * hook.sheave_radius:.6g} m",
+                    )

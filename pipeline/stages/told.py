@@ -1,0 +1,114 @@
+"""What someone outside says to a run: ``heavylift scenario CASE --tell continue``.
+
+Words are lines of a file in the output folder. A run reads it between two pieces of its loop and keeps, in a file
+beside it, which word it took at which step; a run that goes on from a checkpoint behind which words were taken, or that
+is made again since its results are gone, takes them at the same steps. So it ends as the one that was told.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.results.storage import read_json, write_json
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["Told", "Word", "tell", "words_there"]
+
+Word = Literal["continue", "hold", "stop"]
+"""What can be said: go on, wait in this phase, end the run."""
+
+WORDS_FILE, TAKEN_FILE = "scenario_words.txt", "scenario_told.json"
+LONGEST = 100_000
+"""Characters of the file of words that are read."""
+
+
+def tell(root: Path, word: Word) -> None:
+    """Say something to the run in an output folder.
+
+    Raises
+    ------
+    InputError
+        If no run works there.
+    """
+    from heavylift.pipeline.results.storage import StopError
+    from heavylift.pipeline.stages.stages import locked
+
+    if root.is_dir():
+        try:
+            with locked(root):
+                pass
+        except StopError:
+            with (root / WORDS_FILE).open("a", encoding="utf-8") as file:
+                file.write(f"{word}\n")
+            return
+    raise InputError(
+        f"no run works in {root}", source=root, key="--tell", expected="a run that goes on, or another --out"
+    )
+
+
+def words_there(root: Path) -> int:
+    """How many words are in the file of an output folder: those that are there before a run begins are not for it."""
+    return len(_lines(root / WORDS_FILE))
+
+
+def _lines(path: Path) -> list[str]:
+    with contextlib.suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
+        return [line.strip() for line in file.read(LONGEST).splitlines()]
+    return []
+
+
+class Told:
+    """Words for a run.
+
+    Parameters
+    ----------
+    root
+        Output folder.
+    digest
+        Of the inputs of the run; what was taken by one with other inputs is forgotten.
+    operation
+        The scenario on its way, which has been restored if it is to be.
+    old
+        How many words were there before the run began, as `words_there` tells.
+    """
+
+    def __init__(self, root: Path, digest: str, operation: Any, old: int) -> None:
+        self._words, self._file, self._digest = root / WORDS_FILE, root / TAKEN_FILE, digest
+        self._operation = operation
+        kept = read_json(self._file) or {}
+        taken = kept.get("taken") if kept.get("digest") == digest else None
+        self._taken: list[tuple[int, str]] = []
+        for entry in taken if isinstance(taken, list) else []:
+            if isinstance(entry, list) and len(entry) == 2 and entry[1] in get_args(Word):
+                self._taken.append((int(entry[0]), str(entry[1])))
+        self._done = operation.told_count
+        self._read = old
+
+    def take(self, step: int, time: float) -> int | None:
+        """Say to the operation what is due at a step, and what is new; the step of the next word, if one is known."""
+        while self._done < len(self._taken) and self._taken[self._done][0] <= step:
+            self._operation.tell(self._taken[self._done][1], time)
+            self._done += 1
+        if self._done < len(self._taken):
+            return self._taken[self._done][0]
+        lines = _lines(self._words)
+        new = [line for line in lines[self._read :] if line in get_args(Word)]
+        self._read = len(lines)
+        for word in new:
+            self._operation.tell(word, time)
+            self._taken.append((step, word))
+            self._done += 1
+        if new:
+            write_json(self._file, {"digest": self._digest, "taken": self._taken})
+        return None
+
+    @staticmethod
+    def forget(root: Path) -> None:
+        """Before a run that begins anew: nothing has been said."""
+        for name in (WORDS_FILE, TAKEN_FILE):
+            with contextlib.suppress(FileNotFoundError):
+                (root / name).unlink()
