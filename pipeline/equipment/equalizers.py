@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
@@ -125,6 +126,8 @@ class EqualizerLine:
     """A second lug [m]: the line ends on an extension pulley, and a sling over it holds both lugs."""
     length: Annotated[float | None, Positive("length")] = None
     """Unstretched [m]; as drawn if absent, from a pulley at the same depth as all."""
+    count: Annotated[int, Interval(ge=1, le=100)] = 1
+    """How many lines lead to this lug, from as many pulleys beside each other."""
 
 
 @EQUIPMENT.part
@@ -173,8 +176,8 @@ class Equalizer:
     """The rope over all pulleys."""
     line: EqualizerRope
     """What the lines are made of."""
-    lines: Annotated[tuple[EqualizerLine, ...], Least(2)]
-    """One a moving pulley, in their order along the beam."""
+    lines: Annotated[tuple[EqualizerLine, ...], Least(1)]
+    """In their order along the beam, each from a moving pulley, or from `count` of them."""
     extension: EqualizerExtension | None = None
     """Extension pulleys, of lines with `other_point`."""
     friction: Annotated[float, Quantity("force", minimum=0.0, closed=True)] = 0.0
@@ -209,6 +212,8 @@ class Equalizer:
                 key="travel.up",
                 expected=f"less than {said.part_length:.6g} m",
             )
+        if len(_entries(said)) < 2:
+            raise InputError("one line", key="lines", expected="at least two lines")
         if not any(said.along):
             raise InputError("a direction of length zero", key="along", expected="a horizontal direction")
         heading(said.along, "along")
@@ -225,7 +230,7 @@ class Equalizer:
         """Write the parts: beam, hinge, and pulleys, guides and ropes, or one rope of all lines."""
         layout = _Layout.of(said, places)
         name, r, centre = said.name, said.sheave_radius, np.array([0.0, 0.0, -said.sheave_depth])
-        length = 4.0 * r * len(said.lines)
+        length = 4.0 * r * len(_entries(said))
         inertia = said.beam.inertia or [v * said.beam.mass * length**2 / 12.0 for v in (0.01, 1.0, 1.0)]
         made.rigid(
             f"{name}_beam",
@@ -240,6 +245,11 @@ class Equalizer:
         made.add("joints", hinge | {"at": listed(layout.hinge), "axis": [0.0, 0.0, 1.0]}, "hook")
         write = _add_pulleys if said.model == "pulleys" else _add_massless
         write(said, layout, places, made)
+
+
+def _entries(said: Any) -> list[int]:
+    """Number of the entry of `lines` to which each pulley belongs."""
+    return [i for i, line in enumerate(said.lines) for _ in range(line.count)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,33 +283,35 @@ class _Layout:
         """Find it, or say what does not fit."""
         hinge = places.world(said.hook.body, said.hook.point)
         along, angle = heading(said.along, "along")
-        count = len(said.lines)
+        entries = _entries(said)
+        count = len(entries)
         offsets = (np.arange(count) - 0.5 * (count - 1)) * 4.0 * said.sheave_radius
         outlets = hinge + np.outer(offsets, along) + said.sheave_depth * DOWN
-        ends = np.array([_end(said, i, places) for i in range(count)])
+        ends = np.array([_end(said, i, places) for i in entries])
         _check_lugs(said, ends, places)
         way = ends - outlets
         below = way @ DOWN
         aside = np.linalg.norm(way - np.outer(below, DOWN), axis=1)
         lengths = np.hypot(aside, below - said.part_length)
         reach = np.full(count, said.part_length)
-        for i, line in enumerate(said.lines):
-            if below[i] <= said.part_length and line.length is None:
+        for k, i in enumerate(entries):
+            line = said.lines[i]
+            if below[k] <= said.part_length and line.length is None:
                 raise InputError(
-                    f"the lug is {below[i]:.6g} m below the fixed sheaves, its pulley {said.part_length:.6g} m",
+                    f"the lug is {below[k]:.6g} m below the fixed sheaves, its pulley {said.part_length:.6g} m",
                     key=f"lines.{i}.point",
                     expected="a lug below the pulley",
                 )
             if line.length is None:
                 continue
-            lengths[i] = line.length
-            if line.length <= aside[i]:
+            lengths[k] = line.length
+            if line.length <= aside[k]:
                 raise InputError(
-                    f"a line of {line.length:.6g} m, and the lug is {aside[i]:.6g} m aside from the guide",
+                    f"a line of {line.length:.6g} m, and the lug is {aside[k]:.6g} m aside from the guide",
                     key=f"lines.{i}.length",
                     expected="a line that reaches the lug",
                 )
-            reach[i] = below[i] - math.sqrt(line.length**2 - aside[i] ** 2)
+            reach[k] = below[k] - math.sqrt(line.length**2 - aside[k] ** 2)
         return _Layout(hinge, along, angle, offsets, _start_depths(said, reach), ends, lengths)
 
     def pulley(self, i: int, depth: float, sheave_depth: float) -> NDArray[np.float64]:
@@ -348,22 +360,24 @@ def _sling_length(half: float, height: float, r: float) -> float:
 def _check_lugs(said: Any, ends: NDArray[np.float64], places: Places) -> None:
     """Lugs are apart; a load that hangs on this equalizer alone hangs below its lugs."""
     bodies = {line.body for line in said.lines}
-    for i in range(len(ends)):
-        for k in range(i):
-            if said.lines[i].body == said.lines[k].body and np.linalg.norm(ends[i] - ends[k]) < APART:
+    entries = _entries(said)
+    for i, entry in enumerate(entries):
+        for other, end in zip(entries[:i], ends[:i], strict=True):
+            same_body = said.lines[entry].body == said.lines[other].body
+            if other != entry and same_body and np.linalg.norm(ends[i] - end) < APART:
                 raise InputError(
-                    f"the lugs of lines {k + 1} and {i + 1} coincide",
-                    key=f"lines.{i}.point",
-                    expected="lugs apart from each other",
+                    f"the lugs of lines {other + 1} and {entry + 1} coincide",
+                    key=f"lines.{entry}.point",
+                    expected="lugs apart from each other, or one with 'count'",
                 )
     load = bodies.pop()
     centre = places.centre_of_mass(load)
     if bodies or centre is None or not places.hangs_alone(load):
         return
-    lugs = [places.world(load, line.point) for line in said.lines]
+    lines = [said.lines[i] for i in entries]
+    lugs = [places.world(load, line.point) for line in lines]
     lugs += [
-        places.world(load, line.other_point if line.other_point is not None else line.point)
-        for line in said.lines
+        places.world(load, line.other_point if line.other_point is not None else line.point) for line in lines
     ]
     height = float(np.mean(lugs, axis=0)[2] - centre[2])
     if height <= 0.0:
@@ -411,7 +425,8 @@ def _start_depths(said: Any, reach: NDArray[np.float64]) -> NDArray[np.float64]:
 def _add_pulleys(said: Any, layout: _Layout, places: Places, made: Made) -> None:
     """Moving pulleys on guides, the rope over all of them, and lines."""
     name, r, depth = said.name, said.sheave_radius, said.sheave_depth
-    count, mass = len(said.lines), said.pulley.mass
+    entries = _entries(said)
+    count, mass = len(entries), said.pulley.mass
     disc = [v * mass * r * r for v in (0.25, 0.5, 0.25)]
     stops = {
         "lower": -said.travel.up,
@@ -440,7 +455,7 @@ def _add_pulleys(said: Any, layout: _Layout, places: Places, made: Made) -> None
         if i < count - 1:
             fixed = {"body": f"{name}_beam", "point": [x + 2.0 * r, 0.0, -depth]}
             path.append(fixed | {"radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(said))
-        _add_line(said, i, layout, places, made)
+        _add_line(said, i, entries[i], layout, places, made)
     path.append({"body": f"{name}_beam", "point": [float(layout.offsets[-1]) + r, 0.0, -depth]})
     rope = {
         "name": f"{name}_rope",
@@ -459,13 +474,13 @@ def _rubs(said: Any) -> dict[str, float]:
 
 def _rope_length(said: Any) -> float:
     """Unstretched length of the rope over all pulleys [m]."""
-    count = len(said.lines)
+    count = len(_entries(said))
     return float(2.0 * count * said.part_length + (2 * count - 1) * math.pi * said.sheave_radius)
 
 
-def _add_line(said: Any, i: int, layout: _Layout, places: Places, made: Made) -> None:
-    """A line from its pulley to a lug, or to an extension pulley with a sling to two lugs."""
-    name, line = said.name, said.lines[i]
+def _add_line(said: Any, i: int, entry: int, layout: _Layout, places: Places, made: Made) -> None:
+    """A line from its pulley i to a lug, or to an extension pulley with a sling to two lugs."""
+    name, line = said.name, said.lines[entry]
     end: dict[str, Any] = {"body": line.body, "point": list(line.point)}
     of_rope = {"axial_stiffness": said.line.axial_stiffness, "damping": said.line.damping}
     if line.other_point is not None:
@@ -478,17 +493,18 @@ def _add_line(said: Any, i: int, layout: _Layout, places: Places, made: Made) ->
         sheave = {"body": body, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(said)
         ends = [{"body": line.body, "point": list(point)} for point in (line.point, line.other_point)]
         sling = {"name": f"{name}_sling_{i + 1}", **of_rope, "length": said.extension.sling_length}
-        made.add("ropes", sling | {"path": [ends[0], sheave, ends[1]]}, f"lines.{i}")
+        made.add("ropes", sling | {"path": [ends[0], sheave, ends[1]]}, f"lines.{entry}")
         end = {"body": body, "point": [0.0, 0.0, 2.0 * r]}
     start = {"body": f"{name}_pulley_{i + 1}", "point": [0.0, 0.0, 0.0]}
-    entry = {"name": f"{name}_line_{i + 1}", **of_rope, "length": float(layout.lengths[i])}
-    made.add("ropes", entry | {"path": [start, end]}, f"lines.{i}")
+    rope = {"name": f"{name}_line_{i + 1}", **of_rope, "length": float(layout.lengths[i])}
+    made.add("ropes", rope | {"path": [start, end]}, f"lines.{entry}")
 
 
 def _add_massless(said: Any, layout: _Layout, _places: Places, made: Made) -> None:
     """One rope whose path jumps from lug to lug."""
     path: list[dict[str, Any]] = []
-    for x, line in zip(layout.offsets, said.lines, strict=True):
+    for x, i in zip(layout.offsets, _entries(said), strict=True):
+        line = said.lines[i]
         path.append({"body": f"{said.name}_beam", "point": [float(x), 0.0, -said.sheave_depth]})
         path.append({"body": line.body, "point": list(line.point)})
     rope = {

@@ -28,7 +28,7 @@ from heavylift.solver.scene.connections import Winch
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
 
-__all__ = ["Falls", "sheaves_aside"]
+__all__ = ["Falls", "FallsRope", "HookBlock", "sheaves_aside", "without_winch"]
 
 
 @EQUIPMENT.part
@@ -52,6 +52,8 @@ class FallsRope:
     """EA [N]."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Tension per rate of elongation [N s/m], while it is taut."""
+    tension: Annotated[float | None, Positive("force"), Absent()] = None
+    """Tension at the start [N], of a search for equilibrium that in the place of rest; as long as drawn if absent."""
     brake: Annotated[float | None, Positive("force")] = None
     """Tension at which the brake of its winch slips [N]: a scenario can let such a winch keep a tension, or hooks a
     load level."""
@@ -97,7 +99,7 @@ class Falls:
     block: HookBlock
     """The hook block."""
     rope: FallsRope
-    """The rope; it is as long as drawn."""
+    """The rope; it is as long as drawn, or as its tension says."""
     drum: FallsCrown | None = None
     """First drum; the rope begins at the crown if absent."""
     other_drum: FallsCrown | None = None
@@ -175,8 +177,7 @@ class Falls:
             path.append(on_crown(-r, float(aside[-1])))
         else:
             path += [sheave(float(aside[-1])), _drum(said, "other_drum", crown, -along, places)]
-        rope = {"name": f"{name}_rope", "path": path, "axial_stiffness": said.rope.axial_stiffness}
-        rope["damping"] = said.rope.damping
+        rope = {"name": f"{name}_rope", "path": path} | without_winch(said.rope)
         if said.moves:
             rope["winch"] = speeds_of(said.moves, float(said.parts))
         elif said.winch is not None:
@@ -208,6 +209,11 @@ def sheaves_aside(parts: int, radius: float, spacing: float | None) -> NDArray[n
     """Places of the sheaves of a block along their axis [m], shape (parts / 2,)."""
     count = parts // 2
     return np.asarray((np.arange(count) - 0.5 * (count - 1)) * (spacing or 0.25 * radius))
+
+
+def without_winch(rope: Any) -> dict[str, Any]:
+    """What is given of a rope beside its winch."""
+    return {key: value for key, value in given(rope).items() if key != "brake"}
 
 
 def _drum(

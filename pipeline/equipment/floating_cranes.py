@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Least, NameOf, Positive, Quantity, Shape
-from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, sheaves_aside
+from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, sheaves_aside, without_winch
 from heavylift.pipeline.equipment.moves import Move, Turn, check_moves, positions_of, speeds_of, turned
 from heavylift.pipeline.equipment.parts import EQUIPMENT, given, heading, listed
 
@@ -66,7 +66,7 @@ class BoomStay:
     at: Annotated[float | None, Positive("length")] = None
     """Where it holds the boom, from the hinge [m]; at its head if absent."""
     rope: FallsRope
-    """The rope; it is as long as drawn."""
+    """The rope; it is as long as drawn, or as its tension says."""
 
 
 @EQUIPMENT.part
@@ -74,6 +74,8 @@ class BoomStay:
 class BoomHook:
     """A hook at the head of the boom."""
 
+    number: Annotated[int | None, Interval(ge=1), Absent()] = None
+    """In the names of its falls, ``NAME_hook_5``; that of its place in the list if absent."""
     at: Annotated[tuple[float, float], Quantity("length")] = (0.0, 0.0)
     """Of its crown at the start [m]: ahead of the head of the boom, and to its left, in its height."""
     drop: Annotated[float, Positive("length")]
@@ -241,7 +243,7 @@ class FloatingCrane:
         for i, hook in enumerate(said.hooks):
             crown = np.array([boom.length, 0.0, 0.0]) + up.T @ [*hook.at, 0.0]
             falls: dict[str, Any] = {
-                "name": f"{name}_hook_{i + 1}",
+                "name": f"{name}_hook_{hook.number or i + 1}",
                 "crown": {"body": f"{name}_boom", "point": listed(crown)},
                 "along": listed(ahead),
                 "parts": hook.parts,
@@ -325,9 +327,7 @@ def _add_stay(said: Any, made: Made, along: NDArray[np.float64], on_carrier: Cal
     rope: dict[str, Any] = {
         "name": f"{said.name}_stay",
         "path": [ends[k % 2] for k in range(parts + 1)],
-        "axial_stiffness": stay.rope.axial_stiffness,
-        "damping": stay.rope.damping,
-    }
+    } | without_winch(stay.rope)
     if said.luffing:
         aside = float(np.subtract(stay.head, said.hinge) @ np.cross([0.0, 0.0, 1.0], along))
 
