@@ -284,11 +284,12 @@ class Case(SceneTables, _CaseHeading):
     def _known(self) -> Known:
         """What a scenario can name."""
         movable = self._movable
-        wire = [name for name, rope in movable["ropes"].items() if rope.DESCRIBED.WORD == "wire"]
+        ropes = movable["ropes"]
+        wire = [name for name, rope in ropes.items() if rope.DESCRIBED.WORD == "wire"]
+        others = tuple(name for name in ropes if name not in wire)
         hooks = {one.name: Hook(one.parts, one.block.hook_depth) for one in self.falls}
-        return Known(
-            self._names, tuple(wire), tuple(tank.name for tank in self.tanks), tuple(movable["drives"]), hooks
-        )
+        tanks = tuple(tank.name for tank in self.tanks)
+        return Known(self._names, tuple(wire), tanks, tuple(movable["drives"]), hooks, others)
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

@@ -87,6 +87,8 @@ class Known:
         What it declares.
     ropes, tanks, drives
         Names of ropes of type wire, of tanks, and of drives.
+    other_ropes
+        Names of ropes of other types, which can be told nothing; to say so.
     hooks
         Falls by name.
     """
@@ -96,6 +98,7 @@ class Known:
     tanks: tuple[str, ...] = ()
     drives: tuple[str, ...] = ()
     hooks: Mapping[str, Hook] = field(default_factory=dict)
+    other_ropes: tuple[str, ...] = ()
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -109,6 +112,8 @@ class Known:
         known = list(known)
         for pattern in patterns:
             fits = [name for name in known if fnmatchcase(name, pattern)]
+            if not fits and _WHAT.get(key) == "rope" and pattern in self.other_ropes:
+                fits = [pattern]
             if not fits:
                 near = get_close_matches(pattern, known, 1)
                 raise InputError(
@@ -367,11 +372,11 @@ def _one_condition(said: Any) -> None:
     """One thing to look at, with the values that it takes."""
     subjects = [key for key in _SUBJECTS if getattr(said, key) is not None]
     if len(subjects) != 1:
-        problem = f"{subjects[0]!r} beside another condition" if subjects else "no condition"
+        problem = f"{subjects[0]!r} beside another condition" if subjects else "neither 'quantity' nor 'time'"
         key = "time" if "time" in subjects else subjects[-1] if subjects else ""
         reject(
             problem,
-            "'all' or 'any' of two conditions" if subjects else f"one of: {', '.join(_SUBJECTS)}",
+            "'all' or 'any' of two conditions" if subjects else f"one of them, or of {', '.join(_SUBJECTS)}",
             key=key,
         )
     given = [key for key in ("above", "below") if getattr(said, key) is not None]
@@ -578,7 +583,8 @@ class ActionSection(Section):
             more = f"'speed', and one of {', '.join(map(repr, _TELLS[subject]))} if more is meant"
             reject(f"a {subject} without 'speed'", more, key="speed")
         if tells and not self.speed > 0.0:
-            reject(f"{self.speed:g} with {tells!r}", "a positive speed: its sense follows", key="speed")
+            unit = "" if subject == "drive" else " m/s"
+            reject(f"{self.speed:g}{unit} with a {tells}", "a positive speed: its sense follows", key="speed")
         if "ratio" in self.model_fields_set:
             reject("'ratio' without 'follow'", "'follow', a rope to follow", key="ratio")
         if "dead_band" in self.model_fields_set and tells not in {"tension", "level"}:

@@ -99,21 +99,19 @@ def _document(phases: Sequence[Sequence[PlannedPhase]], starts: Mapping[str, flo
     def values(found: Range) -> list[float | None]:
         return [value if math.isfinite(value) else None for value in (found.low, found.high)]
 
-    return {
-        "start": dict(starts),
-        "tracks": [
-            [
-                {
-                    "name": phase.name,
-                    "takes_s": values(phase.takes),
-                    "end": {name: values(value) for name, value in phase.values.items()},
-                    "largest_speed": dict(phase.speeds),
-                }
-                for phase in row
-            ]
-            for row in phases
-        ],
-    }
+    rows = [
+        [
+            {
+                "name": phase.name,
+                "takes_s": values(phase.takes),
+                "end": {name: values(value) for name, value in phase.values.items()},
+                "largest_speed": dict(phase.speeds),
+            }
+            for phase in row
+        ]
+        for row in phases
+    ]
+    return {"start": dict(starts), "phases": rows[0], "tracks": rows[1:]}
 
 
 def _table(said: Sequence[Phase], phases: Sequence[PlannedPhase], starts: Mapping[str, float]) -> list[str]:

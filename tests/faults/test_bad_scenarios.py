@@ -89,7 +89,7 @@ def test_an_operation_that_comes_to_its_end(phases, heavylift):
     assert [phase["name"] for phase in planned["phases"]] == said["phases"]
     hold = planned["phases"][1]
     assert hold["takes_s"][0] == 1.0
-    low, high = planned["phases"][0]["rest_length_m"]["fall"]
+    low, high = planned["phases"][0]["end"]["fall"]
     assert low <= float(results["fall.rest_length"][results.time < ends["hoist"]][-1]) <= high
 
 

@@ -184,7 +184,7 @@ def test_what_has_arrived_is_named_by_hooks_too(tmp_path: Path) -> None:
         ('actions = [{ winch = "tag" }]', "actions.0.speed", "a winch without 'speed'"),
         ('actions = [{ hook = "hook_3", speed = 1 }]', "actions.0.hook", "'hook_3' is no hook; did you mean"),
         ('actions = [{ winch = "crane_*", speed = 1 }]', "actions.0.winch", "'crane_*' is no rope"),
-        ('actions = [{ note = "a" }, { winch = "tag", length = 9, speed = -1 }]', "actions.1.speed", "-1 with 'length'"),
+        ('actions = [{ note = "a" }, { winch = "tag", length = 9, speed = -1 }]', "actions.1.speed", "-1 m/s with a length"),
         ('actions = [{ winch = "tag", length = 9, distance = 1, speed = 1 }]', "actions.0.distance", "both 'length' and"),
         ('actions = [{ winch = "tag", speed = 1, jerk = 1 }]', "actions.0.jerk", "'jerk' without 'acceleration'"),
         ('actions = [{ winch = "tag", speed = 1, ramp = 1, acceleration = 1 }]', "actions.0.acceleration", "both 'ramp'"),
@@ -303,7 +303,7 @@ until = { arrived = "trolley.x" }
     )
     log = Log(quiet=True)
     document, lines = scenario_command(tmp_path, log=log)
-    up, along = document["tracks"][0]
+    up, along = document["phases"]
     assert up["takes_s"] == pytest.approx([13.0, 13.0])
     assert along["takes_s"] == pytest.approx([4.0 + 1.25, 4.0 + 1.25])
     start = document["start"]
