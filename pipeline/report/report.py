@@ -24,6 +24,7 @@ from heavylift.pipeline.report.document import (
     to_markdown,
 )
 from heavylift.pipeline.report.inputs import input_section, rigid_sections
+from heavylift.pipeline.report.lift import lift_section
 from heavylift.pipeline.report.meshes import edge_sections, mesh_sections
 from heavylift.pipeline.report.operation import operation_section
 from heavylift.pipeline.report.run import (
@@ -108,6 +109,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         sections=(
             Section("", (verdict, *warnings)),
             *criteria_section(case, out, results, judged, open_criteria, album),
+            *lift_section(case, results, album),
             *([_check_section(checks, open_checks)] if case.check else []),
             *stills,
             input_section(case),
