@@ -158,7 +158,7 @@ class _Lift:
         )
         spreads = {name: f"{name}.spread" for name in names}
         caption = "Largest less smallest tension of each group over their mean, by records."
-        chart = self.chart(spreads, "1", "Spread of tensions", caption)
+        chart = self.chart(spreads, "", "Spread of tensions", caption)
         return [Table(header, tuple(rows), frozenset(range(1, 6))), *chart]
 
     def lugs(self) -> list[Table | Figure]:
