@@ -97,7 +97,7 @@ def _judge_seeds(
     root = case.output_folder if out is None else out
     runs = simulate_seeds(case, root, path, overrides, seeds, evaluate_criteria, log, force=force)
     judged = [(run.seed, run.found) for run in runs if run.found is not None]
-    results = ()
+    results: tuple[CriterionResult, ...] = ()
     if judged:
         lines = zip(*(found for _, found in judged), strict=True)
         results = tuple(_worst([seed for seed, _ in judged], line) for line in lines)

@@ -27,6 +27,7 @@ from heavylift.pipeline.report.document import (
 )
 from heavylift.pipeline.report.inputs import input_section, rigid_sections
 from heavylift.pipeline.report.interactive import JudgedRun, interactive_content
+from heavylift.pipeline.report.lift import lift_section
 from heavylift.pipeline.report.meshes import edge_sections, mesh_sections
 from heavylift.pipeline.report.operation import operation_section
 from heavylift.pipeline.report.run import (
@@ -107,6 +108,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         sections=(
             Section("", (verdict, *warnings)),
             *criteria_section(case, out, results, judged, open_criteria, album),
+            *lift_section(case, results, album),
             *([_check_section(told.checks, told.open_checks)] if case.check else []),
             *stills,
             input_section(case),

@@ -44,7 +44,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.bodies import RigidBody
+from heavylift.solver.scene.bodies import Free, RigidBody
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 
@@ -183,7 +183,7 @@ def pack(
         body = watched.bodies[hook.body]
         if g == 0.0:
             raise InputError("no weight without gravity", source=hook.name, key="body", expected="[gravity]")
-        if not isinstance(body, RigidBody) or body.motion.WORD != "free":
+        if not isinstance(body, RigidBody) or not isinstance(body.motion, Free):
             raise InputError(
                 f"{hook.body!r} is no rigid body with a free frame",
                 source=hook.name,
