@@ -45,6 +45,13 @@ PATH_COLUMN = 8
 """Columns of a transporter before those of its groups and bogies."""
 
 
+ALIKE = 1e-3
+"""Difference of heights of decks, and widths of overlaps, that are none [m]."""
+
+SAMPLES = 25
+"""Along and across an overlap of two decks."""
+
+
 def pack_transporters(
     scene: Scene,
     columns: Sequence[int],
@@ -93,6 +100,8 @@ def pack_transporters(
         for deck in decks:
             deck.check_radius(transporter.wheel_radius)
         places = Places(transporter, scene)
+        if not vehicles:
+            _refuse_overlaps(decks, places)
         of_vehicle = [places.on_decks(number, decks, corners) for number in range(len(places.points))]
         loads = _start_loads(transporter, gravity, places)
         weight = transporter.bogie_mass * float(np.linalg.norm(gravity))
@@ -224,6 +233,40 @@ def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:
     origin = np.asarray(deck.origin, dtype=np.float64)
     axes = (book.direction(deck.body, axis, FORCES, at=origin) for axis in deck.axes())
     return (book.point(deck.body, origin, FORCES), *axes)
+
+
+def _refuse_overlaps(decks: Sequence[Deck], places: Places) -> None:
+    """Refuse decks of two bodies that lie over each other at one height, where none is the uppermost."""
+    frames = []
+    for deck in decks:
+        frame = places.frame(deck.body, deck.origin)
+        frames.append((frame.point, frame.axes @ deck.axes().T))
+    for b, second in enumerate(decks):
+        for a, first in enumerate(decks[:b]):
+            if first.body == second.body:
+                continue
+            origin, axes = frames[a]
+            corners = [(x, y, 0.0) for x in second.profile[0][[0, -1]] for y in second.sides]
+            seen = (np.array(corners) @ frames[b][1].T + frames[b][0] - origin) @ axes
+            low = np.maximum(seen.min(axis=0)[:2], [first.profile[0][0], first.sides[0]])
+            high = np.minimum(seen.max(axis=0)[:2], [first.profile[0][-1], first.sides[1]])
+            if np.any(high - low < ALIKE):
+                continue
+            x, y = (grid.ravel() for grid in np.meshgrid(*np.linspace(low, high, SAMPLES).T))
+            z = np.interp(x, *first.profile)
+            world = np.column_stack([x, y, z]) @ axes.T + origin
+            u, v, w = ((world - frames[b][0]) @ frames[b][1]).T
+            under = (u >= second.profile[0][0]) & (u <= second.profile[0][-1])
+            under &= (v >= second.sides[0]) & (v <= second.sides[1])
+            alike = under & (np.abs(w - np.interp(u, *second.profile)) < ALIKE)
+            if np.count_nonzero(alike) > SAMPLES:
+                raise InputError(
+                    f"it overlaps deck {first.name!r} of body {first.body!r} at the same height, from station "
+                    f"{u[alike].min():.6g} to {u[alike].max():.6g} m",
+                    source=second.name,
+                    key="stations",
+                    expected="decks of two bodies beside each other, or one clearly over the other",
+                )
 
 
 def _gravity(scene: Scene) -> NDArray[np.float64]:

@@ -8,10 +8,12 @@ from vehicles import MASS, OIL, TYRE, G, block, bump, histories, scene, vehicle,
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.guide import Guide
-from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
+from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.scene.scene import RigidBody
+from heavylift.solver.scene.transport import BogieGroup
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import NO_ROAD, Deck, dilated_height
+from heavylift.solver.transport.packing import vehicle_tipping
 
 R = 0.37
 
@@ -110,6 +112,31 @@ def test_roads_that_no_wheel_can_stand_on_are_refused(decks, words) -> None:
         Simulation(scene(vehicle(wheel_radius=R, stroke_limits=limits), decks), step=5e-3)
 
 
+def _link(height: float, begin: float) -> Deck:
+    """A deck of a body, over the end of the yard."""
+    sides = np.array([-4.0, 4.0])
+    return Deck(
+        name="link", body="beam", sides=sides, stations=np.array([begin, 20.0]), heights=np.full(2, height)
+    )
+
+
+def test_a_deck_that_overlaps_one_of_another_body_is_refused() -> None:
+    """At one height a wheel would stand on either; above it, or beside it, it is clear where."""
+    beam = RigidBody("beam", 1e5, np.eye(3) * 1e6, motion=Fixed())
+    ground = yard(stations=np.array([-30.0, 10.0]))
+
+    def start(link: Deck) -> Simulation:
+        made = scene(vehicle(bogie_mass=0.0), (ground, link), bodies=(beam, block()))
+        return Simulation(made, step=5e-3)
+
+    with pytest.raises(
+        InputError, match=r"link: stations: it overlaps deck 'yard' .* from station 9.8 to 10 m"
+    ):
+        start(_link(0.0, 9.8))
+    start(_link(0.0, 10.0))
+    start(_link(0.02, 9.8))
+
+
 def test_a_wheel_that_leaves_the_road_is_named_with_time_and_place() -> None:
     """The front left bogie at the end of the yard; the run stops."""
     made = scene(vehicle(wheel_radius=R, travel_speed=1.0), (yard(stations=np.array([-30.0, 4.0])),))
@@ -201,6 +228,58 @@ def test_a_cant_unloads_a_side_where_the_compliance_says() -> None:
     # of the vehicle against the deck, the foot moves by h tan(cant) / (1 - W h / K); small angles within 1 %
     share = found["spmt.least_share"][-1]
     assert share == pytest.approx(0.25 * (1.0 - 0.97), abs=0.25 * 0.015)
+
+
+ROWS = 1.4 * (np.arange(18) - 8.5)
+
+
+@pytest.mark.parametrize(
+    ("stations", "heights", "largest"),
+    [
+        ((-60.0, 0.0, 60.0), (0.0, 0.0, 0.6), 3.681 * 0.01),  # a kink of 0.01, wherever the vehicle is on it
+        ((-60.0, 0.0, 0.2, 60.0), (0.0, 0.0, 0.05, 0.05), 0.840 * 0.05),  # a step, between two rows
+        pytest.param((-60.0, 0.0, 6.0, 60.0), (0.0, 0.0, 0.05, 0.05), 0.572 * 0.05, marks=pytest.mark.slow),
+        ((-60.0, 0.0, 10.0, 60.0), (0.0, 0.0, 0.05, 0.05), 0.368 * 0.05),  # over a link of 10 m
+        pytest.param((-60.0, 0.0, 12.0, 60.0), (0.0, 0.0, 0.05, 0.05), 0.307 * 0.05, marks=pytest.mark.slow),
+    ],
+)
+def test_strokes_of_eighteen_rows_over_kinks_and_steps(stations, heights, largest) -> None:
+    """T11: oil and tyres that hardly give way, centre of mass on the road: the platform goes through mean heights."""
+    groups = tuple(
+        BogieGroup(
+            f"g{front}{side}",
+            np.array([(x, side, 0.0) for x in ROWS if (x > 0.0) == front]),
+            oil_stiffness=1e10,
+        )
+        for front in (True, False)
+        for side in (-1.0, 1.0)
+    )
+    road = yard(stations=np.array(stations), heights=np.array(heights))
+    transporter = vehicle(groups=groups, tyre_stiffness=1e10, travel_speed=0.2)
+    body = block(centre_of_mass=np.zeros(3), position=np.array([-14.0, 0.0, 0.0]))
+    _, _, found = histories(scene(transporter, (road,), body=body), 2e-2, 140.0, 100)
+    strokes = max(found["spmt.stroke_max"].max(), -found["spmt.stroke_min"].min())
+    assert strokes == pytest.approx(largest, abs=1e-4)
+    assert strokes == pytest.approx(largest, rel=2e-3)
+
+
+def test_a_tilt_along_the_worst_direction_takes_a_corner_its_load() -> None:
+    """T16: at the angle that is told before the run, 6.58 degrees of R12 in four groups, in a slow tilt test."""
+    a, b = 2.1, 0.725
+    k = 12.0 * OIL * TYRE / (OIL + TYRE)
+    lever = MASS * G * 3.579190751
+    leans = np.array([1.0 / (1.0 - lever / (k * a * a)) / a, 1.0 / (1.0 - lever / (k * b * b)) / b])
+    limit = vehicle_tipping(scene(vehicle()))["spmt"].compliant
+    assert limit == pytest.approx(1.0 / (3.579190751 * np.hypot(*leans)), rel=1e-9)
+    down = leans / np.hypot(*leans)
+    tilt = Profile(times=np.array([0.0, 60.0]), values=np.array([0.0, 0.97 * limit]))
+    axis = np.array([-down[1], down[0], 0.0])
+    body = RigidBody("tilted", 1e6, np.eye(3) * 1e8, motion=Driven(axis=axis, angle=tilt))
+    guide = Guide(name="guide", body_a="tilted", body_b="block")
+    transporter = vehicle(bogie_mass=0.0, tyre_damping=1.5e5, line_damping=2e4)
+    made = scene(transporter, (yard(body="tilted"),), bodies=(body, block()), joints=(guide,))
+    _, _, found = histories(made, 1e-2, 70.0, 100)
+    assert found["spmt.least_share"][-1] == pytest.approx(0.25 * 0.03, abs=0.25 * 0.01)
 
 
 def test_a_driven_vehicle_follows_its_guide_over_a_bump() -> None:

@@ -33,7 +33,7 @@ from heavylift.solver.scene.bodies import Fixed
 from heavylift.solver.scene.transport import BogieGroup, OilPump
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck
-from heavylift.solver.transport.stand import Stand, even_loads, growth_rate, small_motions
+from heavylift.solver.transport.stand import Stand, even_loads, growth_rate, small_motions, tipping_angles
 
 K = OIL * TYRE / (OIL + TYRE)
 
@@ -68,6 +68,36 @@ def test_small_motions_have_the_published_frequencies(number, frequencies) -> No
     """Of an independent linearisation, printed to three digits."""
     found = np.sqrt(small_motions(stand(number))) / (2.0 * np.pi)
     np.testing.assert_allclose(found, frequencies, atol=6e-4)
+
+
+@pytest.mark.parametrize(
+    ("middles", "height", "angle"),
+    [
+        ([(2.1, 0.725), (2.1, -0.725), (-2.1, 0.725), (-2.1, -0.725)], HEIGHT, 11.45),
+        ([(2.8, 0.0), (-1.4, 0.725), (-1.4, -0.725)], HEIGHT, 7.58),
+        ([(2.1, 3.0), (2.1, -3.0), (-2.1, 3.0), (-2.1, -3.0)], 5.746820809, 20.07),
+        ([(2.1, 0.0), (-2.1, 3.0), (-2.1, -3.0)], 5.746820809, 11.99),
+        ([(6.3, 10.0), (6.3, -10.0), (-6.3, 10.0), (-6.3, -10.0)], 9.931982942, 32.39),
+        ([(6.3, 0.0), (-6.3, 10.0), (-6.3, -10.0)], 9.931982942, 21.52),
+    ],
+)
+def test_vehicles_tip_over_at_the_published_angles(middles, height, angle) -> None:
+    """R12, R24 and R144 in four and three groups; with what groups give way sooner, R12 in three at 2.85 degrees."""
+    n = len(middles)
+    places = np.column_stack([np.array(middles), np.full(n, -height)])
+    # the front half of R24 and R144 is one group of three, of R12 the front third
+    counts = np.array([6, 3, 3]) if n == 3 and height > HEIGHT else np.full(n, 12 // n)
+    given = Stand("R", places, counts, np.full(n, K), MASS * G, MASS, np.diag([1e6, 5e6, 6e6]))
+    found = tipping_angles(given, np.full(n, MASS * G / 12))
+    assert np.degrees(found.static) == pytest.approx(angle, abs=5e-3)
+    assert 0.0 < found.compliant < found.static
+    if height == HEIGHT and n == 3:
+        # the foot moves by h b A, A = 1 / (1 - W h / K) across and 1.06 along; normal of a side of the triangle
+        normal = np.array([0.725, 4.2]) / np.hypot(0.725, 4.2)
+        stiffness = 12.0 * K * np.array([1.4 * 2.8, 0.725**2 * 2.0 / 3.0])
+        leans = normal / (1.0 - MASS * G * HEIGHT / stiffness)
+        assert found.compliant == pytest.approx(np.tan(found.static) / np.hypot(*leans), rel=1e-3)
+        assert np.degrees(found.compliant) == pytest.approx(7.58 * (1.0 - 0.63), abs=0.06)
 
 
 @pytest.mark.parametrize("number", [3, 4])
