@@ -1,4 +1,4 @@
-"""Write case.toml: bogies, stages of the load on the barge for ``heavylift ballast``, and the plan of the pumps from it.
+"""Write case.toml: bogies, stages of the load for ``heavylift ballast``, and the plan of the pumps from it.
 
 python make_case.py            the case without a plan, then ``heavylift ballast`` on it, then the case with the plan
 """
@@ -178,6 +178,7 @@ def loads(time: float) -> tuple[float, float]:
 
 
 def text(plan: list[tuple[list[float], list[float]]] | None) -> str:
+    """The case, with the times and rates of each pump."""
     parts = [HEAD.format(hull=repr(HULL), speed=repr(SPEED), start=START)]
     for end, rows in (("front", range(9, 18)), ("rear", range(9))):
         for side, trains in (("left", (6.0, 14.0)), ("right", (-6.0, -14.0))):

@@ -15,6 +15,7 @@ from heavylift.pipeline.case.places import located
 from heavylift.pipeline.commands.hydrostatics import hull_loading
 from heavylift.pipeline.commands.scene import load_sea_case
 from heavylift.pipeline.results.storage import replacing, write_json
+from heavylift.solver.scene.bodies import RigidBody
 from heavylift.solver.water.hulls.ballast_plan import (
     Girder,
     Load,
@@ -135,14 +136,14 @@ def _without(found: SeaCase, loading: Loading) -> Loading:
     hull = bodies[section.hull]
     mass, moment = loading.mass, loading.mass * loading.centre
     for index, name in enumerate(section.apart):
-        if name not in loading.bodies:
+        body = bodies.get(name)
+        if name not in loading.bodies or not isinstance(body, RigidBody):
             raise InputError(
-                f"{name!r} is not held on {section.hull!r} by joints",
+                f"{name!r} is no rigid body that joints hold on {section.hull!r}",
                 source=found.case.file,
                 key=f"ballast.apart.{index}",
                 expected=f"one of {', '.join(loading.bodies) or 'none'}",
             )
-        body = bodies[name]
         place = body.position + rotation_matrix(body.orientation) @ body.centre_of_mass - hull.position
         mass -= body.mass
         moment = moment - body.mass * (rotation_matrix(hull.orientation).T @ place)

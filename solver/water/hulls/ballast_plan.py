@@ -12,8 +12,8 @@ equation ``A m(y) = b`` in three unknowns at most (Boyd and Vandenberghe, *Conve
 
 The girder is a beam on which weights and buoyancy act along x: shear force is the integral of buoyancy less weight
 from aft, positive if it lifts the part aft of a section, bending moment that of the shear force, positive if the hull
-sags. Areas of sections under water follow from the triangles of the hull by ``A = int (depth) dy`` along its outline, which
-needs no cap at the water plane.
+sags. Areas of sections under water follow from the triangles of the hull by ``A = int (depth) dy`` along the outline,
+which needs no cap at the water plane.
 """
 
 from __future__ import annotations
@@ -46,6 +46,9 @@ if TYPE_CHECKING:
 __all__ = ["Girder", "Load", "Stage", "StagePlan", "Weight", "girder", "least_change", "plan_stages"]
 
 ROUNDS = 100
+
+UNABLE = 1e-9
+"""Of a lever of the size of the hull: tanks nearer to an axis have no moment about it."""
 
 RIDGE = 1e-10
 """Of the trace of A A^T, where too few tanks are free to say all multipliers."""
@@ -242,7 +245,7 @@ def _fill(
     """Newton's method on the equilibrium at the heel, trim and draft of a stage."""
     load, at = _with_loads(mass, centre, stage)
     high = np.array([tank.capacity(water) for tank in tanks])
-    masses = before
+    masses, settled = before, False
     for _ in range(ROUNDS):
         liquids = _liquids(tanks, masses, water, offset)
         floating = FloatingHull(hull, load, at, water.density, water.gravity, liquids)
@@ -250,7 +253,7 @@ def _fill(
         _, force = floating.evaluate(pose)
         weight = floating.mass * water.gravity
         left = np.abs(force) / (weight * np.array([1.0, floating.size, floating.size]))
-        if left.max() < SMALL:
+        if left.max() < SMALL or settled:
             return masses, liquids
         places = np.array([liquid.point for liquid in liquids]) @ pose.rotation.T
         out = floating.out
@@ -262,7 +265,11 @@ def _fill(
         rows.append(-water.gravity * (places[:, 1] - lever[1]))
         rows.append(water.gravity * (places[:, 0] - lever[0]))
         A = np.array(rows)
-        nearest = least_change(A, A @ masses - force, before, high)
+        # tanks on the middle line have nothing to do with a heel, and need not where none is missing
+        able = np.linalg.norm(A, axis=1) > UNABLE * water.gravity * floating.size
+        idle = np.abs(force)[~able] <= UNABLE * weight * floating.size
+        A, lacks = A[able], (A @ masses - force)[able]
+        nearest = least_change(A, lacks, before, high) if idle.all() and able.any() else None
         if nearest is None:
             draft = "" if stage.draft is None else f", a draft of {stage.draft:g} m"
             raise InputError(
@@ -274,6 +281,7 @@ def _fill(
                 key="tanks",
                 expected="more or larger tanks, or another draft",
             )
+        settled = not able.all() and np.abs(nearest - masses).max() <= SMALL * floating.mass
         masses = nearest
     raise InputError(
         f"stage {stage.name!r}: no filling found in {ROUNDS} rounds",

@@ -451,7 +451,8 @@ def pack_controllers(
         If a period is not of whole steps.
     """
     numbers = {pump.name: i for i, pump in enumerate(sea.pumps)}
-    table, aims = [], []
+    table: list[tuple[Any, ...]] = []
+    aims: list[tuple[Any, ...]] = []
     served: list[tuple[int, int, int]] = []
     plans: list[tuple[float, float]] = []
     effects = 0
@@ -587,8 +588,8 @@ def _effects(kind: Controllers, data: Any, name: str) -> NDArray[np.float64]:
     loads = np.zeros((3, data.pumps))
     for p, served in enumerate(kind.served[data.first_pump : data.first_pump + data.pumps]):
         pump = hulls.pumps[served.pump]
-        for tank, way in ((pump.target, 1.0), (pump.source, -1.0)):
-            if tank >= 0 and hulls.tanks[tank].hull == data.hull:
-                loads[:, p] -= way * g * lift(hulls.tanks[tank].point)
+        for end, way in ((pump.target, 1.0), (pump.source, -1.0)):
+            if end >= 0 and hulls.tanks[end].hull == data.hull:
+                loads[:, p] -= way * g * lift(hulls.tanks[end].point)
     effects: NDArray[np.float64] = np.array(rows) @ np.linalg.solve(K, loads)
     return effects

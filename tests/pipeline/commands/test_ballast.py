@@ -155,6 +155,7 @@ class TestPlan:
         ("change", "words"),
         [
             (("mass = 1891600.0", "mass = 9e6"), "no filling of tank_1"),
+            (("[36.15, 0, 11.5]", "[36.15, 2, 11.5]"), "stage 'end': no filling of tank_1"),
             (('hull = "barge"\ndraft', 'hull = "bargee"\ndraft'), "bargee"),
             (('"end"', '"midships"'), "two stages 'midships'"),
             (("time = 3600", "time = 7200"), "increasing times"),
