@@ -70,7 +70,7 @@ _THIN = 4.0e-3  # radius of a frame relative to the scene below which it is draw
 _SKIN = 6000  # points of one frame or shell, if its elements allow it
 _ARC = 9  # points of a rope about a pulley
 _CELLS = 56  # of the water in each direction
-_WAVES = 240  # components of the waves at most
+_WAVES = 1200  # components of the waves at most
 _COLOURS = ("#9fb6cc", "#d3b98a", "#a9c3a4", "#c4a9bf", "#b7bcc4", "#d2a79a", "#93bfc0", "#c9c391")
 _GROUND, _ROPE, _LINE, _SPRING, _JOINT = "#e4e7ea", "#7a4a12", "#a0522d", "#2e7d32", "#1d2733"
 _FENDER, _TOUCH, _FORCE, _SAND, _BALLAST, _WHEEL = (
@@ -563,9 +563,11 @@ class _Builder:
         )
 
     def _find_box(self, solids: Sequence[Any], boxes: dict[str, Any]) -> None:
-        """Where bodies get that are free to move; all bodies if none is. What leaves the scene does not count."""
+        """Where bodies get that move or deform; all bodies if none does. What leaves the scene does not count."""
         moving = {
-            name for name, body in self.bodies.items() if not isinstance(getattr(body, "motion", None), Fixed)
+            name
+            for name, body in self.bodies.items()
+            if name in self.deformed or not isinstance(getattr(body, "motion", None), Fixed)
         } or set(self.bodies)
         corners: dict[str, list[NDArray[np.float64]]] = {}
         for part in solids:
@@ -864,7 +866,7 @@ class _Builder:
 
     def _sea(self) -> None:
         sea = self.scene.sea
-        if sea is None or self.case.sea is None:
+        if sea is None:
             return
         motion, span = self.motion, self.motion.size
         low, high = motion.box[0] - 1.5 * span, motion.box[1] + 1.5 * span
@@ -886,7 +888,8 @@ class _Builder:
                 "phase": train.phase[chosen],
             }
             motion.notes.append("The water has the incident waves, undisturbed by hulls.")
-        motion.water = WaterShape(low, high, sea.water.level, waves)
+        if self.case.sea is not None:  # lines may hang in a scene without water
+            motion.water = WaterShape(low, high, sea.water.level, waves)
         for fender in sea.fenders:
             points, triangles = pad(np.asarray(fender.point_a), np.asarray(fender.direction), 0.015 * span)
             name = getattr(fender, "name", "fender")

@@ -1727,6 +1727,7 @@ const heavylift = (() => {
     verdict.textContent = data.verdict.text;
     verdict.className = data.verdict.passed === null ? "open" : data.verdict.passed ? "passed" : "failed";
     node("title").textContent = data.title;
+    node("below").hidden = document.getElementById("report") === null;
     const notes = [...(trouble ? [trouble] : []), ...data.notes];
     node("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));
     document.querySelector('#hl [data-tab="notepane"]').textContent = notes.length ? `about (${notes.length})` : "about";

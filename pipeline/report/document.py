@@ -285,7 +285,7 @@ _PAGE = """<!DOCTYPE html>
 </head>
 <body>
 {above}
-<main>
+<main id="report">
 {body}
 </main>
 </body>

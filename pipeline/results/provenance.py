@@ -92,11 +92,13 @@ OWN_DIGESTS = {"bodies", "surfaces", "databases"}
 MEMORY_KEYS = {"memory", "memory_length", "fit_error", "drift"}
 """Keys of a database that say how the time domain takes it."""
 
+_SOURCES = {".py", ".js", ".css", ".html"}  # code, and what the page of a report is made of
+
 STAGE_PACKAGES = {
     "mesh": ("numpy", "scipy", "gmsh", "meshio", "scikit-fem"),
     "modes": ("numpy", "scipy", "scikit-sparse", "pypardiso"),
     "simulate": ("numpy", "numba"),
-    "report": ("numpy", "matplotlib", "pyvista"),
+    "report": ("numpy", "matplotlib", "pyvista", "k3d"),
     "surfaces": ("numpy", "scipy", "trimesh", "gmsh", "meshio"),
     "hydrodynamics": ("numpy", "scipy", "h5py", "capytaine"),
 }
@@ -109,7 +111,7 @@ def source_digest(stage: str) -> str:
     digest = hashlib.blake2b(digest_size=16)
     for name in STAGE_SOURCES[stage]:
         top = PACKAGE / name
-        for path in [top] if top.is_file() else sorted(top.rglob("*.py")):
+        for path in [top] if top.is_file() else sorted(p for p in top.rglob("*") if p.suffix in _SOURCES):
             digest.update(str(path.relative_to(PACKAGE)).encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()

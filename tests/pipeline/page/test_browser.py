@@ -394,6 +394,21 @@ def test_bad_input_is_told_and_the_rest_works(driver, tmp_path):
     )
 
 
+def test_a_run_that_was_cut_short_is_shown_as_far_as_it_got(driver, tmp_path):
+    """One record: a scene and numbers, and no slider."""
+    times = np.array([0.0])
+    arrays = {name: values[:1] for name, values in lifted().items()}
+    case, results, motion = lift_motion(tmp_path / "lift", arrays, times)
+    file = tmp_path / "short.html"
+    file.write_text(page_html(made_content(case, motion, results)), encoding="utf-8")
+    page = Page(driver).open(file.as_uri())
+    page.keys(" ")
+    assert page("heavylift.clock.playing") is False
+    assert page("document.getElementById('hl-player').hidden") is True
+    np.testing.assert_allclose(page("heavylift.position('module')"), module_at(0.0), atol=1e-6)
+    assert page.errors() == []
+
+
 def test_a_page_without_webgl_has_plots(file, tmp_path):
     made = new_driver(tmp_path / "profile", "--disable-3d-apis")
     try:

@@ -156,14 +156,15 @@ class Reader(html.parser.HTMLParser):
         self.tags.add(tag)
         if tag == "img":
             self.pictures.append(dict(attrs)["src"])
-        if tag not in {"img", "meta"}:
+        if tag not in {"img", "input", "meta"}:
             self.open.append(tag)
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        self.text.append(data)
+        if "script" not in self.open:
+            self.text.append(data)
 
 
 def read(paths):
