@@ -7,8 +7,8 @@ pulley below the fixed sheaves and the tension T of the rope::
 
     sum 2 z_i + (2 n - 1) pi r = L,        F_i cos a_i = 2 T - m (g + z_i''),        needed travel  z_i - mean(z)
 
-Sheaves with an efficiency eta hold tensions that differ: of two lines that follow each other the forces have any ratio from
-eta^2 to its inverse, at the ends of it while the rope runs past.
+Sheaves with an efficiency eta hold tensions that differ: forces of two lines that follow each other have any ratio
+from eta^2 to its inverse, and the ends of it while the rope runs past.
 
 A pulley at a stop is an anchor: its line takes what balance gives. As ``massless`` all lines are one rope whose path
 jumps from lug to lug, see `heavylift.solver.laws.equalized`.
@@ -183,8 +183,8 @@ class Equalizer:
     friction: Annotated[float, Quantity("force", minimum=0.0, closed=True)] = 0.0
     """Of each pulley on its guide [N]."""
     efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
-    """Of each sheave, moving, fixed or of an extension, as that of ropes: 0.98 on roller bearings, 0.96 on plain ones. The
-    forces of two lines then differ by up to ``efficiency^(2 (n - 1))`` with n lines."""
+    """Of each sheave, moving, fixed or of an extension, as that of ropes: 0.98 on roller bearings, 0.96 on plain ones.
+    The smallest force of n lines is then down to ``efficiency^(2 (n - 1))`` of the largest."""
 
     @staticmethod
     def check(said: Any) -> None:

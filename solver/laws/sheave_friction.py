@@ -69,11 +69,11 @@ from heavylift.solver.rows.structure import REGULARISATION, RowArrays
 
 __all__ = ["Chain", "Sheave", "SheaveState", "SheavedRopes"]
 
-PLAIN_ROUNDS = 5
-"""Rounds of the iteration in which all sheaves that are contradicted change their states at once."""
+PLAIN_ROUNDS = 4
+"""Rounds of the iteration in which a sheave changes its state if it is the only one that is contradicted."""
 
 FIT_ROUNDS = 12
-"""Rounds more after which states are searched for though forces do not fit yet."""
+"""Rounds after which states are searched for though forces do not fit yet."""
 
 BASE_ROUNDS = 12
 """Rounds in which all other laws are fitted to sheaves that are freed for a search, at most."""
@@ -111,8 +111,9 @@ class Chain(Record):
         Blocks from one that has rows of it to the next.
     winch_last
         1 if the drum is at the last end.
-    settling, asked
-        Scratch of the iteration: rounds since a sheave has changed its state, and whether a search asks the rope.
+    settling, asked, largest
+        Scratch of the iteration: rounds since a sheave has changed its state, whether a search asks the rope, and the
+        largest tension [N].
     """
 
     first: int
@@ -121,6 +122,7 @@ class Chain(Record):
     winch_last: float
     settling: int
     asked: bool
+    largest: float
 
 
 class Sheave(Record):
@@ -481,9 +483,9 @@ def _creep(kind: SheavedRopes, i: int, s: int, step: float, system: RowArrays) -
 @kernel(internal=True)
 def _find_others(
     kind: SheavedRopes, i: int, mean: float, largest: float, step: float, work: Workspace, system: RowArrays
-) -> bool:
-    """States that do not contradict tensions and flows; whether there are others than those it has."""
-    chain, hauling, found = kind.chains[i], _hauling(kind, i, step), False
+) -> int:
+    """States that do not contradict tensions and flows; how many are others than those it has."""
+    chain, hauling, found = kind.chains[i], _hauling(kind, i, step), 0
     for s in range(chain.first, chain.first + chain.count):
         state = kind.sheave_state[s]
         state.other = state.acting
@@ -494,7 +496,8 @@ def _find_others(
             flow = _flow(kind, i, s, hauling, work.velocity, system) + creep * (state.held - state.force)
             if state.branch * flow < -SMALL * creep * largest:
                 state.other = 0
-        found = found or state.other != state.branch
+        if state.other != state.branch:
+            found += 1
     return found
 
 
@@ -531,7 +534,7 @@ def _mean_tension(kind: SheavedRopes, i: int, step: float, system: RowArrays) ->
 
 @kernel(internal=True)
 def _begin_search(kind: SheavedRopes, step: float, system: RowArrays) -> None:
-    """Free the sheaves of all ropes whose states were contradicted, at forces that friction can hold."""
+    """Free the sheaves of all ropes whose states were contradicted, at the forces of the last step."""
     search = kind.search
     counts = search.counts
     counts.phase, counts.rounds, counts.sheaves = FREED, 0, 0
@@ -540,8 +543,8 @@ def _begin_search(kind: SheavedRopes, step: float, system: RowArrays) -> None:
         if not chain.asked:
             continue
         for s in range(chain.first, chain.first + chain.count):
-            m, state, p = counts.sheaves, kind.sheave_state[s], kind.sheaves[s].place
-            state.force = kind.tension[p] - kind.tension[p - 1]
+            m, state = counts.sheaves, kind.sheave_state[s]
+            state.force = state.held
             search.number[m], search.rope[m] = s, i
             search.flow[m] = np.inf
             _slide(kind, s, step, system)
@@ -599,7 +602,7 @@ def _measure_response(kind: SheavedRopes, step: float, work: Workspace, system: 
     if counts.pushed < counts.sheaves:
         _push(kind, counts.pushed, 1.0, step, system)
         return
-    counts.phase, counts.rounds = FITTED, PLAIN_ROUNDS
+    counts.phase, counts.rounds = FITTED, 1
     counts.attempts += 1
     if not find_states(search):
         counts.attempts = ATTEMPTS
@@ -613,39 +616,64 @@ def _measure_response(kind: SheavedRopes, step: float, work: Workspace, system: 
 
 
 @kernel(internal=True)
-def _fit_sheaves(kind: SheavedRopes, before: int, step: float, work: Workspace, system: RowArrays) -> None:
-    """Fit states and forces of all sheaves to tensions and flows, for a start all at once, then by a search."""
-    counts = kind.search.counts
-    counts.rounds += 1
-    early, late = counts.rounds <= PLAIN_ROUNDS, counts.rounds > PLAIN_ROUNDS + FIT_ROUNDS
-    settled, contradicted = work.control.changed == before, False
+def _judge_states(kind: SheavedRopes, step: float, work: Workspace, system: RowArrays) -> int:
+    """Tensions of all ropes, and states that do not contradict them: how many sheaves have others."""
+    count = 0
     for i in range(kind.table.shape[0]):
         chain = kind.chains[i]
         _, mean, _, _, _ = midpoint_tension(kind, i, midpoint_rate(kind, i, work, system), step)
         for s in range(chain.first, chain.first + chain.count):
             if kind.sheave_state[s].branch == 0:
                 kind.sheave_state[s].force = -2.0 / step * _impulse(kind, s, system)
-        largest = _find_tensions(kind, i, mean)
-        others = _find_others(kind, i, mean, largest, step, work, system)
-        chain.asked, moved = chain.asked or (others and not early), False
-        contradicted = contradicted or others
-        if others and early:
-            for s in range(chain.first, chain.first + chain.count):
-                kind.sheave_state[s].branch = kind.sheave_state[s].other
-            chain.settling, moved = 0, True
-            largest = _find_tensions(kind, i, mean)
-        moved = _fit_friction(kind, i, largest) or moved
-        if moved:
-            settled = False
+        chain.largest = _find_tensions(kind, i, mean)
+        others = _find_others(kind, i, mean, chain.largest, step, work, system)
+        chain.asked = chain.asked or others > 0
+        count += others
+    return count
+
+
+@kernel(internal=True)
+def _change_one(kind: SheavedRopes, step: float, work: Workspace, system: RowArrays) -> None:
+    """The only sheave that is contradicted takes its other state."""
+    for i in range(kind.table.shape[0]):
+        chain = kind.chains[i]
+        for s in range(chain.first, chain.first + chain.count):
+            state = kind.sheave_state[s]
+            if state.other != state.branch:
+                state.branch, chain.settling = state.other, 0
+                _, mean, _, _, _ = midpoint_tension(kind, i, midpoint_rate(kind, i, work, system), step)
+                chain.largest = _find_tensions(kind, i, mean)
+                _put_sheave(kind, i, s, step, system)
+                work.control.changed += 1
+
+
+@kernel(internal=True)
+def _fit_sheaves(kind: SheavedRopes, before: int, step: float, work: Workspace, system: RowArrays) -> None:
+    """Fit forces of all sheaves to tensions, and states to tensions and flows: of one at once, of more by a search.
+
+    Many that change together make forces of any size, and velocities from which nothing comes back.
+    """
+    counts = kind.search.counts
+    counts.rounds += 1
+    others = _judge_states(kind, step, work, system)
+    if others > 1 or (others == 1 and counts.rounds > PLAIN_ROUNDS):
+        work.control.changed += 1
+        work.status.block = kind.table[0].block
+        if counts.attempts < ATTEMPTS and (counts.rounds == 1 or counts.rounds > FIT_ROUNDS):
+            _begin_search(kind, step, system)
+            return
+    elif others == 1:
+        _change_one(kind, step, work, system)
+    for i in range(kind.table.shape[0]):
+        chain = kind.chains[i]
+        if _fit_friction(kind, i, chain.largest):
             for s in range(chain.first, chain.first + chain.count):
                 _put_sheave(kind, i, s, step, system)
             work.control.changed += 1
             work.status.block = kind.table[i].block
-    if contradicted and not early and (settled or late):
-        work.control.changed += 1
-        if counts.attempts < ATTEMPTS:
-            _begin_search(kind, step, system)
-    elif settled:
+    if others > 0 and work.control.changed == before + 1 and counts.attempts < ATTEMPTS:
+        _begin_search(kind, step, system)  # all forces fit, but states do not
+    elif work.control.changed == before:
         counts.rounds = counts.attempts = 0
 
 

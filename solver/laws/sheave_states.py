@@ -6,11 +6,11 @@ the tensions a_j before and b_j = a_j + f_j beyond a sheave (`heavylift.solver.l
     q = q_0 - Q f,      v = (1 - eta) b - f + c t >= 0,     q+ >= 0,    v q+ = 0,       q = q+ - q-
                         w = f + (1 - eta) a + c t >= 0,     q- >= 0,    w q- = 0,       t = 0
 
-This is friction with a bound that depends on the tensions, a linear complementarity problem without symmetry. For large
-t everything sticks. C. E. Lemke (Manage. Sci. 11, 1965) follows the solutions from there to t = 0, a state at a time and
-t up and down as it must, without ever coming twice to one place. Q is positive definite and friction only loses power,
-so solutions stay within bounds on the way while tensions are positive, and it cannot end elsewhere. The numbers c, all of
-the size of the tensions, differ, lest two states of something symmetric change at once.
+This is friction with a bound that depends on the tensions, a linear complementarity problem without symmetry. For
+large t everything sticks. C. E. Lemke (Manage. Sci. 11, 1965) follows the solutions from there to t = 0, a state at a
+time and t up and down as it must, without ever coming twice to one place. Q is positive definite and friction only
+loses power, so solutions stay within bounds on the way while tensions are positive, and it cannot end elsewhere. The
+numbers c, all of the size of the tensions, differ, lest two states of something symmetric change at once.
 """
 
 from __future__ import annotations

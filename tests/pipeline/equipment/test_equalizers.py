@@ -415,3 +415,141 @@ def test_lines_without_masses_of_pulleys_need_steps_that_know_stops(tmp_path):
     file.write_text(file.read_text().replace("step = 0.01", 'integrator = "accurate"\ntolerance = 1e-6'))
     with pytest.raises(InputError, match="'accurate' with lines of one force"):
         run(folder)
+
+
+DRIVEN = """
+title = "Lugs that are driven"
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+{bodies}
+
+[[equalizers]]
+name = "loader"
+hook = {{ body = "ground", point = [0, 0, 41] }}
+sheave_radius = 0.4
+part_length = 3
+beam = {{ mass = "15 t" }}
+pulley = {{ mass = "10 kg" }}
+travel = {{ up = 2, down = 2 }}
+rope = {{ axial_stiffness = 6e8, damping = 2e5 }}
+line = {{ axial_stiffness = 6e8, damping = 5e4 }}
+efficiency = {efficiency}
+lines = [
+{lines}
+]
+
+[simulate]
+start = "equilibrium"
+step = 0.01
+output_interval = 0.05
+duration = 4
+"""
+
+
+def driven(folder: Path, speeds, efficiency):
+    """A case folder whose lugs hang straight below the pulleys and go down at given speeds."""
+    count = len(speeds)
+    bodies, lines = [], []
+    for i, speed in enumerate(speeds):
+        x = 1.6 * (i - 0.5 * (count - 1))
+        bodies.append(
+            f'[bodies.lug_{i}]\ntype = "rigid"\nmass = 100\ninertia = [1, 1, 1]\n'
+            f"initial = {{ position = [{x}, 0, 16.5] }}\n"
+            f'frame = {{ motion = "driven", z = {{ times = [0, 0.2], speeds = [0, {-speed}] }} }}\n'
+        )
+        lines.append(f'    {{ body = "lug_{i}", point = [0, 0, 0], length = 19.98 }},')
+    folder.mkdir()
+    text = DRIVEN.format(bodies="\n".join(bodies), lines="\n".join(lines), efficiency=efficiency)
+    (folder / "case.toml").write_text(text)
+    return folder
+
+
+def bounds():
+    """Rows n, efficiency: largest and smallest line over their mean."""
+    lines = (Path(__file__).parent / "equalizer_friction_bounds.csv").read_text().splitlines()
+    table = [[float(x) for x in line.split(",")] for line in lines[3:]]
+    return {(int(row[0]), row[1]): row[2:4] for row in table}
+
+
+@pytest.mark.parametrize(("count", "efficiency"), [(5, 0.98), (5, 0.96), (3, 0.94)])
+def test_rope_that_runs_one_way_makes_the_largest_spread(tmp_path, count, efficiency):
+    """One outer line is lowered, the other raised: each line pulls eta^2 times the one before it."""
+    speeds = np.zeros(count)
+    speeds[[0, -1]] = 0.02, -0.02
+    results = run(driven(tmp_path / "c", speeds, efficiency))
+    T = np.asarray(results["loader_rope.segment_tension"])[-1]
+    F = T[::2] + T[1::2]
+    np.testing.assert_allclose(F[1:] / F[:-1], efficiency**2, rtol=1e-9)
+    largest, smallest = bounds()[count, efficiency]
+    assert F.max() / F.mean() == pytest.approx(largest, rel=1e-7)
+    assert F.min() / F.mean() == pytest.approx(smallest, rel=1e-7)
+    lines = np.array([results[f"loader_line_{i + 1}.tension"].ravel()[-1] for i in range(count)])
+    np.testing.assert_allclose(lines, F + 10.0 * 9.81, rtol=1e-3)
+
+
+def test_outer_lines_that_are_lowered_pull_most(tmp_path):
+    """The rope runs from the middle pulley, on which it sticks, to both sides."""
+    results = run(driven(tmp_path / "c", (0.03, -0.02, -0.02, -0.02, 0.03), 0.98))
+    T = np.asarray(results["loader_rope.segment_tension"])[-1]
+    F = T[::2] + T[1::2]
+    np.testing.assert_allclose(F / F.mean(), (1.030, 0.990, 0.960, 0.990, 1.030), atol=1e-3)
+
+
+@pytest.mark.parametrize("efficiency", [0.98, 0.9])
+def test_lines_differ_by_no_more_than_friction_holds(tmp_path, efficiency):
+    """A load that falls into its lines, through slack and taut, and hangs on: all pairs of parts are within eta."""
+    folder = lift(
+        tmp_path / "c", (23, 26, 26, 26, 23), height=9.25, duration=6.0, more=f"efficiency = {efficiency}"
+    )
+    text = (folder / "case.toml").read_text().replace(f"]\nefficiency = {efficiency}", "]")
+    text = text.replace("part_length = 3", f"part_length = 3\nefficiency = {efficiency}")
+    text = text.replace('start = "equilibrium"', 'start = "check"').replace("6e8 }", "6e8, damping = 1e5 }")
+    (folder / "case.toml").write_text(text)
+    results = run(folder)
+    T = np.asarray(results["loader_rope.segment_tension"])
+    q = np.asarray(results["loader_rope.sheave_speed"])
+    assert len(T) == 601
+    taut = T.min(axis=1) > 0.0
+    assert (~taut).any()
+    assert taut[-300:].all()
+    ratio = T[taut, 1:] / T[taut, :-1]
+    assert ratio.min() > efficiency * (1.0 - 1e-9)
+    assert ratio.max() < (1.0 + 1e-9) / efficiency
+    F = T[taut, ::2] + T[taut, 1::2]
+    assert (F.min(axis=1) / F.max(axis=1)).min() > efficiency**8
+    assert np.abs(q).max() > 0.01
+
+
+def test_massless_pulleys_have_no_efficiency(tmp_path):
+    folder = lift(tmp_path / "c", (20,) * 3, lugs=(-2, 0, 2), height=14, pulley=None)
+    text = (folder / "case.toml").read_text().replace("part_length = 3", "part_length = 3\nefficiency = 0.98")
+    (folder / "case.toml").write_text(text)
+    with pytest.raises(InputError, match="one row has one force for all lines"):
+        load_case(folder)
+
+
+def test_slings_over_extension_pulleys_share_by_their_efficiency(tmp_path):
+    """Each lug has half of the line at rest; once the load rolls friction lets halves differ by eta at most."""
+    folder = lift(tmp_path / "extended", [22.0, 24.0, 24.0, 24.0, 22.0], height=9.6, step=0.002, duration=0.6)
+    file = folder / "case.toml"
+    text = file.read_text()
+    for x in (-4.0, 4.0):
+        text = text.replace(
+            f"point = [{x}, 0, 2.5]", f"point = [{x}, -1.5, 2.5], other_point = [{x}, 1.5, 2.5]"
+        )
+    text = text.replace("part_length = 3", "part_length = 3\nefficiency = 0.96")
+    push = '[[forces]]\nname = "push"\nbody = "box"\npoint = [0, 0, -2.5]\ntimes = [0.1, 0.2]\nforces = [[0, 0, 0], [0, 2e4, 0]]\n'
+    text = text.replace(
+        "[simulate]", f"[equalizers.extension]\nmass = 100\nradius = 0.3\nsling_length = 5\n{push}[simulate]"
+    )
+    file.write_text(text)
+    results = run(folder)
+    T = np.asarray(results["loader_sling_1.segment_tension"])
+    T = T[T.min(axis=1) > 0.0]
+    ratio = T[:, 1] / T[:, 0]
+    assert len(T) > 150
+    assert ratio.min() > 0.96 * (1.0 - 1e-9)
+    assert ratio.max() < (1.0 + 1e-9) / 0.96
+    assert np.ptp(ratio) > 1e-4
