@@ -15,6 +15,8 @@ numbers c, all of the size of the tensions, differ, lest two states of something
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1
@@ -106,12 +108,13 @@ class SheaveSearch(Arrays):
 
 def make_search(sheaves: int, ropes: int) -> SheaveSearch:
     """Room for a search over some sheaves and ropes."""
-    whole = {name: np.zeros(sheaves, dtype=np.int64) for name in ("number", "rope", "branch")}
+    whole: dict[str, Any] = {name: np.zeros(sheaves, dtype=np.int64) for name in ("number", "rope", "branch")}
     names = ("force", "flow", "push", "share", "loss", "creep", "held")
+    real: dict[str, Any] = {name: np.zeros(sheaves) for name in names}
     return SheaveSearch(
         counts=SearchCounts.one(),
         **whole,
-        **{name: np.zeros(sheaves) for name in names},
+        **real,
         tension=np.zeros(ropes),
         response=np.zeros((sheaves, sheaves)),
         stiffness=np.zeros((ropes, sheaves)),

@@ -540,7 +540,8 @@ def test_slings_over_extension_pulleys_share_by_their_efficiency(tmp_path):
             f"point = [{x}, 0, 2.5]", f"point = [{x}, -1.5, 2.5], other_point = [{x}, 1.5, 2.5]"
         )
     text = text.replace("part_length = 3", "part_length = 3\nefficiency = 0.96")
-    push = '[[forces]]\nname = "push"\nbody = "box"\npoint = [0, 0, -2.5]\ntimes = [0.1, 0.2]\nforces = [[0, 0, 0], [0, 2e4, 0]]\n'
+    push = '[[forces]]\nname = "push"\nbody = "box"\npoint = [0, 0, -2.5]\n'
+    push += "times = [0.1, 0.2]\nforces = [[0, 0, 0], [0, 2e4, 0]]\n"
     text = text.replace(
         "[simulate]", f"[equalizers.extension]\nmass = 100\nradius = 0.3\nsling_length = 5\n{push}[simulate]"
     )
