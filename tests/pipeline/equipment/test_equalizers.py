@@ -221,6 +221,21 @@ def test_lines_without_length_are_as_drawn(tmp_path):
     assert results["box.position"][0][2] == pytest.approx(9.2 - sunk, abs=1e-6)
 
 
+@pytest.mark.parametrize("pulley", ["1 g", None])
+def test_several_lines_lead_to_one_lug(pulley, tmp_path):
+    folder = lift(tmp_path / "lugs", (26.0, 26.0), lugs=(-1.6, 1.6), height=8.0, pulley=pulley)
+    file = folder / "case.toml"
+    file.write_text(file.read_text().replace("length = 26.0", "length = 26, count = 2"))
+    results = run(folder)
+    # pulleys at -2.4, -0.8, 0.8, 2.4 m lean by 0.8 m, and carry a quarter each
+    force = 0.25 * WEIGHT / math.sqrt(1.0 - (0.8 / 26.0) ** 2)
+    if pulley is None:
+        assert results["loader_rope.segment_tension"][0] == pytest.approx([force] * 4, rel=1e-5)
+    else:
+        lines = [at_rest(results, f"loader_line_{i}.tension") for i in range(1, 5)]
+        assert lines == pytest.approx([force] * 4, rel=1e-5)
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [
@@ -248,6 +263,7 @@ def test_lines_without_length_are_as_drawn(tmp_path):
         ),
         (("length = 23.0", "length = 1e308"), "equalizers.0", "no finite place"),
         (('pulley = { mass = "1 t" }', ""), "equalizers.0.pulley", "is missing"),
+        (("[-4.0, 0, 2.5]", "[-4.0, 0, 2.5], count = 0"), "equalizers.0.lines.0.count", "expected"),
     ],
 )
 def test_one_error_with_the_key_of_the_builder(change, key, words, tmp_path):

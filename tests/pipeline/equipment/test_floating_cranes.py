@@ -92,6 +92,24 @@ def test_weight_of_the_boom_and_a_hull_that_heads_elsewhere(tmp_path):
     assert block[2] == pytest.approx(5.0 + 10.0 + 180.0 * math.sin(math.radians(60.0)) - 40.0, abs=0.02)
 
 
+def test_tensions_at_the_start_and_the_number_of_a_hook(tmp_path):
+    angle = math.radians(60.0)
+    stay = 1e6 * G * 90.0 / arm(angle) / 8.0
+    soft = text(60, hook=", number = 5").replace('start = "equilibrium"', 'start = "check"')
+    soft = soft.replace(
+        "axial_stiffness = 1e12, damping = 1e7 } }", f"axial_stiffness = 1e8, tension = {stay} }} }}"
+    )
+    soft = soft.replace(
+        "axial_stiffness = 1e12, damping = 1e7 }", f"axial_stiffness = 1e8, tension = {1e6 * G / 12.0} }}"
+    )
+    results = run(tmp_path, soft)
+    place = results["crane_hook_5_block.position"]
+    drawn = [10.0 + 50.0 + 90.0, 20.0, 5.0 + 10.0 + 180.0 * math.sin(angle) - 40.0]
+    # without the tensions it would fall by g t^2/2 = 5 cm meanwhile
+    assert place[0] == pytest.approx(drawn, abs=1e-9)
+    assert place[-1] == pytest.approx(drawn, abs=2e-4)
+
+
 def falls(results):
     """Of the hook from the head of the boom, and height of that above the hinge [m], by the recorded angle."""
     angle = math.radians(60.0) + results["crane_hinge.angle"].ravel()
