@@ -101,8 +101,8 @@ class PathPacking:
             # a plan that coincides with the world at the start, about the middle of the bogies
             frame = places.frame(body, np.zeros(3))
             origin = frame.axes.T @ (middle - frame.point)
-            axes = (self._book.direction(body, frame.axes[k], FORCES, at=origin) for k in range(2))
-            self._plans.append((self._book.point(body, origin, FORCES), *axes, side_of.get(body, -1)))
+            x, y = (self._book.direction(body, frame.axes[k], FORCES, at=origin) for k in range(2))
+            self._plans.append((self._book.point(body, origin, FORCES), x, y, side_of.get(body, -1)))
         deck_plans = [bodies.index(deck.body) for deck in self._scene.decks]
         carried = np.bincount([deck_plans[deck] for deck in on], weights=share, minlength=len(bodies))
         self._weights += (

@@ -158,7 +158,7 @@ def tipping_angles(stand: Stand, loads: NDArray[np.float64]) -> Tipping:
 
     Notes
     -----
-    A tilt b along a unit vector e moves the foot of the weight by ``d = h b e``, and with it the loads of groups by
+    A tilt b along a unit vector e moves the foot of the weight by ``d = h tan(b) e``, and so the loads of groups by
     ``-n_k k_k J_k . K^-1 (0, -W d_y, W d_x)``: along its gradient the load of a group is gone soonest. Both are 0 of a
     body that cannot stand.
     """
@@ -175,7 +175,7 @@ def tipping_angles(stand: Stand, loads: NDArray[np.float64]) -> Tipping:
         abs(float(a[0] * b[1] - a[1] * b[0])) / float(np.hypot(*(b - a)))
         for a, b in zip(sides, sides[1:] + sides[:1], strict=True)
     )
-    return Tipping(math.atan2(distance, h), float(limits.min()))
+    return Tipping(math.atan2(distance, h), math.atan(limits.min()))
 
 
 def _hull(points: NDArray[np.float64]) -> list[int]:

@@ -52,6 +52,37 @@ def test_energy_of_barge_vehicle_and_water_is_kept(tmp_path) -> None:
     np.testing.assert_allclose(total, total[0], atol=1e-5 * np.abs(parts[1]).max())
 
 
+def test_a_path_on_a_floating_deck_from_rest(tmp_path) -> None:
+    """In equilibrium at first, then a corner: on the plan of the barge, which is pushed back."""
+    begin, end = TEXT.index("[[joints]]"), TEXT.index("[[transporters]]")
+    legs = """
+[[transporters.legs]]
+points = [[12, 0], [12, 5.2]]
+radius = 4.5
+transition = 1
+speed = 0.5
+
+[[transporters.groups]]
+name="fl" """
+    changes = [
+        (TEXT[begin:end], ""),
+        ("velocity = [0.25, 0, 0]", "velocity = [0, 0, 0]"),
+        ("[simulate]", '[simulate]\nstart = "equilibrium"'),
+        ('\n[[transporters.groups]]\nname="fl"', legs),
+    ]
+    assert run(tmp_path, *changes).outcome is Outcome.COMPLETED
+    results = load_results(tmp_path)
+    assert results["spmt.off_path"].max() < 1e-6
+    assert np.abs(results["spmt.off_heading"]).max() < 1e-8
+    assert results["spmt.path_way"][-1] > 12.0
+    q = results["block.orientation"][-1]
+    assert 2.0 * np.arctan2(q[3], q[0]) > 1.5
+    assert np.abs(results["barge.velocity"][:, :2]).max() > 5e-3
+    parts = [results[f"energy.{name}"] for name in ("kinetic", "potential", "elastic", "dissipated")]
+    total = np.sum(parts, axis=0) - results["energy.drive_work"] - results["energy.external_work"]
+    np.testing.assert_allclose(total, total[0], atol=1e-5 * np.abs(parts[1]).max())
+
+
 def test_a_vehicle_that_drives_off_its_deck_ends_the_run(tmp_path) -> None:
     """With the bogie, the station and the time."""
     faster = (("speed = 0.25", "speed = 2"), ("velocity = [0.25, 0, 0]", "velocity = [2, 0, 0]"))

@@ -264,13 +264,13 @@ def test_strokes_of_eighteen_rows_over_kinks_and_steps(stations, heights, larges
 
 
 def test_a_tilt_along_the_worst_direction_takes_a_corner_its_load() -> None:
-    """T16: at the angle that is told before the run, 6.58 degrees of R12 in four groups, in a slow tilt test."""
+    """T16: at the angle that is told before the run, 6.55 degrees of R12 in four groups, in a slow tilt test."""
     a, b = 2.1, 0.725
     k = 12.0 * OIL * TYRE / (OIL + TYRE)
     lever = MASS * G * 3.579190751
     leans = np.array([1.0 / (1.0 - lever / (k * a * a)) / a, 1.0 / (1.0 - lever / (k * b * b)) / b])
     limit = vehicle_tipping(scene(vehicle()))["spmt"].compliant
-    assert limit == pytest.approx(1.0 / (3.579190751 * np.hypot(*leans)), rel=1e-9)
+    assert np.tan(limit) == pytest.approx(1.0 / (3.579190751 * np.hypot(*leans)), rel=1e-9)
     down = leans / np.hypot(*leans)
     tilt = Profile(times=np.array([0.0, 60.0]), values=np.array([0.0, 0.97 * limit]))
     axis = np.array([-down[1], down[0], 0.0])
