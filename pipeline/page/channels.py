@@ -61,13 +61,15 @@ def pack_channels(
     single = {name for name in shown if _SINGLE.search(name)}
     packed: list[dict[str, Any]] = []
     timelines: list[dict[str, Any]] = []
+    spent = block.size
     for names, share, what in (
         ([name for name in shown if name not in single], 0.75 if single else 1.0, "Plotted channels"),
-        ([name for name in shown if name in single], 0.25, "Channels of single contacts"),
+        ([name for name in shown if name in single], 1.0, "Channels of single contacts"),
     ):
         if not names:
             continue
-        times, starts = _intervals(results, sum(shown[name][0].shape[1] for name in names), share * budget)
+        left = share * budget - (block.size - spent)
+        times, starts = _intervals(results, sum(shown[name][0].shape[1] for name in names), left)
         if starts is not None:
             notes.append(
                 f"{what} have the smallest and the largest value of each of {len(starts):,} intervals of "

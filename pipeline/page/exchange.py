@@ -257,8 +257,10 @@ def write_glb(path: Path, motion: SceneMotion, *, title: str, generator: str) ->
         (1.0, 0.0, 0.0): [0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)],
         (-1.0, 0.0, 0.0): [0.0, 0.0, -np.sqrt(0.5), np.sqrt(0.5)],
         (0.0, -1.0, 0.0): [0.0, 0.0, 1.0, 0.0],
-    }.get(tuple(float(v) for v in up))
-    root = out.node(title, **({"rotation": [float(v) for v in turn]} if turn else {}))
+    }.get((float(up[0]), float(up[1]), float(up[2])))
+    root = out.node(title)
+    if turn is not None:
+        out.nodes[root]["rotation"] = [float(v) for v in turn]
     moves = len(motion.times[0]) > 1
     zero = motion.times[0][0]
     times = out.add(motion.times[0] - zero) if moves else -1
@@ -402,7 +404,7 @@ def write_vtkhdf(path: Path, motion: SceneMotion) -> list[str]:
     most = int(np.clip(STEP_BYTES // max(12 * count, 1), 2, STEPS))
     chosen = np.unique(np.linspace(0, len(motion.times[0]) - 1, most).round().astype(np.int64))
     times = motion.times[0][chosen]
-    names = [one.name for one in (*lines, *surfaces)]
+    names = [one.name for one in lines] + [one.name for one in surfaces]
     starts = np.cumsum([0, *(len(one.points) for one in surfaces), *(len(one.on) for one in lines)])
     triangles = np.concatenate(
         [one.triangles + start for one, start in zip(surfaces, starts, strict=False)]

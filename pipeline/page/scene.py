@@ -417,8 +417,8 @@ class _Builder:
         for body in modal:
             if body.name in surfaces:
                 self._modal(body, surfaces[body.name])
-        for body in meshes:
-            self._mesh(body, skins[body.name])
+        for mesh_body in meshes:
+            self._mesh(mesh_body, skins[mesh_body.name])
 
     @staticmethod
     def _skin(body: FrameBody | ShellBody) -> MeshSkin:
@@ -743,16 +743,14 @@ class _Builder:
         shape = CylinderShape(stop.radius, 0.25 * stop.radius, 0.0, axis)
         (patch,) = shape_parts(shape).patches
         placed = self._attach([(stop.body, stop.point)])
-        anchor = None
-        if "surface" in placed and placed["surface"][0] >= 0:
-            anchor = (int(placed["surface"][0]), int(placed["vertex"][0]))
+        anchor = _anchor(placed)
         points = placed["local"][0] + 0.97 * patch.points
         self._add(
             name, "ropes", stop.body, points, patch.triangles, colour=_WHEEL, edges=False, anchor=anchor
         )
 
     def _fixed(self, name: str, group: str, places: Sequence[tuple[str, ArrayLike]], **more: Any) -> None:
-        self.motion.lines.append(Line(name, group, **{**self._attach(places), **more}))  # type: ignore[arg-type]
+        self.motion.lines.append(Line(name, group, **{**self._attach(places), **more}))
 
     def _connections(self) -> None:
         radius = self.motion.radius
@@ -779,9 +777,7 @@ class _Builder:
                 used.setdefault(body, []).append(np.asarray(point))
             self._fixed(name, "joints", ends, colour=_JOINT, ends=one)
             placed = self._attach(ends[:1])
-            anchor = None
-            if "surface" in placed and placed["surface"][0] >= 0:
-                anchor = (int(placed["surface"][0]), int(placed["vertex"][0]))
+            anchor = _anchor(placed)
             points = placed["local"][0] + ball
             self._add(
                 name, "joints", joint.body_a, points, triangles, colour=_JOINT, edges=False, anchor=anchor
@@ -792,12 +788,13 @@ class _Builder:
             for leg in getattr(rope, "legs", [rope.path]):
                 for stop in leg:
                     used.setdefault(stop.body, []).append(np.asarray(stop.point))
-        for name, points in used.items():
-            body = self.bodies.get(name)
-            if isinstance(body, RigidBody):
-                places = [(name, body.centre_of_mass), *((name, point) for point in points)]
-                ends = np.column_stack([np.zeros(len(points), dtype=np.int64), 1 + np.arange(len(points))])
-                self._fixed(name, "rods", places, colour="#5b6b7c", ends=ends)
+        for owner, points_of in used.items():
+            carrier = self.bodies.get(owner)
+            if isinstance(carrier, RigidBody):
+                places = [(owner, carrier.centre_of_mass), *((owner, point) for point in points_of)]
+                count = len(points_of)
+                pairs = np.column_stack([np.zeros(count, dtype=np.int64), 1 + np.arange(count)])
+                self._fixed(owner, "rods", places, colour="#5b6b7c", ends=pairs)
 
     def _axes(self, name: str, joint: Any) -> None:
         """Axes of the joint frame on the first body."""
@@ -824,9 +821,7 @@ class _Builder:
                 self._fixed(name, "contact surfaces", places, colour=line.colour, ends=line.ends)
         for contact in self.scene.contacts:
             placed = self._attach([(contact.body, contact.point)])
-            anchor = None
-            if "surface" in placed and placed["surface"][0] >= 0:
-                anchor = (int(placed["surface"][0]), int(placed["vertex"][0]))
+            anchor = _anchor(placed)
             parts = shape_parts(contact.shape)
             at = placed["local"][0]
             for patch in parts.patches:
@@ -940,8 +935,8 @@ class _Builder:
                     tension=self._tension(line.name),
                 )
             )
-        for number, (level, points) in enumerate(bottoms.items()):
-            low, high = np.min(np.concatenate(points), axis=0), np.max(np.concatenate(points), axis=0)
+        for number, (level, parts) in enumerate(bottoms.items()):
+            low, high = np.min(np.concatenate(parts), axis=0), np.max(np.concatenate(parts), axis=0)
             more = 0.05 * (high - low).max()
             x, y = (low[0] - more, high[0] + more), (low[1] - more, high[1] + more)
             plane = np.array([[x[i], y[j], level] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
@@ -1097,6 +1092,13 @@ class _Builder:
                 f"Deformations are drawn {self.motion.scale:g} times as large as they are, until another scale is "
                 "chosen."
             )
+
+
+def _anchor(placed: dict[str, NDArray[Any]]) -> tuple[int, int] | None:
+    """Surface and point that carry the first of some places."""
+    if "surface" not in placed or placed["surface"][0] < 0:
+        return None
+    return int(placed["surface"][0]), int(placed["vertex"][0])
 
 
 def stress_colours(motion: SceneMotion) -> Any:

@@ -41,7 +41,10 @@ def recorded_motion(
     try:
         return scene_motion(case, stages, assemble_scene(case, stages), results), ""
     except InputError as error:
-        return None, f"The scene can no longer be put together and is not drawn: {error}"
+        reason = str(error)
+    except KeyError as error:  # files of stages that are not those of this version
+        reason = f"what the mesh and modes stages left has no {error}; make it anew with --force"
+    return None, f"The scene can no longer be put together and is not drawn: {reason}"
 
 
 @dataclass(frozen=True)

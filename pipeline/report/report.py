@@ -276,7 +276,7 @@ def _with_place(check: CheckResult) -> str:
     return f"{check.id}: {check.where}" if check.where else check.id
 
 
-def _check_section(checks: list[CheckResult], missing: dict[str, str]) -> Section:
+def _check_section(checks: Sequence[CheckResult], missing: Mapping[str, str]) -> Section:
     tables = []
     compared = [check for check in checks if not check.has_limits]
     limited = [check for check in checks if check.has_limits]
