@@ -389,6 +389,8 @@ def pack_scenario(
     tables = _Tables(scenario, movers.numbers, known, weight)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
+    state = DirectorState.one()
+    state.continued = -math.inf
     plain, rubbing, held = of_sort
     logged = 2 * len(tables.phases) + len(tables.actions) + len(tables.limits) + 2 + TOLD_LINES
     return Director(
@@ -415,7 +417,7 @@ def pack_scenario(
         tanks=records(TankData, 0) if hulls is None else hulls.tanks,
         levels=records(TankLevel, 0) if hulls is None else hulls.tank_levels,
         profiles=profiles,
-        state=DirectorState.one(),
+        state=state,
         track_state=records(TrackState, len(tables.tracks)),
         mover_state=states,
         timers=timers,

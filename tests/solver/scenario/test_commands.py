@@ -206,6 +206,20 @@ def test_winches_level_a_load() -> None:
     assert found.balance < 1e-9 * MASS * G * REACH
 
 
+def test_winches_that_level_follow_on() -> None:
+    """What follows goes on as its leader is told, in step, while all keep equal loads."""
+    names = [f"rope_{i}" for i in range(4)]
+    others = tuple(WinchFollow(name, names[0]) for name in names[1:])
+    level = tuple(WinchLevel(name, 1.0, 0.05, 0.01, 1) for name in names)
+    phases = (
+        Phase("level", others + level, after(2.0)),
+        Phase("hoist", (WinchHaul(names[0], 0.5, 0.2, 1.0),)),
+    )
+    found = run(four_ropes(*phases, wrong=0.0), 0.01, 8.0)
+    hauled = [found[f"{name}.rest_length"][0] - found[f"{name}.rest_length"][-1] for name in names]
+    np.testing.assert_allclose(hauled, 0.5, rtol=0, atol=1e-3)
+
+
 def test_shares_may_be_unequal() -> None:
     """Two ropes side by side, the first with twice the share of the other."""
     held = Winch(brake=1e6)
@@ -470,6 +484,36 @@ def test_what_is_said_from_outside() -> None:
     assert again.operation.log == simulation.operation.log
 
 
+def test_continue_is_kept_while_another_track_goes_on() -> None:
+    """It counts for the phase that waited when it was said, whatever begins elsewhere, and for none behind it."""
+    waits = Condition(Signal((), "told"), 0.5)
+    main = (Phase("ask", until=(waits, *after(2.0))), Phase("again", until=(waits,)))
+    side = (Phase("one", until=after(1.0)), Phase("two", until=after(4.0)))
+    made = hanging(*main)
+    made = replace(made, scenario=replace(made.scenario, tracks=(Track("side", side),)))
+    simulation = Simulation(made, 0.01)
+    simulation.record()
+    simulation.advance(50)
+    simulation.operation.tell("continue", simulation.time)
+    simulation.advance(350)
+    assert [name for name, _ in ends(simulation)] == ["one", "ask"]
+    assert ends(simulation)[1][1] == pytest.approx(2.0, abs=1e-6)
+
+
+def test_a_timeout_does_not_count_what_is_held() -> None:
+    """A phase that is held for longer than its time goes on for what is left of it."""
+    far = Condition(HEIGHT, 100.0)
+    simulation = Simulation(hanging(Phase("wait", until=(far,), timeout=1.0), Phase("last")), 0.01)
+    simulation.record()
+    simulation.advance(50)
+    simulation.operation.tell("hold", simulation.time)
+    simulation.advance(200)
+    simulation.operation.tell("continue", simulation.time)
+    times, _ = simulation.advance(100)
+    assert simulation.outcome is Outcome.TIMED_OUT
+    assert times[-1] == pytest.approx(3.0, abs=0.0101)
+
+
 def test_a_part_of_the_weight() -> None:
     """The tension of a rope that is hauled in from slack reaches 90 % of the weight of its load."""
     load = body("load", MASS, (0, 0, 0))
@@ -505,6 +549,7 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
         (told(WinchTension("rope", 1e4, 0.1)), {}, "does not answer to its tension"),
         (told(WinchLevel("rope", 1.0, 0.1)), {}, "does not answer to its tension"),
         (told(WinchTension("rope", 3e6, 0.1)), {"winch": HELD}, "is a strain of 0.03"),
+        (told(WinchTension("rope", 1.2e6, 0.1)), {"winch": HELD}, "the brake of 'rope' slips at 1e+06 N"),
         (told(WinchSpeed("rope", 0.6)), {"winch": SPEEDY, "tension": None}, "at most 0.5 m/s"),
         (told(WinchFollow("rope", "rope")), {}, "follows itself"),
         (told(WinchFollow("rope", "rop")), {}, "'rop' is no rope; did you mean 'rope'"),
@@ -524,6 +569,24 @@ def test_refused(phases: tuple[Phase, ...], more: dict[str, Any], words: str) ->
     with pytest.raises(InputError) as error:
         Simulation(hanging(*phases, **more), 0.01).record()
     assert words in str(error.value)
+
+
+@pytest.mark.parametrize("order", [("b", "a"), ("a", "b")])
+def test_a_winch_that_follows_is_followed_by_none(order: tuple[str, str]) -> None:
+    """Whichever is told first, in one phase or another track; one that was told something else since may be."""
+    leaders = {"a": "rope", "b": "a"}
+    chain = tuple(WinchFollow(name, leaders[name]) for name in order)
+    ropes = [slack_rope(name) for name in "ab"]
+    with pytest.raises(InputError, match="follow"):
+        Simulation(hanging(*told(*chain), ropes=ropes), 0.01)
+    made = hanging(*told(chain[0]), ropes=ropes)
+    aside = replace(made, scenario=replace(made.scenario, tracks=(Track("t", (Phase("x", (chain[1],)),)),)))
+    with pytest.raises(InputError, match="follow"):
+        Simulation(aside, 0.01)
+    from_the_start = [slack_rope("a"), slack_rope("b", winch=Winch(follow="a"))]
+    with pytest.raises(InputError, match="the winch of 'b' follows that of 'a'"):
+        Simulation(hanging(*told(WinchFollow("a", "rope")), ropes=from_the_start), 0.01)
+    Simulation(hanging(*told(chain[0], WinchSpeed(order[0], 0.0), chain[1]), ropes=ropes), 0.01)
 
 
 def test_one_track_for_one_winch() -> None:
