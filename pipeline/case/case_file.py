@@ -278,6 +278,7 @@ class Case(SceneTables, _CaseHeading):
             "ropes": {rope.name: rope for rope in self.ropes},
             "tanks": frozenset(tank.name for tank in self.tanks),
             "drives": drives_of(self.joints, frames),
+            "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
         }
 
     @property

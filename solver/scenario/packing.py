@@ -105,7 +105,9 @@ def with_drives(scene: Any) -> Any:
     motions = {body.name: body.motion for body in scene.bodies if hasattr(body, "motion")}
     drives = drives_of(scene.joints, motions)
     ropes = {rope.name: rope for rope in scene.ropes}
-    check_scenario(scene.scenario, Movable(ropes, frozenset(tank.name for tank in tanks), drives))
+    pumped = {} if scene.sea is None else {tank: pump.name for pump in scene.sea.pumps for tank in pump.tanks}
+    movable = Movable(ropes, frozenset(tank.name for tank in tanks), drives, pumped=pumped)
+    check_scenario(scene.scenario, movable)
     told = {
         action.drive.rpartition(".")[::2]
         for action in scene.scenario.actions

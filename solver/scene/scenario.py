@@ -584,12 +584,15 @@ class Movable:
         By name: whether harmonics are added to it.
     duration
         Of the run [s]; infinite if it is not known.
+    pumped
+        Tanks with `[[pumps]]`, which nothing else is to fill, and one of these each.
     """
 
     ropes: Mapping[str, Any]
     tanks: frozenset[str] = frozenset()
     drives: Mapping[str, bool] = field(default_factory=dict)
     duration: float = math.inf
+    pumped: Mapping[str, str] = field(default_factory=dict)
 
 
 def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
@@ -656,6 +659,12 @@ class _Checker:
             )
         if isinstance(action, TankRate):
             _known("tank", action.tank, self.movable.tanks, f"{key}.tank")
+            if action.tank in self.movable.pumped:
+                raise InputError(
+                    f"the pump {self.movable.pumped[action.tank]!r} fills or empties {action.tank!r}",
+                    key=f"{key}.tank",
+                    expected="a tank without [[pumps]]",
+                )
             if action.mass is not None or action.rate < 0.0:
                 self.arriving.add(action.tank)
             return

@@ -14,6 +14,7 @@ from scenarios import start_of
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.scene.ballast import Pump
 from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.scene.connections import GROUND, JointFrame, Winch, axes_about
 from heavylift.solver.scene.scenario import (
@@ -411,6 +412,15 @@ def test_pumps_fill_and_empty_tanks() -> None:
     np.testing.assert_allclose(ballast, filling + bow, rtol=0, atol=1.0)
     z = found["barge.position"][:, 2]
     assert z[-1] == pytest.approx(-2e4 / (RHO * LENGTH * BREADTH), rel=1e-2)
+
+
+def test_a_tank_with_pumps_is_not_told() -> None:
+    """Their water is counted beside the schedule that a scenario changes, and by controllers."""
+    made = barge(*told(TankRate("bow", 1.0)))
+    pump = Pump(name="main", source="bow", target="aft", rate=10.0)
+    made = replace(made, sea=replace(made.sea, pumps=(pump,)))
+    with pytest.raises(InputError, match="the pump 'main' fills or empties 'bow'"):
+        Simulation(made, 0.1)
 
 
 def test_a_schedule_ends_where_a_pump_is_told_something() -> None:
