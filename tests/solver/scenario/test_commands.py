@@ -614,6 +614,16 @@ def test_a_drive_with_harmonics_is_not_told() -> None:
         Simulation(sliding(*told(DriveSpeed("slide", 0.1)), drive=swell), 0.01)
 
 
+def test_movers_are_in_the_order_of_their_actions() -> None:
+    """Whatever the process: what is carried of each is restored by its number."""
+    axes = ("y", "angle", "x", "z")
+    trolley = RigidBody("trolley", 1e3, np.eye(3) * 1e3, motion=Fixed())
+    phases = told(*(DriveTo(f"trolley.{axis}", 1.0 + i, 0.5) for i, axis in enumerate(axes)))
+    simulation = Simulation(replace(scene([trolley]), scenario=Scenario(phases)), 0.01)
+    simulation.record()
+    np.testing.assert_allclose(simulation.operation.director.mover_state["arrives"], [2.0, 4.0, 6.0, 8.0])
+
+
 def test_a_frame_of_a_body_with_modes_is_driven() -> None:
     """As one that follows tables of the same speeds: modes, reactions and work, beside bodies of other kinds."""
     cloud = make_cloud(seed=8)
