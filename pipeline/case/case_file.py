@@ -278,6 +278,7 @@ class Case(SceneTables, _CaseHeading):
             "ropes": {rope.name: rope for rope in self.ropes},
             "tanks": frozenset(tank.name for tank in self.tanks),
             "drives": drives_of(self.joints, frames),
+            "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
         }
 
     @property
@@ -289,7 +290,15 @@ class Case(SceneTables, _CaseHeading):
         others = tuple(name for name in ropes if name not in wire)
         hooks = {one.name: Hook(one.parts, one.block.hook_depth) for one in self.falls}
         tanks = tuple(tank.name for tank in self.tanks)
-        return Known(self._names, tuple(wire), tanks, tuple(movable["drives"]), hooks, others)
+        together: dict[str, tuple[str, ...]] = {}
+        for crane in self.gantry_cranes:
+            parts = [f"{crane.name}_girder"]
+            parts += [f"{crane.name}_trolley_{i + 1}" for i in range(len(crane.trolleys))]
+            for axis in "yz":
+                every = [f"{part}.{axis}" for part in parts]
+                together |= {one: tuple(other for other in every if other != one) for one in every}
+            together[f"{parts[0]}.x"] = tuple(f"{part}.x" for part in parts[1:])
+        return Known(self._names, tuple(wire), tanks, tuple(movable["drives"]), hooks, others, together)
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

@@ -89,6 +89,8 @@ class Known:
         Names of ropes of type wire, of tanks, and of drives.
     other_ropes
         Names of ropes of other types, which can be told nothing; to say so.
+    together
+        By drive those that it does not go without: of a gantry crane, whose girder and trolleys are driven each.
     hooks
         Falls by name.
     """
@@ -99,6 +101,7 @@ class Known:
     drives: tuple[str, ...] = ()
     hooks: Mapping[str, Hook] = field(default_factory=dict)
     other_ropes: tuple[str, ...] = ()
+    together: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -623,6 +626,14 @@ class ActionSection(Section):
             assert self.speed is not None
             place, by = (self.position, False) if self.distance is None else (self.distance, True)
             drives = known.fitting("drive", self.drive, known.drives)
+            for name in drives:
+                missing = [other for other in known.together.get(name, ()) if other not in drives]
+                if missing:
+                    raise InputError(
+                        f"{name!r} without {missing[0]!r}, which travels with it",
+                        key="drive",
+                        expected=f"one action for all of: {', '.join([name, *known.together[name]])}",
+                    )
             if place is None:
                 return tuple(DriveSpeed(name, self.speed, self.ramp, **limits) for name in drives)
             return tuple(DriveTo(name, place, self.speed, self.ramp, by, **limits) for name in drives)

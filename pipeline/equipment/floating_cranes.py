@@ -131,7 +131,8 @@ class FloatingCrane:
     """Whether the hinge of a boom without stay has a drive though it does not luff: it stands until a scenario tells
     the drive ``NAME_hinge``."""
     level: bool = False
-    """Whether the winches of the falls pay out and haul in so that hooks keep their height as the boom luffs."""
+    """Whether the winches of the falls pay out and haul in so that hooks keep their height as the boom luffs by
+    ``luffing``."""
     slewing: Slewing | None = None
     """A table that slews; none if absent."""
     sheave_radius: Annotated[float, Positive("length")]
@@ -171,6 +172,12 @@ class FloatingCrane:
                 f"{said.boom.centre:.6g} m from the hinge of a boom of {said.boom.length:.6g} m",
                 key="boom.centre",
                 expected=f"at most {said.boom.length:.6g} m",
+            )
+        if said.level and not said.luffing:
+            raise InputError(
+                "no 'luffing', and winches know of no other",
+                key="level",
+                expected="'luffing'; where a scenario luffs the boom it tells the hooks, too",
             )
         for i, hook in enumerate(said.hooks):
             check_moves(hook.moves, f"hooks.{i}.moves")

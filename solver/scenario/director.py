@@ -101,7 +101,7 @@ __all__ = [
 
 FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
 """Of signals, by their numbers. `arrived`: time since the last of some movers came to rest where it was told to go;
-`told`: whether someone outside said "continue" since a phase began."""
+`told`: whether someone outside said "continue" since the phase began that waits for it."""
 SUM, NORM, LARGEST, SMALLEST, ARRIVED, CONTINUED = range(6)
 SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE = range(10)
 """Actions."""
@@ -276,12 +276,15 @@ class TrackState(Record):
         Number from 1; 0 before the scenario begins, one more than there are when all are done.
     begun
         When the phase began [s].
+    rested
+        How long "hold" from outside has kept it [s]: what its timeout does not count.
     ends
         When it ends, of the step that is looked at [s].
     """
 
     phase: int
     begun: float
+    rested: float
     ends: float
 
 
@@ -296,8 +299,10 @@ class DirectorState(Record):
         Lines of the log.
     outcome
         With which the run ends, `ENDED`, or 0.
-    held, continued
-        Whether someone outside has said "hold", and "continue".
+    held
+        Whether someone outside has said "hold".
+    continued
+        When someone outside last said "continue" that a phase may wait for [s]; minus infinity before.
     """
 
     due: float
@@ -305,7 +310,7 @@ class DirectorState(Record):
     logged: int
     outcome: int
     held: bool
-    continued: bool
+    continued: float
 
 
 class Director(Arrays):
@@ -473,7 +478,7 @@ def _measure(
             kind.trial[s] = _arrived(kind, first, count, time)
             continue
         if function == CONTINUED:
-            kind.trial[s] = 1.0 if kind.state.continued else 0.0
+            kind.trial[s] = 0.0  # its conditions look at when it was said
             continue
         for i in range(first, first + count):
             x = kind.terms[i].weight * kind.row[kind.terms[i].column]
@@ -502,6 +507,8 @@ def _end_of_phase(kind: Director, track: int, start: float, end: float) -> float
         condition, timer = kind.conditions[c], kind.timers[c]
         if condition.signal < 0:
             before, now = start - state.begun, end - state.begun
+        elif kind.signals[condition.signal].function == CONTINUED:
+            before = now = 1.0 if kind.state.continued >= state.begun else 0.0
         else:
             before, now = kind.values[condition.signal], kind.trial[condition.signal]
         before = _margin(condition.below, condition.value, before)
@@ -687,7 +694,7 @@ def _move(kind: Director, action: ActionEntry, time: float) -> float:
     mover = action.mover
     acceleration, value = action.acceleration, action.value
     said = kind.movers[mover]
-    if action.action != FOLLOW:
+    if action.action not in (FOLLOW, KEEP_LEVEL):  # it levels beside what it is told
         kind.mover_state[mover].leader = -1
     if said.sort == HELD_ROPE and action.action in (SPEED, GO_TO, GO_BY, BRAKE):
         control = kind.controls[said.number]
@@ -819,10 +826,9 @@ def _begin_phase(
 ) -> None:
     """Actions of the phase that begins, and its timers; the record of this time has been written."""
     state = kind.state
-    kind.track_state[track].begun = time
+    kind.track_state[track].begun, kind.track_state[track].rested = time, 0.0
     number = kind.tracks[track].first + kind.track_state[track].phase - 1
     phase = kind.phases[number]
-    state.continued = False
     _note(kind, time, BEGUN, number, -1, 0.0)
     for c in range(phase.first_condition, phase.first_condition + phase.conditions):
         kind.timers[c].since = kind.timers[c].trial = math.nan
@@ -941,6 +947,8 @@ def direct_phases(
             if state.outcome != 0 or own.phase > said.phases:
                 continue
             number = said.first + own.phase - 1
+            if state.held:
+                own.rested += step
             _watch_limits(kind, number, end)
             if state.outcome == 0 and own.ends <= end + SHORTEST * step:
                 _note(kind, end, DONE, number, -1, end - own.begun)
@@ -950,7 +958,7 @@ def direct_phases(
             elif (
                 state.outcome == 0
                 and not state.held
-                and end - own.begun >= kind.phases[number].timeout * (1.0 - 1e-12)
+                and end - own.begun - own.rested >= kind.phases[number].timeout * (1.0 - 1e-12)
             ):
                 _note(kind, end, TIMED_OUT, number, -1, end - own.begun)
                 state.outcome = TIMEOUT

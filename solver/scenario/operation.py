@@ -13,7 +13,6 @@ from heavylift.solver.scenario.director import (
     ACTION,
     BEGUN,
     DONE,
-    FUNCTIONS,
     LIMIT_STOP,
     LIMIT_WARNING,
     NOT_CONNECTED,
@@ -155,10 +154,9 @@ class Operation:
         elif word == "hold":
             state.held = True
         elif word == "continue":
-            state.continued = not state.held
+            if not state.held:
+                state.continued = time
             state.held = False
-            told = director.signals["function"] == FUNCTIONS.index("told")
-            director.values[told] = float(state.continued)
         number = min(int(director.track_state[0].phase), len(self.scenario.phases)) - 1
         if int(state.logged) < len(director.log):
             line = director.log[int(state.logged)]

@@ -105,7 +105,9 @@ def with_drives(scene: Any) -> Any:
     motions = {body.name: body.motion for body in scene.bodies if hasattr(body, "motion")}
     drives = drives_of(scene.joints, motions)
     ropes = {rope.name: rope for rope in scene.ropes}
-    check_scenario(scene.scenario, Movable(ropes, frozenset(tank.name for tank in tanks), drives))
+    pumped = {} if scene.sea is None else {tank: pump.name for pump in scene.sea.pumps for tank in pump.tanks}
+    movable = Movable(ropes, frozenset(tank.name for tank in tanks), drives, pumped=pumped)
+    check_scenario(scene.scenario, movable)
     told = {
         action.drive.rpartition(".")[::2]
         for action in scene.scenario.actions
@@ -377,7 +379,10 @@ def pack_scenario(
     hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
     for i, name in enumerate(_tank_names(hulls, tanks, columns) if hulls is not None else ()):
         movers.add(name, TANK, i, told=True)
-    for name in {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}:
+    drives = dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
+        action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))
+    )
+    for name in drives:
         movers.add(name, DRIVE, _profile_start(name, kinds, columns, profiles), told=True)
     states = records(MoverState, len(movers.rows))
     states["leader"], states["arrives"] = -1, math.inf
@@ -389,6 +394,8 @@ def pack_scenario(
     tables = _Tables(scenario, movers.numbers, known, weight)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
+    state = DirectorState.one()
+    state.continued = -math.inf
     plain, rubbing, held = of_sort
     logged = 2 * len(tables.phases) + len(tables.actions) + len(tables.limits) + 2 + TOLD_LINES
     return Director(
@@ -415,7 +422,7 @@ def pack_scenario(
         tanks=records(TankData, 0) if hulls is None else hulls.tanks,
         levels=records(TankLevel, 0) if hulls is None else hulls.tank_levels,
         profiles=profiles,
-        state=DirectorState.one(),
+        state=state,
         track_state=records(TrackState, len(tables.tracks)),
         mover_state=states,
         timers=timers,

@@ -584,12 +584,15 @@ class Movable:
         By name: whether harmonics are added to it.
     duration
         Of the run [s]; infinite if it is not known.
+    pumped
+        Tanks with `[[pumps]]`, which nothing else is to fill, and one of these each.
     """
 
     ropes: Mapping[str, Any]
     tanks: frozenset[str] = frozenset()
     drives: Mapping[str, bool] = field(default_factory=dict)
     duration: float = math.inf
+    pumped: Mapping[str, str] = field(default_factory=dict)
 
 
 def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
@@ -619,8 +622,15 @@ def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bo
 class _Checker:
     """Goes through the phases of a track, and knows what is connected and how winches stand."""
 
-    def __init__(self, movable: Movable, prepared: Iterable[str], elsewhere: set[str]) -> None:
-        self.movable, self.elsewhere = movable, elsewhere
+    def __init__(self, movable: Movable, prepared: Iterable[str], others: Iterable[Action]) -> None:
+        others = tuple(others)
+        self.movable, self.elsewhere = movable, {acted_on(action) for action in others} - {""}
+        self.followed = {action.rope: action.leader for action in others if isinstance(action, WinchFollow)}
+        """Leaders of winches that follow one: those of other tracks at any time, since nobody knows when."""
+        for name, rope in movable.ropes.items():
+            leader = getattr(getattr(rope, "winch", None), "follow", None)
+            if leader is not None:
+                self.followed[name] = leader
         self.loose = set(prepared)
         self.braked: set[str] = set()
         self.planned: dict[str, float] = {}
@@ -649,6 +659,12 @@ class _Checker:
             )
         if isinstance(action, TankRate):
             _known("tank", action.tank, self.movable.tanks, f"{key}.tank")
+            if action.tank in self.movable.pumped:
+                raise InputError(
+                    f"the pump {self.movable.pumped[action.tank]!r} fills or empties {action.tank!r}",
+                    key=f"{key}.tank",
+                    expected="a tank without [[pumps]]",
+                )
             if action.mass is not None or action.rate < 0.0:
                 self.arriving.add(action.tank)
             return
@@ -702,6 +718,7 @@ class _Checker:
                     key=f"{key}.brake",
                     expected="a speed of 0 before, or a length to go to",
                 )
+            self.followed.pop(name, None)
             (self.braked.add if action.on else self.braked.discard)(name)
             return
         if not controlled(rope):
@@ -712,12 +729,20 @@ class _Checker:
             )
         self._is_off(name, key)
         if isinstance(action, WinchTension):
+            self.followed.pop(name, None)
             self.planned[name] = 0.0
             if action.tension > LARGEST_STRAIN * rope.axial_stiffness:
                 raise InputError(
                     f"{action.tension:g} N is a strain of {action.tension / rope.axial_stiffness:.3g}",
                     key=f"{key}.tension",
                     expected=f"at most {LARGEST_STRAIN * rope.axial_stiffness:g} N",
+                )
+            brake = rope.winch.brake
+            if brake is not None and action.tension >= brake:
+                raise InputError(
+                    f"{action.tension:g} N, and the brake of {name!r} slips at {brake:g} N",
+                    key=f"{key}.tension",
+                    expected=f"less than {brake:g} N",
                 )
         self._check_speed(action.speed, rope, key)
 
@@ -743,19 +768,28 @@ class _Checker:
         name = action.rope
         self._is_off(name, key)
         if isinstance(action, WinchFollow):
-            leader = self.rope(action.leader, f"{key}.follow")
+            self.rope(action.leader, f"{key}.follow")
             if name == action.leader:
                 raise InputError(f"{name!r} follows itself", key=f"{key}.follow", expected="another rope")
-            if getattr(getattr(leader, "winch", None), "follow", None) is not None:
+            if action.leader in self.followed:
                 raise InputError(
                     f"the winch of {action.leader!r} follows another one itself",
                     key=f"{key}.follow",
                     expected="a winch that follows none",
                 )
+            follower = next((one for one, leader in self.followed.items() if leader == name), None)
+            if follower is not None:
+                raise InputError(
+                    f"the winch of {follower!r} follows that of {name!r}",
+                    key=f"{key}.follow",
+                    expected="a winch that none follows",
+                )
+            self.followed[name] = action.leader
             self.planned[name] = action.ratio * self.planned.get(action.leader, 0.0)
             self.arriving.add(name)
             return
         self._check_speed(action.speed, rope, key)
+        self.followed.pop(name, None)
         self.planned[name] = action.speed if isinstance(action, WinchSpeed) else 0.0
         self.lengths.pop(name, None)
         if isinstance(action, WinchLength):
@@ -797,8 +831,9 @@ def check_scenario(scenario: Scenario, movable: Movable) -> None:
     names: set[str] = set()
     for row, phases in enumerate(scenario.rows):
         others = (phase for other in scenario.rows if other is not phases for phase in other)
-        elsewhere = {acted_on(action) for phase in others for action in phase.actions} - {""}
-        checker = _Checker(movable, scenario.prepared, elsewhere)
+        checker = _Checker(
+            movable, scenario.prepared, (action for phase in others for action in phase.actions)
+        )
         for index, phase in enumerate(phases):
             key = f"tracks.{row - 1}.phases.{index}" if row else f"phases.{index}"
             if phase.name in names:

@@ -313,3 +313,48 @@ until = { arrived = "trolley.x" }
     assert up["largest_speed"]["hook_1_rope"] == pytest.approx(0.8)
     (hook,) = (line for line in lines if line.startswith("hook_1_rope:"))
     assert "hook at most 2.000 m above its start, 18.000 m below its crown" in hook
+
+
+GANTRY = """
+title = "A gantry crane"
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+[[gantry_cranes]]
+name = "gantry"
+span = 60
+girder_height = 40
+sheave_radius = 0.4
+block = { mass = 2000 }
+rope = { axial_stiffness = 1.5e8 }
+trolleys = [{ position = -4, hoists = [{ drop = 25, parts = 4 }] }, { position = 4, hoists = [{ drop = 25, parts = 4 }] }]
+
+[[scenario.phases]]
+name = "go"
+actions = [{ drive = NAMES, distance = 1, speed = 0.5 }]
+
+[simulate]
+step = 0.01
+output_interval = 1
+duration = 5
+"""
+
+
+def test_a_girder_travels_with_its_trolleys(tmp_path: Path) -> None:
+    """Each has a drive of its own: an action that leaves one behind is refused."""
+    file = tmp_path / "case.toml"
+    for names, missing in (
+        ('"gantry_girder.y"', "'gantry_girder.y' without 'gantry_trolley_1.y'"),
+        ('["gantry_girder.y", "gantry_trolley_2.y"]', "'gantry_girder.y' without 'gantry_trolley_1.y'"),
+        ('"gantry_trolley_2.y"', "'gantry_trolley_2.y' without 'gantry_girder.y'"),
+        ('"gantry_girder.x"', "'gantry_girder.x' without 'gantry_trolley_1.x'"),
+    ):
+        file.write_text(GANTRY.replace("NAMES", names))
+        with pytest.raises((InputError, InputErrors)) as refused:
+            load_case(tmp_path)
+        assert "scenario.phases.0.actions.0.drive" in str(refused.value)
+        assert missing in str(refused.value)
+    for names in ('["gantry_girder.y", "gantry_trolley_*.y"]', '"gantry_trolley_2.x"', '"gantry_*.y"'):
+        file.write_text(GANTRY.replace("NAMES", names))
+        load_case(tmp_path)

@@ -201,6 +201,7 @@ actions = [{ drive = "crane_hinge", distance = "4 deg", speed = "0.5 deg/s", ram
         ),
         (("parts = 12", "parts = 12, winch = [200, 0, 2]"), "floating_cranes.0.hooks.0", "from the crown"),
         (("level = true", "driven = true"), "floating_cranes.0.driven", "that a stay holds"),
+        ((LUFFING, ""), "floating_cranes.0.level", "no 'luffing'"),
     ],
 )
 def test_errors_stand_at_the_keys_of_the_crane(change, key, words, tmp_path):

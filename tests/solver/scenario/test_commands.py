@@ -14,6 +14,7 @@ from scenarios import start_of
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.scene.ballast import Pump
 from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.scene.connections import GROUND, JointFrame, Winch, axes_about
 from heavylift.solver.scene.scenario import (
@@ -204,6 +205,20 @@ def test_winches_level_a_load() -> None:
     assert found["load.position"][-1, 2] - found["load.position"][500, 2] == pytest.approx(2.0, abs=0.02)
     assert np.ptp([found[f"{name}.rest_length"][-1] for name in names]) < 1e-4  # as long as each other again
     assert found.balance < 1e-9 * MASS * G * REACH
+
+
+def test_winches_that_level_follow_on() -> None:
+    """What follows goes on as its leader is told, in step, while all keep equal loads."""
+    names = [f"rope_{i}" for i in range(4)]
+    others = tuple(WinchFollow(name, names[0]) for name in names[1:])
+    level = tuple(WinchLevel(name, 1.0, 0.05, 0.01, 1) for name in names)
+    phases = (
+        Phase("level", others + level, after(2.0)),
+        Phase("hoist", (WinchHaul(names[0], 0.5, 0.2, 1.0),)),
+    )
+    found = run(four_ropes(*phases, wrong=0.0), 0.01, 8.0)
+    hauled = [found[f"{name}.rest_length"][0] - found[f"{name}.rest_length"][-1] for name in names]
+    np.testing.assert_allclose(hauled, 0.5, rtol=0, atol=1e-3)
 
 
 def test_shares_may_be_unequal() -> None:
@@ -399,6 +414,15 @@ def test_pumps_fill_and_empty_tanks() -> None:
     assert z[-1] == pytest.approx(-2e4 / (RHO * LENGTH * BREADTH), rel=1e-2)
 
 
+def test_a_tank_with_pumps_is_not_told() -> None:
+    """Their water is counted beside the schedule that a scenario changes, and by controllers."""
+    made = barge(*told(TankRate("bow", 1.0)))
+    pump = Pump(name="main", source="bow", target="aft", rate=10.0)
+    made = replace(made, sea=replace(made.sea, pumps=(pump,)))
+    with pytest.raises(InputError, match="the pump 'main' fills or empties 'bow'"):
+        Simulation(made, 0.1)
+
+
 def test_a_schedule_ends_where_a_pump_is_told_something() -> None:
     table = {"mass": None, "times": np.array([0.0, 100.0]), "masses": np.array([0.0, 1e5])}
     phases = (Phase("table", until=after(20.05)), Phase("stop", (TankRate("aft", 0.0),)))
@@ -470,6 +494,36 @@ def test_what_is_said_from_outside() -> None:
     assert again.operation.log == simulation.operation.log
 
 
+def test_continue_is_kept_while_another_track_goes_on() -> None:
+    """It counts for the phase that waited when it was said, whatever begins elsewhere, and for none behind it."""
+    waits = Condition(Signal((), "told"), 0.5)
+    main = (Phase("ask", until=(waits, *after(2.0))), Phase("again", until=(waits,)))
+    side = (Phase("one", until=after(1.0)), Phase("two", until=after(4.0)))
+    made = hanging(*main)
+    made = replace(made, scenario=replace(made.scenario, tracks=(Track("side", side),)))
+    simulation = Simulation(made, 0.01)
+    simulation.record()
+    simulation.advance(50)
+    simulation.operation.tell("continue", simulation.time)
+    simulation.advance(350)
+    assert [name for name, _ in ends(simulation)] == ["one", "ask"]
+    assert ends(simulation)[1][1] == pytest.approx(2.0, abs=1e-6)
+
+
+def test_a_timeout_does_not_count_what_is_held() -> None:
+    """A phase that is held for longer than its time goes on for what is left of it."""
+    far = Condition(HEIGHT, 100.0)
+    simulation = Simulation(hanging(Phase("wait", until=(far,), timeout=1.0), Phase("last")), 0.01)
+    simulation.record()
+    simulation.advance(50)
+    simulation.operation.tell("hold", simulation.time)
+    simulation.advance(200)
+    simulation.operation.tell("continue", simulation.time)
+    times, _ = simulation.advance(100)
+    assert simulation.outcome is Outcome.TIMED_OUT
+    assert times[-1] == pytest.approx(3.0, abs=0.0101)
+
+
 def test_a_part_of_the_weight() -> None:
     """The tension of a rope that is hauled in from slack reaches 90 % of the weight of its load."""
     load = body("load", MASS, (0, 0, 0))
@@ -505,6 +559,7 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
         (told(WinchTension("rope", 1e4, 0.1)), {}, "does not answer to its tension"),
         (told(WinchLevel("rope", 1.0, 0.1)), {}, "does not answer to its tension"),
         (told(WinchTension("rope", 3e6, 0.1)), {"winch": HELD}, "is a strain of 0.03"),
+        (told(WinchTension("rope", 1.2e6, 0.1)), {"winch": HELD}, "the brake of 'rope' slips at 1e+06 N"),
         (told(WinchSpeed("rope", 0.6)), {"winch": SPEEDY, "tension": None}, "at most 0.5 m/s"),
         (told(WinchFollow("rope", "rope")), {}, "follows itself"),
         (told(WinchFollow("rope", "rop")), {}, "'rop' is no rope; did you mean 'rope'"),
@@ -526,6 +581,24 @@ def test_refused(phases: tuple[Phase, ...], more: dict[str, Any], words: str) ->
     assert words in str(error.value)
 
 
+@pytest.mark.parametrize("order", [("b", "a"), ("a", "b")])
+def test_a_winch_that_follows_is_followed_by_none(order: tuple[str, str]) -> None:
+    """Whichever is told first, in one phase or another track; one that was told something else since may be."""
+    leaders = {"a": "rope", "b": "a"}
+    chain = tuple(WinchFollow(name, leaders[name]) for name in order)
+    ropes = [slack_rope(name) for name in "ab"]
+    with pytest.raises(InputError, match="follow"):
+        Simulation(hanging(*told(*chain), ropes=ropes), 0.01)
+    made = hanging(*told(chain[0]), ropes=ropes)
+    aside = replace(made, scenario=replace(made.scenario, tracks=(Track("t", (Phase("x", (chain[1],)),)),)))
+    with pytest.raises(InputError, match="follow"):
+        Simulation(aside, 0.01)
+    from_the_start = [slack_rope("a"), slack_rope("b", winch=Winch(follow="a"))]
+    with pytest.raises(InputError, match="the winch of 'b' follows that of 'a'"):
+        Simulation(hanging(*told(WinchFollow("a", "rope")), ropes=from_the_start), 0.01)
+    Simulation(hanging(*told(chain[0], WinchSpeed(order[0], 0.0), chain[1]), ropes=ropes), 0.01)
+
+
 def test_one_track_for_one_winch() -> None:
     made = hanging(*told(WinchSpeed("rope", 0.1)))
     both = replace(
@@ -539,6 +612,16 @@ def test_a_drive_with_harmonics_is_not_told() -> None:
     swell = replace(STANDING, harmonics=(Harmonic(0.1, 0.2),))
     with pytest.raises(InputError, match="harmonics are added to 'slide'"):
         Simulation(sliding(*told(DriveSpeed("slide", 0.1)), drive=swell), 0.01)
+
+
+def test_movers_are_in_the_order_of_their_actions() -> None:
+    """Whatever the process: what is carried of each is restored by its number."""
+    axes = ("y", "angle", "x", "z")
+    trolley = RigidBody("trolley", 1e3, np.eye(3) * 1e3, motion=Fixed())
+    phases = told(*(DriveTo(f"trolley.{axis}", 1.0 + i, 0.5) for i, axis in enumerate(axes)))
+    simulation = Simulation(replace(scene([trolley]), scenario=Scenario(phases)), 0.01)
+    simulation.record()
+    np.testing.assert_allclose(simulation.operation.director.mover_state["arrives"], [2.0, 4.0, 6.0, 8.0])
 
 
 def test_a_frame_of_a_body_with_modes_is_driven() -> None:
