@@ -97,7 +97,8 @@ def test_tensions_at_the_start_and_the_number_of_a_hook(tmp_path, own):
     angle = math.radians(60.0)
     stay = 1e6 * G * 90.0 / arm(angle) / 8.0
     needed = 1e6 * G / 12.0
-    soft = text(60, hook=f", number = 5, tension = {needed}" if own else ", number = 5").replace('start = "equilibrium"', 'start = "check"')
+    hook = f", number = 5, tension = {needed}" if own else ", number = 5"
+    soft = text(60, hook=hook).replace('start = "equilibrium"', 'start = "check"')
     soft = soft.replace(
         "axial_stiffness = 1e12, damping = 1e7 } }", f"axial_stiffness = 1e8, tension = {stay} }} }}"
     )
