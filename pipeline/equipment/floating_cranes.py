@@ -84,6 +84,8 @@ class BoomHook:
     """Parts of rope: an even number."""
     winch: Annotated[NDArray[np.float64] | None, Quantity("length"), Shape((3,)), Absent()] = None
     """Place of its drum [m], in the coordinates of the geometry of the hull; the winch is at the crown if absent."""
+    tension: Annotated[float | None, Positive("force"), Absent()] = None
+    """Of its rope at the start [N]; that of `rope` if absent, as of hooks on which the same hangs."""
     moves: tuple[Move, ...] = ()
     """How the hook is hoisted, upwards if positive."""
 
@@ -260,6 +262,8 @@ class FloatingCrane:
                 "block": given(said.block),
                 "rope": given(said.rope),
             }
+            if hook.tension is not None:
+                falls["rope"] |= {"tension": hook.tension}
             if hook.winch is not None:
                 falls["drum"] = on_carrier(hook.winch)
             if said.level and said.luffing:

@@ -92,15 +92,19 @@ def test_weight_of_the_boom_and_a_hull_that_heads_elsewhere(tmp_path):
     assert block[2] == pytest.approx(5.0 + 10.0 + 180.0 * math.sin(math.radians(60.0)) - 40.0, abs=0.02)
 
 
-def test_tensions_at_the_start_and_the_number_of_a_hook(tmp_path):
+@pytest.mark.parametrize("own", [False, True])
+def test_tensions_at_the_start_and_the_number_of_a_hook(tmp_path, own):
     angle = math.radians(60.0)
     stay = 1e6 * G * 90.0 / arm(angle) / 8.0
-    soft = text(60, hook=", number = 5").replace('start = "equilibrium"', 'start = "check"')
+    needed = 1e6 * G / 12.0
+    hook = f", number = 5, tension = {needed}" if own else ", number = 5"
+    soft = text(60, hook=hook).replace('start = "equilibrium"', 'start = "check"')
     soft = soft.replace(
         "axial_stiffness = 1e12, damping = 1e7 } }", f"axial_stiffness = 1e8, tension = {stay} }} }}"
     )
     soft = soft.replace(
-        "axial_stiffness = 1e12, damping = 1e7 }", f"axial_stiffness = 1e8, tension = {1e6 * G / 12.0} }}"
+        "axial_stiffness = 1e12, damping = 1e7 }",
+        f"axial_stiffness = 1e8, tension = {0.5 * needed if own else needed} }}",
     )
     results = run(tmp_path, soft)
     place = results["crane_hook_5_block.position"]
