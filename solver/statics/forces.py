@@ -12,7 +12,7 @@ from heavylift.solver.interface import FORCES
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
-__all__ = ["OneSided", "StaticForces"]
+__all__ = ["ON_ONE_BODY", "STEP", "OneSided", "StaticForces"]
 
 STEP = 1e-9
 """Of time [s], for which laws write targets and softness: winches and dampers do nothing in it."""

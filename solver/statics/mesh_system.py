@@ -10,6 +10,7 @@ K_y, of all forces and reactions on bases and other bodies, comes from differenc
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matr
 from heavylift.solver.integrate.loop import evaluate_loads
 from heavylift.solver.interface import FORCES
 from heavylift.solver.start.rows import StartRows
-from heavylift.solver.statics.forces import STEP
+from heavylift.solver.statics.forces import ON_ONE_BODY, STEP
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
 __all__ = ["MeshSystem"]
@@ -37,6 +38,9 @@ LARGE_MOVE, LARGE_TURN = 0.3, 0.4
 
 DIFFERENCE = 1e-6
 """Displacement of the difference quotients, relative to the size of the scene, or in radians and slopes."""
+
+DEPENDENT = 1e-9
+"""Movement of a base relative to that of the one which is displaced that counts as none."""
 
 LOADS = frozenset({"UniformGravity", "PointForces"})
 """Kinds of forces that are loads, which grow with the load factor; others are part of the scene."""
@@ -98,6 +102,7 @@ class MeshSystem:
         self._loads = tuple(kind for kind in layout.forces if type(kind).__name__ in LOADS)
         self._inner = tuple(kind for kind in layout.forces if type(kind).__name__ not in LOADS)
         self._changes = [matrices.base_changes() for matrices in self.matrices]
+        self._together: _Together | None = None
 
     def _extent(self) -> float:
         """Size of the scene [m]."""
@@ -215,6 +220,14 @@ class MeshSystem:
 
     def _inner_pull(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Forces of all but loads, rigid joints and meshes (dof_count); reactions of the compliant rows (rows)."""
+        pull, reaction = self._inner_parts()
+        if self.layout.systems:
+            pull += self.rows.jacobian().T @ reaction
+        pull[self._prescribed] = 0.0
+        return pull, reaction
+
+    def _inner_parts(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The same, but what the rows do is their reactions only."""
         rows, layout = self.rows, self.layout
         layout.work.velocity[:] = 0.0
         if layout.systems:
@@ -231,8 +244,6 @@ class MeshSystem:
         if layout.systems:
             soft = ~rows.rigid
             reaction[soft] = 2.0 * rows.column("target")[soft] / (STEP * rows.column("softness")[soft])
-            pull += rows.jacobian().T @ reaction
-        pull[self._prescribed] = 0.0
         return pull, reaction
 
     def reactions(self, multipliers: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -325,29 +336,42 @@ class MeshSystem:
         return bool(self._inner) or (bool(self.layout.systems) and not bool(np.all(self.rows.rigid)))
 
     def between(self, factor: float, multipliers: NDArray[np.float64] | None = None) -> Any:
-        """Minus the derivative of forces on bases and other bodies by velocities of the workspace; reactions kept."""
+        """Minus the derivative of forces on bases and other bodies by velocities of the workspace; reactions kept.
+
+        Directions that no row, no body and no base has in common are displaced together, see `_Together`.
+        """
         from scipy.sparse import csc_array
 
         count = len(self.rows.inertia)
         if multipliers is None:
             multipliers = np.zeros(int(np.count_nonzero(self.rows.rigid)) if self.layout.systems else 0)
-        before = self.snapshot()
+        if self._together is None:
+            self._together = _Together.of(self)
+        together, before = self._together, self.snapshot()
         entries: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
-        for column, direction, step in self._directions():
-            forces = []
-            for sign in (1.0, -1.0):
-                self.move(sign * step * direction)
-                forces.append(self._pull(factor, multipliers))
-                self.restore(before)
-            slope = (forces[1] - forces[0]) / (2.0 * step)
-            places = np.flatnonzero(slope)
-            entries.append((places, np.full(len(places), column), slope[places]))
+        for group in together.groups:
+            increment = np.asarray(sum(step * direction for _, direction, step in group))
+            sides = []
+            for way in (1.0, -2.0):
+                self.move(way * increment)
+                sides.append(self._parts(factor, multipliers, together.entries))
+            self.move(increment)
+            slope = 0.5 * (sides[1] - sides[0])
+            number = np.full(together.edge_count, -1)
+            for k, (column, _, _) in enumerate(group):
+                number[together.edges[column]] = k
+            by = number[together.edge]
+            kept = (by >= 0) & (slope != 0.0)
+            columns = np.array([column for column, _, _ in group])[by[kept]]
+            steps = np.array([step for _, _, step in group])[by[kept]]
+            entries.append((together.height[kept], columns, slope[kept] / steps))
+        self.restore(before)
         if not entries:
             return csc_array((count, count))
         heights, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
         return csc_array((values, (heights, columns)), shape=(count, count))
 
-    def _directions(self) -> list[tuple[int, NDArray[np.float64], float]]:
+    def directions(self) -> list[tuple[int, NDArray[np.float64], float]]:
         """Velocity of the workspace, displacement of the unknowns that belongs to it alone, step of the difference."""
         found = []
         for first, changes, dofs, kind in zip(
@@ -366,23 +390,24 @@ class MeshSystem:
             found.append((int(dof), direction, step))
         return found
 
-    def _pull(self, factor: float, multipliers: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Forces on bases and other bodies (dof_count)."""
+    def _parts(
+        self, factor: float, multipliers: NDArray[np.float64], entries: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """What some entries of the Jacobian do, then forces without rows on bases and other bodies (dof_count)."""
         rows, layout = self.rows, self.layout
-        pull = self._inner_pull()[0]
+        pull, reaction = self._inner_parts()
+        rowwise = np.zeros(0)
         if layout.systems:
-            reaction = np.zeros(len(rows.block))
             reaction[rows.rigid] = multipliers
-            pull = pull + rows.jacobian().T @ reaction
+            rowwise = rows.entries()[entries] * reaction[rows.entry_rows[entries]]
         evaluate_loads(layout.bodies, self._loads, layout.work, rows.time)
         load = np.zeros(len(rows.inertia))
         for kind in self.others:
             kind.collect_load(layout.work, load)
         self._add_base_loads(load)
-        load = load - self._elasticity()
-        pull = pull + factor * load
+        pull = pull + factor * (load - self._elasticity())
         pull[self._prescribed] = 0.0
-        return pull
+        return np.concatenate([rowwise, pull])
 
     # ---- words ----
 
@@ -404,3 +429,75 @@ def _node_follower(q: NDArray[np.float64], a: NDArray[np.float64], along: float)
     found = np.zeros((len(q), len(q)))
     found[:3, 3:6] = change
     return found
+
+
+@dataclass(frozen=True)
+class _Together:
+    """Which directions are displaced together (Curtis, Powell and Reid, J. Inst. Maths. Applics. 13, 1974).
+
+    What changes a force is known by its *edge*: the rows of a block, or the loads on a body or base. No two directions
+    of a group touch the same one. Forces between bodies that have no rows make one edge of all loads.
+
+    Attributes
+    ----------
+    groups
+        Directions, as `MeshSystem.directions` has them.
+    edges
+        By velocity of the workspace, edges that its direction touches.
+    edge_count
+        How many there are.
+    entries
+        Entries of the Jacobian that can be other than zero: rows on a mesh are as wide as all of its bases.
+    edge, height
+        Of these entries, then of all velocities: edge, and velocity on which the force acts.
+    """
+
+    groups: list[list[tuple[int, NDArray[np.float64], float]]]
+    edges: dict[int, list[int]]
+    edge_count: int
+    entries: NDArray[np.int64]
+    edge: NDArray[np.int64]
+    height: NDArray[np.int64]
+
+    @staticmethod
+    def of(system: MeshSystem) -> _Together:
+        """Find them at the present position."""
+        rows = system.rows
+        count = len(rows.inertia)
+        unit = rows.owner.astype(np.int64)
+        on_mesh = np.zeros(count, dtype=bool)
+        for dofs in system.base_dofs:
+            on_mesh[dofs] = True
+            unit[dofs] = int(unit.max(initial=-1)) + 1 + np.arange(len(dofs)) // 3
+        block_count, unit_count = len(rows.block_owner), int(unit.max(initial=-1)) + 1
+        if system.layout.systems:
+            rows.fill()
+        line, dof = rows.entry_rows, rows.entry_columns
+        block = rows.block[line]
+        pair = block * unit_count + unit[dof]
+        acts = ~on_mesh[dof] | np.isin(pair, pair[rows.entries() != 0.0])
+        entries = np.flatnonzero(acts)
+        loads = block_count + unit
+        if not ON_ONE_BODY.issuperset(type(kind).__name__ for kind in system.layout.forces):
+            loads[:] = block_count  # one edge of all loads
+        of_unit: list[set[int]] = [set() for _ in range(unit_count)]
+        for number, own in zip(unit[dof[entries]], block[entries], strict=True):
+            of_unit[number].add(int(own))
+        for number, own in zip(unit, loads, strict=True):
+            of_unit[number].add(int(own))
+        edges, groups, taken = {}, [], []
+        for one in system.directions():
+            moved = np.abs(system.T @ one[1])
+            touched: set[int] = set()
+            for number in np.unique(unit[moved > DEPENDENT * moved.max(initial=0.0)]):
+                touched |= of_unit[number]
+            edges[one[0]] = sorted(touched)
+            place = next((k for k, others in enumerate(taken) if not touched & others), len(groups))
+            if place == len(groups):
+                groups.append([])
+                taken.append(set())
+            groups[place].append(one)
+            taken[place] |= touched
+        edge = np.concatenate([block[entries], loads])
+        height = np.concatenate([dof[entries], np.arange(count)])
+        return _Together(groups, edges, block_count + unit_count, entries, edge, height)

@@ -226,6 +226,7 @@ class FrameBodies(BodyKind):
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
         """``J^T f`` of the markers that forces act on, and ``m g``."""
         loaded = self.markers[self.markers["level"] == FORCES]
+        loaded = loaded[work.markers["force"][loaded["number"]].any(axis=1)]
         jacobian, force = work.jacobian[loaded["number"]], work.markers["force"][loaded["number"]]
         width = jacobian.shape[2]
         wide = np.zeros(len(load) + width)  # windows of the last bodies are narrower than the widest

@@ -570,3 +570,61 @@ def test_slings_over_extension_pulleys_share_by_their_efficiency(tmp_path):
     assert ratio.min() > 0.96 * (1.0 - 1e-9)
     assert ratio.max() < (1.0 + 1e-9) / 0.96
     assert np.ptp(ratio) > 1e-4
+
+
+PLATE = """
+title = "A plate in rigid rims on three equalizers"
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+[bodies.plate]
+type = "shell"
+geometry = { type = "rectangle", size = [30, 20], elements = [4, 3] }
+section = { thickness = 0.04246, density = 7850, young_modulus = 210e9, poisson_ratio = 0.3 }
+damping = { stiffness = 0.02 }
+initial = { position = [-15, -10, 0] }
+
+[bodies.frame]
+type = "rigid"
+mass = 2e3
+inertia = [66e3, 150e3, 216e3]
+frame = { motion = "free" }
+"""
+
+
+@pytest.mark.slow
+def test_a_plate_with_clamped_rims_comes_to_rest_on_three_equalizers(tmp_path):
+    # moments about the centre of mass: a third at the edge, two thirds inside, and all lines of one the same
+    text = PLATE
+    for edge in ("x_min", "x_max", "y_min", "y_max"):
+        text += f'[[joints]]\nname = "rim_{edge}"\ntype = "edge_clamp"\nbetween = ["plate", "frame"]\nedge = "{edge}"\n'
+    for number, (body, x, y) in enumerate([("frame", 15, -5), ("frame", 15, 5), ("plate", -7.5, 0)], start=1):
+        shift = (0, 0) if body == "frame" else (15, 10)
+        lines = ", ".join(
+            f'{{ body = "{body}", point = [{x + shift[0]}, {y + d + shift[1]}, 0] }}' for d in (-2, 0, 2)
+        )
+        text += f"""
+[[equalizers]]
+name = "loader_{number}"
+model = "massless"
+hook = {{ body = "ground", point = [{x}, {y}, 14] }}
+along = [0, 1, 0]
+sheave_radius = 0.5
+part_length = 2.5
+beam = {{ mass = 1e4 }}
+travel = {{ up = 2, down = 2 }}
+rope = {{ axial_stiffness = 6e8, damping = 1e5 }}
+line = {{ axial_stiffness = 3e8, damping = 1e5 }}
+lines = [{lines}]
+"""
+    text += '[simulate]\nstart = "equilibrium"\nstep = 0.02\noutput_interval = 0.1\nduration = 0.2\n'
+    (tmp_path / "case.toml").write_text(text)
+    results = run(tmp_path)
+    loads = [results[f"loader_{i}_rope.segment_tension"].sum(axis=1) for i in (1, 2, 3)]
+    whole = (600.0 * 0.04246 * 7850.0 + 2e3) * 9.81
+    assert sum(load[0] for load in loads) == pytest.approx(whole, rel=2e-3)  # lines lean a little
+    assert (loads[0] + loads[1])[0] / whole == pytest.approx(1.0 / 3.0, rel=5e-3)
+    assert loads[0][0] == pytest.approx(loads[1][0], rel=1e-6)
+    still = np.ptp(results["frame.position"], axis=0)
+    assert still.max() < 1e-5
