@@ -232,6 +232,8 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     if isinstance(quantity, BodyPoint):
         return LengthVector if field.mark(Shape) is None else GenericAlias(tuple, (LengthVector, ...))
     if isinstance(quantity, NameOf):
+        if quantity.what in _LISTS:
+            return _LISTS[quantity.what]
         name = _NAMES[quantity.what]
         return GenericAlias(tuple, (name, ...)) if origin is tuple else name
     square = field.mark(Square)
@@ -419,12 +421,14 @@ _NAMES: Mapping[str, Any] = {
     "fluid": Annotated[str, AfterValidator(_known_fluid), Field(validate_default=True)],
     "rope": str,  # what it follows is known where all ropes are
     "known rope": Annotated[str, AfterValidator(_known_rope)],
-    "ropes": Annotated[tuple[str, ...], AfterValidator(_known_ropes)],
     "tank": str,  # as are tanks, pumps, and what heights are measured from
     "pump": str,
     "datum": str,
 }
 """By what a name is the name of."""
+
+_LISTS: Mapping[str, Any] = {"ropes": Annotated[tuple[str, ...], AfterValidator(_known_ropes)]}
+"""Lists of names that are read as one, since a pattern stands for several."""
 
 
 class Chosen:
