@@ -122,6 +122,8 @@ def _refuse_itself(quantity: str, reference: Any) -> None:
 
 _LIMITS = ("maximum", "minimum")
 _WITH_REFERENCE = ("reference", "tolerance", "source")
+_OF_RECORDS = ("channel", "stress")
+_Time = Annotated[float, Quantity("time", minimum=0.0, closed=True)]
 _Limit = Annotated[float, WithJsonSchema(quantity_schema(), mode="validation")]
 
 
@@ -153,6 +155,11 @@ class CheckSection(Section):
     """In place of a reference: largest value that passes, in the unit of the quantity."""
     minimum: _Limit | None = None
     """In place of a reference, or beside `maximum`: smallest value that passes."""
+    after: _Time | None = None
+    """Only records from this time of the run on [s] count for the statistic of a channel or a stress, and for that of
+    a reference that is a quantity; from its start if absent."""
+    until: _Time | None = None
+    """Only records up to this time [s]; to the end if absent."""
     source: Annotated[str, AfterValidator(_not_blank), Field(json_schema_extra={"pattern": r"\S"})] | None = (
         None
     )
@@ -201,6 +208,15 @@ class CheckSection(Section):
         if self.tolerance is not None and self.tolerance.relative is not None and self.reference == 0.0:
             reject("a relative tolerance about a reference of 0", "tolerance = { absolute = ... }")
         _refuse_itself(self.quantity, self.reference)
+        return self
+
+    @model_validator(mode="after")
+    def _has_a_span(self) -> "CheckSection":
+        given = next((key for key in ("after", "until") if getattr(self, key) is not None), None)
+        if given is not None and self.quantity.partition(".")[0] not in _OF_RECORDS:
+            reject(f"a time with {self.quantity!r}", "a statistic of a channel or a stress", key=given)
+        if self.until is not None and self.until <= (self.after or 0.0):
+            reject(f"{self.until:g} s is not later than 'after'", "a later time", key="until")
         return self
 
     @field_validator("reference")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,7 @@ __all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "rela
 _REDUCTIONS: tuple[Callable[..., NDArray[np.float64]], ...] = (np.max, np.min, np.linalg.norm)
 _ACROSS = dict(zip(ACROSS, _REDUCTIONS, strict=True))
 _SHOWN = 20  # components of a message at most
+_TOUCH = 1e-9  # of the latest time, by which a record may miss a time that a check names
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,11 @@ class Quantities:
         The case.
     out
         Its output folder; the stages that the quantities need must have run.
+
+    Attributes
+    ----------
+    bounds
+        First and last time of the records of which statistics are [s]; None for that of the run.
     """
 
     def __init__(self, case: Case, out: Path) -> None:
@@ -143,11 +150,58 @@ class Quantities:
         self._positions: dict[str, Any] = {}
         self._solids: dict[str, SolidStresses] = {}
         self._stresses: dict[tuple[str, str], NDArray[np.float64]] = {}
+        self.bounds: tuple[float | None, float | None] = (None, None)
 
     @cached_property
     def results(self) -> Results:
         """Time histories, read when a quantity needs them."""
         return load_results(self._case, self._folder.root)
+
+    def within(self, check: CheckSection) -> Quantities:
+        """The same, whose statistics are of the time that a check names.
+
+        Raises
+        ------
+        InputError
+            If there is no record within it.
+        """
+        if (check.after, check.until) == self.bounds:
+            return self
+        self.results  # noqa: B018  what is read is kept for all
+        made = copy(self)
+        made.bounds = (check.after, check.until)
+        if not made.inside.any():
+            raise InputError(
+                f"there is no record{made.span}",
+                source=self._case.file,
+                expected=f"'after' and 'until' within the records, which end at {self.results.time[-1]:.6g} s",
+            )
+        return made
+
+    @property
+    def span(self) -> str:
+        """Of which time statistics are, in words with a blank before them; empty if of the whole run."""
+        after, until = self.bounds
+        words = ("" if after is None else f" from {after:g} s", "" if until is None else f" to {until:g} s")
+        return "".join(words)
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Records of which statistics are, shape (nt,)."""
+        times, (after, until) = self.results.time, self.bounds
+        slack = _TOUCH * max(1.0, float(np.abs(times).max(initial=0.0)))
+        late = times >= (-math.inf if after is None else after - slack)
+        return np.asarray(late & (times <= (math.inf if until is None else until + slack)))
+
+    @property
+    def _begins(self) -> int | None:
+        """Number of the record that is just at the beginning of that time, if one is."""
+        after, times = self.bounds[0], self.results.time
+        if after is None:
+            return None
+        nearest = int(np.abs(times - after).argmin())
+        slack = _TOUCH * max(1.0, float(np.abs(times).max(initial=0.0)))
+        return nearest if abs(times[nearest] - after) <= slack else None
 
     def evaluate(self, text: str) -> NDArray[np.float64]:
         """Value of a quantity in SI: a number, or an array for a channel without component and for a group.
@@ -180,12 +234,12 @@ class Quantities:
         return np.asarray(readers[name.family](name), dtype=np.float64)
 
     def seen(self, text: str) -> str:
-        """Of how many steps or records a quantity is the largest or smallest value; empty of others."""
+        """Of how many steps or records a quantity is the largest or smallest value, and within which time."""
         name = self._case.quantity(text)
         words = {"max": "largest", "min": "smallest"}
         if name.family != "channel" or name.statistic not in words:
-            return ""
-        return f"{words[name.statistic]} of {self.results.extremes(name.item, name.statistic)[1]}"
+            return self.span.strip()
+        return f"{words[name.statistic]} of {self.results.extremes(name.item, name.statistic)[1]}{self.span}"
 
     def time_of_extreme(self, text: str) -> float | None:
         """When a largest or smallest value was [s]; None of other quantities. Of all steps it is the next record."""
@@ -196,9 +250,9 @@ class Quantities:
         reader = {"channel": self._history, "stress": self._stress_history}.get(name.family)
         if reader is None or name.statistic not in {"max", "min"}:
             return None
-        history = reader(name)
+        history = reader(name)[self.inside]
         index = history.argmax() if name.statistic == "max" else history.argmin()
-        return float(self.results.time[index]) if history.ndim == 1 else None
+        return float(self.results.time[self.inside][index]) if history.ndim == 1 else None
 
     def history(self, text: str) -> NDArray[np.float64]:
         """What the statistic of a channel or of a stress is taken of, one number a record: shape (nt,)."""
@@ -351,14 +405,19 @@ class Quantities:
         return self._solids[body]
 
     def _statistic(self, name: QuantityName, history: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(self.statistic(name.statistic, history, self.results.time))
+        inside = self.inside
+        return np.asarray(self.statistic(name.statistic, history[inside], self.results.time[inside]))
 
     def _history(self, name: QuantityName) -> NDArray[np.float64]:
         """Records of a channel, shape (nt,), or (nt, components) if none of several is named."""
         results = self.results
         history = results[name.item]
         if name.statistic in ("max", "min"):
-            history = results.extremes(name.item, name.statistic)[0]
+            ends, history = history, results.extremes(name.item, name.statistic)[0]
+            begins = self._begins  # the interval before it does not count
+            if begins is not None:
+                history = history.copy()
+                history[begins] = ends[begins].reshape(history[begins].shape)
         history = history.reshape(len(results.time), -1)
         components = results.components(name.item)
         if name.component in components and name.component:
@@ -372,8 +431,9 @@ class Quantities:
             )
         elif len(components) == 1:
             history = history[:, 0]
-        if "(" in name.item and np.isnan(history).any():
-            time = results.time[np.isnan(history.reshape(len(results.time), -1)).any(axis=1)][0]
+        lost = np.isnan(history.reshape(len(results.time), -1)).any(axis=1) & self.inside
+        if "(" in name.item and lost.any():
+            time = results.time[lost][0]
             raise self._missing(
                 name, f"numbers; at {time:.6g} s a ratio divides by zero, or the run has none"
             )
@@ -427,7 +487,10 @@ class Quantities:
             and not check.quantity.startswith("errors")
         ]
         return float(
-            max(np.abs(self.evaluate(check.quantity) - self.reference(check)).max() for check in checks)
+            max(
+                np.abs(one.evaluate(check.quantity) - one.reference(check)).max()
+                for check, one in ((check, self.within(check)) for check in checks)
+            )
         )
 
     def reference(self, check: CheckSection) -> float:
@@ -487,7 +550,7 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     errors: list[InputError] = []
     for check in case.check:
         try:
-            found.append(_evaluate(check, quantities, case.quantity(check.quantity)))
+            found.append(_evaluate(check, quantities.within(check), case.quantity(check.quantity)))
         except InputErrors as error:
             errors += error.errors
         except InputError as error:

@@ -60,7 +60,13 @@ def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) 
 
 @kernel(internal=True)
 def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, panel: int, width: int) -> None:
-    """Block by block; those off the diagonal serve both triangles."""
+    """Block by block; those off the diagonal serve both triangles.
+
+    Notes
+    -----
+    Rows are on a few bases of the body, one node's as a rule, so most coordinates of ``G`` are zero: they add nothing
+    and are left out. Without that the rows of n nodes cost n^3.
+    """
     lanes = system.lanes
     G, half = system.panels, system.panels.shape[0] // 2
     rows, block_lanes = len(kind.shape[0]), len(kind.shape[1])
@@ -70,16 +76,32 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, pane
         if block.body != body:
             continue
         row, column, place = rows * block.later, rows * block.earlier, begin + block.place
-        for c in range(min(rows, width - column)):
-            for k in range(min(rows, width - row)):
-                value = kind.blocks[place + c * block_lanes + k]
-                to, of = half + panel + (row + k) * lanes, panel + (column + c) * lanes
-                for r in range(lanes):
-                    G[to + r] -= value * G[of + r]
-                if row != column:
-                    to, of = half + panel + (column + c) * lanes, panel + (row + k) * lanes
+        height, length = min(rows, width - row), min(rows, width - column)
+        for c in range(length):
+            of = panel + (column + c) * lanes
+            if _acts(G, of, lanes):
+                for k in range(height):
+                    value, to = kind.blocks[place + c * block_lanes + k], half + panel + (row + k) * lanes
                     for r in range(lanes):
                         G[to + r] -= value * G[of + r]
+        if row == column:
+            continue
+        for k in range(height):
+            of = panel + (row + k) * lanes
+            if _acts(G, of, lanes):
+                for c in range(length):
+                    value, to = kind.blocks[place + c * block_lanes + k], half + panel + (column + c) * lanes
+                    for r in range(lanes):
+                        G[to + r] -= value * G[of + r]
+
+
+@kernel(internal=True)
+def _acts(G: Floats1, at: int, lanes: int) -> bool:
+    """Whether any row of a panel acts on a coordinate."""
+    for r in range(lanes):  # noqa: SIM110  kernels have no generators
+        if G[at + r] != 0.0:
+            return True
+    return False
 
 
 @kernel(internal=True)

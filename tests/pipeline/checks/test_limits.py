@@ -48,15 +48,20 @@ def results(metadata=None, **more):
     return Results(Path("results.h5"), TIMES, infos, columns, metadata or {})
 
 
+def appended(folder, text):
+    """The case with some more tables."""
+    with (folder / "case.toml").open("a") as file:
+        file.write(text)
+    return load_case(folder)
+
+
 @pytest.fixture
 def checked(folder, monkeypatch):
     """Results of the checks in a text, on the histories above."""
     monkeypatch.setattr(checks_module, "load_results", lambda *_: results())
 
     def check(text):
-        with (folder / "case.toml").open("a") as file:
-            file.write(text)
-        case = load_case(folder)
+        case = appended(folder, text)
         return case, evaluate_checks(case, folder / "out")
 
     return check
@@ -214,6 +219,9 @@ def test_shares_of_all_slings(checked):
             "quantity",
             "'eye.position' has no 'w'",
         ),
+        ({"after": "3 s", "until": "3 s", "maximum": 1.0}, "until", "3 s is not later than 'after'"),
+        ({"after": "3 N", "maximum": 1.0}, "after", "'3 N' is a force"),
+        ({"quantity": "drift.energy", "after": 3.0, "maximum": 1.0}, "after", "a time with 'drift.energy'"),
         ({"quantity": "mesh.*.mass"}, "quantity", "no name fits '*'"),
         ({"quantity": "mesh.load.mass"}, "quantity", "a flexible body"),
         ({"quantity": "mesh.eye.mass"}, "quantity", "'eye' is no body"),
@@ -298,6 +306,66 @@ def test_the_largest_of_a_group_of_steps_is_when_its_interval_ended(folder):
     assert quantities.seen("channel.sling_1.tension.max") == "largest of 10,000 steps"
     assert quantities.time_of_extreme("channel.sling_1.tension.mean") is None
     assert quantities.evaluate("channel.sling_*.tension.max").tolist() == [7e4, 3e4, 2e4]
+
+
+def test_a_check_of_a_part_of_the_run(checked):
+    """Means, ends and rates of records within a time, both ends included; extremes there, and when."""
+    values, inside = TENSIONS["sling_2.tension"], (TIMES > 4.95) & (TIMES < 8.05)
+    span = {"after": "5 s", "until": "8000 ms"}
+    expected = {
+        "mean": values[inside].mean(),
+        "end": values[80],
+        "max": values[50],
+    }
+    text = "".join(
+        quoted(id=word, quantity=f"channel.sling_2.tension.{word}", maximum="1 MN", **span)
+        for word in expected
+    )
+    text += quoted(id="group", quantity="channel.sling_[23].tension.max", maximum="1 MN", until=3.0)
+    text += quoted(id="later", quantity="channel.sling_2.tension.min", minimum=-1.0, after="9.95 s")
+    reference = '{ quantity = "channel.sling_1.tension.max" }'
+    text += entry(
+        id='"pair"', quantity='"channel.sling_2.tension.end"', reference=reference,
+        tolerance="{ relative = 0.9 }", source='"s"', until=0.5,
+    )  # fmt: skip
+    text += quoted(id="speed", quantity="channel.eye.position.x.rate", maximum=1.0, **span)
+    _, found = checked(text)
+    assert [check.value for check in found[:3]] == pytest.approx(list(expected.values()), rel=1e-12)
+    largest, group, later, pair, speed = found[2:]
+    assert speed.value == pytest.approx((np.cos(8.0) - np.cos(5.0)) / 3.0, rel=1e-12)
+    assert (largest.where, largest.seen) == ("at 5 s", "largest of 101 records from 5 s to 8 s")
+    assert found[0].seen == "from 5 s to 8 s"
+    assert (group.where, group.seen) == ("sling_2 at 3 s", "largest of 101 records to 3 s")
+    assert later.value == values[100]
+    assert pair.reference == TENSIONS["sling_1.tension"][5]
+
+
+def test_what_was_before_the_time_of_a_check_does_not_count(folder):
+    """The interval that ends as it begins has an extreme of before; those between later records count."""
+    peaks = np.where(np.isclose(TIMES, 6.0), 7e4, np.where(np.isclose(TIMES, 6.5), 6e4, 0.0))
+    found = results({"sees_every_step": True, "steps": 10000}, **{"sling_1.tension_max": peaks})
+    text = quoted(id="c", quantity="channel.sling_1.tension.max", maximum=1.0, after=6.0)
+    case = appended(folder, text)
+    quantities = Quantities(case, folder / "out")
+    quantities.__dict__["results"] = found
+    within = quantities.within(case.check[-1])
+    assert within.number("channel.sling_1.tension.max") == 6e4
+    assert within.time_of_extreme("channel.sling_1.tension.max") == pytest.approx(6.5)
+    assert quantities.number("channel.sling_1.tension.max") == 7e4
+
+
+def test_a_ratio_may_divide_by_zero_before_the_time_of_a_check(folder, monkeypatch):
+    zero = np.where(TIMES < 2.0, 0.0, 2.0)
+    monkeypatch.setattr(checks_module, "load_results", lambda *_: results(**{"sling_3.tension": zero}))
+    ratio = "channel.ratio(sling_2.tension, sling_3.tension).max"
+    case = appended(folder, quoted(id="c", quantity=ratio, maximum=1e9, after="2 s"))
+    (check,) = evaluate_checks(case, folder / "out")
+    assert check.value == pytest.approx(1.5e4, rel=1e-12)
+
+
+def test_a_check_without_records_says_so(checked):
+    with pytest.raises(InputError, match=r"c: there is no record from 11 s; .* which end at 10 s"):
+        checked(quoted(id="c", quantity="channel.sling_1.tension.max", maximum=1.0, after="11 s"))
 
 
 def test_the_report_plots_all_that_fits(folder):
