@@ -232,8 +232,7 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     if isinstance(quantity, BodyPoint):
         return LengthVector if field.mark(Shape) is None else GenericAlias(tuple, (LengthVector, ...))
     if isinstance(quantity, NameOf):
-        name = _NAMES[quantity.what]
-        return GenericAlias(tuple, (name, ...)) if origin is tuple else name
+        return _NAMES[quantity.what]
     square = field.mark(Square)
     if square is not None:
         return _matrix(square.size, quantity)
@@ -421,7 +420,7 @@ _NAMES: Mapping[str, Any] = {
     "known rope": Annotated[str, AfterValidator(_known_rope)],
     "ropes": Annotated[tuple[str, ...], AfterValidator(_known_ropes)],
     "tank": str,  # as are tanks, pumps, and what heights are measured from
-    "pump": str,
+    "pumps": tuple[str, ...],
     "datum": str,
 }
 """By what a name is the name of."""

@@ -139,7 +139,7 @@ class Controller:
     name: str
     hull: Annotated[str, NameOf("hull")]
     """Hull that it keeps."""
-    pumps: Annotated[tuple[str, ...], NameOf("pump"), Least(1)]
+    pumps: Annotated[tuple[str, ...], NameOf("pumps"), Least(1)]
     """Its pumps: all that are in its hands, each in those of one controller."""
     period: Annotated[float, Positive("time")] = 1.0
     """Between two looks [s]; what the pumps are told stays in between. Whole steps."""
