@@ -379,8 +379,10 @@ def pack_scenario(
     hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
     for i, name in enumerate(_tank_names(hulls, tanks, columns) if hulls is not None else ()):
         movers.add(name, TANK, i, told=True)
-    drives = dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
-        action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))
+    drives = (
+        dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
+            action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))
+        )
     )
     for name in drives:
         movers.add(name, DRIVE, _profile_start(name, kinds, columns, profiles), told=True)
