@@ -335,8 +335,10 @@ def _held_softness(kind: SheavedRopes, i: int, s: int, step: float, system: RowA
 
     Rigid rows leave open how the frictions of many sheaves share; what they are would be rounding in short steps.
     """
-    compliance = SHARING / stiffness_of(kind, i, 1.0 / kind.state[i].rest)
     lane = kind.sheaves[s].lane
+    if kind.table[i].axial_stiffness == 0.0:  # it was let go
+        return FREE_SOFTNESS * system.rows[kind.sheaves[s].block].scale[lane]
+    compliance = SHARING / stiffness_of(kind, i, 1.0 / kind.state[i].rest)
     return REGULARISATION * system.rows[kind.sheaves[s].block].scale[lane] + 4.0 * compliance / (step * step)
 
 
@@ -368,6 +370,8 @@ def _impulse(kind: SheavedRopes, s: int, system: RowArrays) -> float:
 @kernel(internal=True)
 def _put_sheave(kind: SheavedRopes, i: int, s: int, step: float, system: RowArrays) -> None:
     """Row in the middle of a step, by the state."""
+    if kind.table[i].axial_stiffness == 0.0:
+        kind.sheave_state[s].force = kind.sheave_state[s].held = 0.0
     if kind.sheave_state[s].branch == 0:
         held, softness = -0.5 * step * kind.sheave_state[s].held, _held_softness(kind, i, s, step, system)
         _stick(kind, i, s, _hauling(kind, i, step), softness, held, system)
