@@ -125,7 +125,8 @@ def table_factor(weight: float, operation: str, static_load: float | None = None
     if tons <= 100.0:
         root = math.sqrt(100.0 / shl)
         return {"onshore": 1.10, "inshore": 1.07 + 0.05 * root, "offshore": 1.0 + 0.25 * root}[operation]
-    return next(row[operation] for low, high, row in _table() if low < tons <= high)
+    # the weight of a run is one of a class to its rounding: at a border the larger factor
+    return next(row[operation] for _, high, row in _table() if tons <= high * (1.0 + 1e-6))
 
 
 def bending_factor(ratio: float) -> float:

@@ -90,8 +90,8 @@ def pack_ropes(
                 axis = book.direction(point.body, _axes(rope, point)[:, 2], level, at=point.point)
             places.append((book.point(point.body, point.point, level), axis, side))
         stiffness = getattr(rope, "axial_stiffness", 0.0), getattr(rope, "stiffness", 0.0)
-        numbers = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
-        numbers = (*numbers, watched.first.get(rope.name, -1))
+        counts = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
+        numbers = (*counts, watched.first.get(rope.name, -1))
         drift = min(LARGEST_DRIFT, LARGEST_SHARE * max(length, start_length(path)))
         table.append(
             (*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0, drift)

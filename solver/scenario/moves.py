@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Record, Records
 
 __all__ = ["MOVE_ROWS", "MoveRow", "plan_move", "plan_speed"]
@@ -98,7 +99,7 @@ def _begin(rows: Records[MoveRow], value: float, speed: float, acceleration: flo
     return 0
 
 
-@kernel
+@entry
 def plan_speed(
     value: float,
     speed: float,
@@ -130,7 +131,7 @@ def plan_speed(
     return _add_ramp(rows, k, wanted, acceleration, jerk) + 1
 
 
-@kernel
+@entry
 def plan_move(
     value: float,
     speed: float,

@@ -266,7 +266,7 @@ class StaticForces:
                     blocks[body].append(block)
         self._blocks = [np.array(own, dtype=np.int64) for own in blocks]
         colour = np.full(count, -1)
-        for body in np.flatnonzero(self._widths):
+        for body in np.flatnonzero(self._widths).tolist():
             taken = {colour[other] for other in near[body]}
             colour[body] = next(c for c in range(count + 1) if c not in taken)
         return colour

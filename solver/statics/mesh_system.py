@@ -485,7 +485,9 @@ class _Together:
             of_unit[number].add(int(own))
         for number, own in zip(unit, loads, strict=True):
             of_unit[number].add(int(own))
-        edges, groups, taken = {}, [], []
+        edges: dict[Any, list[int]] = {}
+        groups: list[list[Any]] = []
+        taken: list[set[int]] = []
         for one in system.directions():
             moved = np.abs(system.T @ one[1])
             touched: set[int] = set()

@@ -19,10 +19,11 @@ BY_OTHERS = {
     "mbs_a04_thin",
     "flexible_pendulum_g50",
     "flexible_pendulum_stiff",
+    "load_out_level",
     "spring_barge",
     "tank_erection",
 }
-"""Tables that another case makes, or that were published (`spring_barge`, waves of `tank_erection`)."""
+"""Tables that another case makes, or that were published (`spring_barge`, `load_out_level`, waves of `tank_erection`)."""
 
 assert SCRIPTS, "no case has a generator"
 
