@@ -255,8 +255,8 @@ class StaticForces:
         """Groups of bodies that are displaced together: no row and no force has two of a group."""
         rows, count = self.rows, len(self._firsts)
         members: dict[int, set[int]] = {}
-        for block, sides in zip(rows.block_owner, rows.sides, strict=True):
-            members.setdefault(int(block), set()).update(int(body) for body in sides if body >= 0)
+        for owner, sides in zip(rows.block_owner, rows.sides, strict=True):
+            members.setdefault(int(owner), set()).update(int(body) for body in sides if body >= 0)
         near: list[set[int]] = [set() for _ in range(count)]
         blocks: list[list[int]] = [[] for _ in range(count)]
         for block, group in (*members.items(), (-1, self._joined)):

@@ -23,7 +23,7 @@ BY_OTHERS = {
     "spring_barge",
     "tank_erection",
 }
-"""Tables that another case makes, or that were published (`spring_barge`, `load_out_level`, waves of `tank_erection`)."""
+"""Tables that another case makes, or that others made (`spring_barge`, `load_out_level`, waves of `tank_erection`)."""
 
 assert SCRIPTS, "no case has a generator"
 
