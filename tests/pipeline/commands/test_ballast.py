@@ -173,6 +173,7 @@ class TestPlan:
             plan(tmp_path, text.replace(*change))
 
 
+@pytest.mark.slow
 def test_nearest_within_bounds_agrees_with_projection_by_dykstra() -> None:
     """Random equations and boxes against alternating projections."""
     random = np.random.default_rng(3)

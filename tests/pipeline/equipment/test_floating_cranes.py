@@ -247,7 +247,7 @@ def test_hooks_share_a_load_that_is_aside_by_moments(tmp_path):
     assert np.ptp(load) > 0.05 * load.mean()
 
 
-@pytest.mark.parametrize("model", ["massless", "pulleys"])
+@pytest.mark.parametrize("model", ["massless", pytest.param("pulleys", marks=pytest.mark.slow)])
 def test_rest_of_a_hull_off_its_trim(model, tmp_path):
     folder = tmp_path / "lift"
     shutil.copytree(CASES / "floating_crane_lift", folder, ignore=shutil.ignore_patterns("out"))

@@ -105,6 +105,7 @@ def test_equal_extremes_have_no_scale():
     assert (fit.mode, fit.scale, fit.quantile(0.99), fit.standard_error(0.99)) == (3.0, 0.0, 3.0, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [5, 20])
 def test_bands_of_few_runs_hold_the_true_value_as_often_as_they_say(n):
     """Of five runs, two asymptotic standard errors hold it far less often than they should."""
