@@ -94,6 +94,7 @@ def lead_line_factors():
     return [(float(row["K"]), int(row["parts"]), float(row["lead_line_factor"])) for row in rows]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "parts", "expected"),
     [row for row in lead_line_factors() if row[:2] in {(1.02, 4), (1.04, 4), (1.09, 4), (1.04, 12)}],
@@ -190,6 +191,7 @@ def statics():
     return [row for row in csv.DictReader(line for line in lines if line[0] != "#") if row["x1"] == "8"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", statics(), ids=lambda row: f"{row['cx']},{row['cy']}")
 def test_hook_loads_follow_from_moments(row, tmp_path):
     text = (CASES / "gantry_lift" / "case.toml").read_text()
