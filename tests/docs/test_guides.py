@@ -165,6 +165,7 @@ CASE_PAGES = ("rigging.md", "equipment.md")
 COUNTED = [(page, count + 1) for page in CASE_PAGES for count in range(len(pieces(page)))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("page", "count"), COUNTED)
 def test_each_piece_of_a_case_fits_what_stands_before_it(page, count, tmp_path):
     """Valid by the JSON Schema, by the checks of the case, and put together."""
@@ -210,6 +211,7 @@ def test_the_page_on_editors_shows_what_taplo_reads():
     assert not re.match(pattern, "/home/me/lift/other.toml")
 
 
+@pytest.mark.slow
 def test_the_road_and_the_transporter_of_the_guide_make_a_scene(tmp_path):
     """The blocks of `transport.md` with a body on them: it stands, and its first steps are made."""
     text = "\n".join(b.text for b in blocks(DOCS / "transport.md") if b.language == "toml")
