@@ -101,16 +101,19 @@ def _turned(e: Vector, t: Vector, angle: float) -> Vector:
 def _parallel_tangents(a: RopePlace, b: RopePlace, sense: float) -> tuple[Vector, Vector]:
     """Unit vectors to both ends of the straight part between pulleys whose axes are parallel, or nearly so.
 
-    With parallel axes both are the same or, of pulleys that turn against each other (sense -1), opposite.
+    With parallel axes both are the same or, of pulleys that turn against each other (sense -1), opposite. Zero where
+    the pulleys are too near for that: a search for rest may come through such places.
     """
     n, r1, r2 = _axis(a), a.radius, b.radius
     d = _sum(_centre(b), -1.0, _centre(a))
     d = _sum(d, -dot(d, n), n)
-    square = dot(d, d)
-    distance = math.sqrt(square if square > r1 * r1 + r2 * r2 else math.nan)
+    square, gap = dot(d, d), r1 - sense * r2
+    if square <= max(r1 * r1 + r2 * r2, gap * gap):
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    distance = math.sqrt(square)
     u = (d[0] / distance, d[1] / distance, d[2] / distance)
     v = cross(n, u)
-    c = (r1 - sense * r2) / distance
+    c = gap / distance
     s = math.sqrt(1.0 - c * c)
     e = c * u[0] - s * v[0], c * u[1] - s * v[1], c * u[2] - s * v[2]
     q = _sum(e, -dot(e, _axis(b)), _axis(b))
@@ -126,7 +129,7 @@ def _straight(a: RopePlace, b: RopePlace) -> tuple[Vector, Vector]:
     along = dot(n1, n2)
     if r1 > 0.0 and r2 > 0.0 and abs(along) > NEARLY_PARALLEL:
         e1, e2 = _parallel_tangents(a, b, 1.0 if along > 0.0 else -1.0)
-    else:
+    if dot(e1, e1) == 0.0:
         if r1 > 0.0:
             e1 = _tangent(a, _centre(b), 1.0)
         if r2 > 0.0:
