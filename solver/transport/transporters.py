@@ -177,7 +177,7 @@ class Transporter:
 
     name: str
     body: Annotated[str, NameOf("body")]
-    """Body that rides on it: load and platform in one."""
+    """Body that rides on it: load and platform in one, or a platform to which fixed joints hold the load."""
     groups: Annotated[tuple[BogieGroup, ...], Least(1)]
     """Bogies, by the groups that share their oil."""
     direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
