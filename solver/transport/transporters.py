@@ -23,6 +23,11 @@ Pipes and rubber so answer to what the bogies of a group do apart from each othe
 modes moves apart in ways that no step resolves, which this would drive: where such a body has dampers, every bogie has
 a row of its own, and the group only their common force.
 
+A wheel is on the uppermost of several decks. Where that changes from one body to another one, as at the end of a link
+beam, its load goes over little by little while it rolls on: in truth both decks carry it as long as the one gives way
+and comes back. The force and the row then are a mean of both decks; what the wheel rises beside what this mean does is
+the work of the road, so energies balance whatever the shares are.
+
 The weight of bogies stands on the road, their inertia is left out.
 """
 
@@ -83,6 +88,9 @@ __all__ = [
 OFF_ROAD = int(Outcome.OFF_ROAD)
 LEFT, WALL = 1, 2
 """Why a wheel stopped the run: there is no road below it, or a step that it cannot meet."""
+
+HANDOVER_WAY, HANDOVER_TIME = 0.05, 0.5
+"""Way over the radius of a wheel, or time [s] if that is over sooner, in which a load goes over to another body."""
 
 GAS_EXPONENT = 1.4
 """Of the gas of an accumulator, adiabatic."""
@@ -437,6 +445,10 @@ class BogieState(Record):
         At the end of the last step [m].
     deck
         On which it stands.
+    left_deck, left_share
+        On which it stood before, and what of its load is still on that.
+    rolled
+        Its way along its deck in the step [m]; 0 if that has changed.
     weight
         Share of its load in the mean of its group.
     height
@@ -458,6 +470,9 @@ class BogieState(Record):
 
     stroke: float
     deck: int
+    left_deck: int
+    left_share: float
+    rolled: float
     weight: float
     height: float
     middle: float
@@ -768,6 +783,30 @@ def _stop(kind: Transporters, g: int, i: int, failure: int, x: float, y: float, 
 
 
 @kernel(internal=True)
+def _go_over(kind: Transporters, g: int, i: int, deck: int) -> None:
+    """Set a wheel on a deck. Its load stays for the moment where it was, if that is another body."""
+    bogie = kind.bogie_state[i]
+    if deck == bogie.deck:
+        return
+    if bogie.left_share > 0.0 and deck == bogie.left_deck:
+        bogie.left_share = 1.0 - bogie.left_share
+    else:
+        bogie.left_share = 1.0 if kind.deck_sides[g, deck] != kind.deck_sides[g, bogie.deck] else 0.0
+    bogie.left_deck, bogie.deck = bogie.deck, deck
+
+
+@kernel(internal=True)
+def _rises(kind: Transporters, i: int, work: Workspace) -> float:
+    """How fast the place of a bogie moves up from the decks that carry it [m/s]."""
+    bogie, at = kind.bogie_state[i], kind.bogies[i].place
+    up = _place_rates(work, kind.decks[bogie.deck], at)[2]
+    if bogie.left_share > 0.0:
+        other = _place_rates(work, kind.decks[bogie.left_deck], at)[2]
+        up += bogie.left_share * (other - up)
+    return up
+
+
+@kernel(internal=True)
 def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspace) -> None:
     """Where the road is under the wheels of a group at the start and at the end of a step, from its middle."""
     group, state = kind.groups[g], kind.group_state[g]
@@ -780,12 +819,14 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
         if deck < 0:
             _stop(kind, g, i, LEFT, x1, y1, work)
             continue
-        bogie.deck = deck
         _, _, up = _place_rates(work, kind.decks[deck], kind.bogies[i].place)
-        bogie.road = r1 - r0 + h * up
         # decks that move differently are level where a wheel goes over, not at the same rate
-        if abs(bogie.road) > (STEEPEST + 0.5) * abs(x1 - x0) + 0.02 * vehicle.radius + 1e-6:
+        if abs(r1 - r0 + h * up) > (STEEPEST + 0.5) * abs(x1 - x0) + 0.02 * vehicle.radius + 1e-6:
             _stop(kind, g, i, WALL, x1, y1, work)
+        bogie.rolled = abs(x1 - x0) if deck == bogie.deck else 0.0
+        _go_over(kind, g, i, deck)
+        up = _rises(kind, i, work)
+        bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
         start += r0
         state.road += bogie.road
@@ -805,7 +846,8 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
         bogie = kind.bogie_state[i]
         deck, r, _, _ = _stand(kind, work, i, vehicle, 0.0, vehicle.speed * time)
         if deck >= 0:
-            bogie.deck, bogie.middle = deck, r
+            _go_over(kind, g, i, deck)
+            bogie.middle = r
             bogie.height = r + _places(work, kind.decks[deck], kind.bogies[i].place)[2]
         total += bogie.middle
     if state.fresh:
@@ -854,16 +896,27 @@ def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -
             for k in range(system.attachments[side].width):
                 system.panels[panel + k * lanes] = 0.0
     for i in range(group.first, group.first + group.count):
-        bogie, d = kind.bogies[i], kind.bogie_state[i].deck
-        deck, w = kind.decks[d], kind.bogie_state[i].weight
-        n = vector(work, deck.z)
-        add_place_row(system, bogie.side, 0, work, bogie.place, (-w * n[0], -w * n[1], -w * n[2]))
-        side = kind.deck_sides[g, d]
-        if side >= 0:
-            side += 2 * (_block(group, i) - group.block)
-            a = minus(place(work, bogie.place), vector(work, deck.origin))
-            add_direction_row(system, side, 0, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
-            add_direction_row(system, side, 0, work, deck.z, (-w * a[0], -w * a[1], -w * a[2]))
+        bogie = kind.bogie_state[i]
+        w, left = bogie.weight, bogie.left_share
+        _add_deck(kind, g, i, bogie.deck, w - w * left, work, system)
+        if left > 0.0:
+            _add_deck(kind, g, i, bogie.left_deck, w * left, work, system)
+
+
+@kernel(internal=True)
+def _add_deck(
+    kind: Transporters, g: int, i: int, d: int, w: float, work: Workspace, system: RowArrays
+) -> None:
+    """Add a bogie on a deck to the row of its group, or to its own."""
+    bogie, deck = kind.bogies[i], kind.decks[d]
+    n = vector(work, deck.z)
+    add_place_row(system, bogie.side, 0, work, bogie.place, (-w * n[0], -w * n[1], -w * n[2]))
+    side = kind.deck_sides[g, d]
+    if side >= 0:
+        side += 2 * (_block(kind.groups[g], i) - kind.groups[g].block)
+        a = minus(place(work, bogie.place), vector(work, deck.origin))
+        add_direction_row(system, side, 0, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
+        add_direction_row(system, side, 0, work, deck.z, (-w * a[0], -w * a[1], -w * a[2]))
 
 
 @implement(fill_rows, Transporters)
@@ -900,7 +953,7 @@ def set_transporter_targets(
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
-            up = _place_rates(work, kind.decks[bogie.deck], kind.bogies[i].place)[2]
+            up = _rises(kind, i, work)
             bogie.predicted, bogie.last_rate, bogie.last_mean = -up, -up, bogie.mean
             bogie.weight = 1.0 if group.rows > 1 else bogie.mean / mean if mean > 0.0 else 1.0
             state.predicted -= bogie.weight * up
@@ -998,6 +1051,9 @@ def update_transporters(
                 gave = step * (bogie.growth + bogie.extra) - moved
                 state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * gave * gave) / step
             bogie.stroke = bogie.end_stroke
+            if bogie.left_share > 0.0:
+                gone = max(step / HANDOVER_TIME, bogie.rolled / max(HANDOVER_WAY * vehicle.radius, 1e-9))
+                bogie.left_share = max(bogie.left_share - gone, 0.0)
         state.road_work += p * RETURN * state.drift
         state.pump_work += p * (state.next_oil - state.oil)
         state.lift += state.road + step * (state.body_rate + grown) + RETURN * state.drift
