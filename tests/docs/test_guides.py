@@ -231,6 +231,13 @@ type = "rigid"
 mass = "1 t"
 inertia = [1e3, 1e3, 1e3]
 frame = { motion = "fixed" }
+
+[bodies.frame]
+type = "rigid"
+mass = "10 t"
+inertia = [1e5, 1e5, 1e5]
+frame = { motion = "free" }
+initial = { position = ["38 m", 0, "1.5 m"] }
 """
     (tmp_path / "case.toml").write_text(f"{body}\n{text}\n{REST}", encoding="utf-8")
     assert run_case(load_case(tmp_path)).outcome is Outcome.COMPLETED
