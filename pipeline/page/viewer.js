@@ -1826,7 +1826,7 @@ const heavylift = (() => {
       ...data.bodies.map((body, index) => make("option", { value: String(index) }, `follow ${body.name}`)));
     node("follow").value = String(options.follow);
     const scales = data.scales;
-    node("scale").replaceChildren(...scales.map((value) => make("option", { value: String(value) }, `deformation × ${value}`)));
+    node("scale").replaceChildren(...scales.map((value) => make("option", { value: String(value) }, `× ${value} deformation`)));
     node("scale").hidden = scales.length < 2;
     if (!scales.includes(scale)) scale = data.scale;
     node("scale").value = String(scale);
