@@ -120,6 +120,7 @@ def pack_transporters(
         ]
         ends = list(dict.fromkeys(attachment(name) for name in held))
         first_bogie = len(bogies)
+        counts_of = [len(group.bogies) for group in transporter.groups]
         vehicles.append(
             (
                 len(groups),
@@ -137,6 +138,7 @@ def pack_transporters(
                 transporter.travel_speed is not None,
                 transporter.travel_speed or 0.0,
                 float(places.world[:, 2].mean()),
+                float(np.repeat(loads, counts_of).mean()) or np.inf,
             )
         )
         stands_on += [deck for deck, _, _ in of_vehicle]
@@ -200,7 +202,7 @@ def pack_transporters(
             block += blocks[-1].block_count
         if transporter.legs:
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
-            share = np.repeat(loads, [len(group.bogies) for group in transporter.groups])
+            share = np.repeat(loads, counts_of)
             at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))

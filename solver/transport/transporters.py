@@ -68,6 +68,7 @@ from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathL
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
+    "JOLT",
     "WALL",
     "BogieData",
     "BogieState",
@@ -82,8 +83,13 @@ __all__ = [
 ]
 
 OFF_ROAD = int(Outcome.OFF_ROAD)
-LEFT, WALL = 1, 2
-"""Why a wheel stopped the run: there is no road below it, or a step that it cannot meet."""
+STEP_TOO_LARGE = int(Outcome.STEP_TOO_LARGE)
+LEFT, WALL, JOLT = 1, 2, 3
+"""Why a wheel stopped the run: there is no road below it, a step that it cannot meet, or one that throws it up."""
+
+LARGEST_JOLT = 10.0
+"""Load of a wheel in the mean of a step, beyond that before, over that at rest: what is thrown up by more within a step
+is thrown anywhere, since how it meets the road is not seen."""
 
 HANDOVER_WAY, HANDOVER_TIME = 0.05, 0.5
 """Way over the radius of a wheel, or time [s] if that is over sooner, in which a load goes over to another body."""
@@ -302,6 +308,8 @@ class VehicleData(Record):
         Whether its wheels travel by themselves, and how fast [m/s].
     start_height
         Mean height of the places of its bogies at the start, along z of the world [m].
+    rest
+        Mean load of its bogies at the start [N].
     """
 
     first_group: int
@@ -322,6 +330,7 @@ class VehicleData(Record):
     driven: bool
     speed: float
     start_height: float
+    rest: float
 
 
 class VehicleState(Record):
@@ -454,7 +463,7 @@ class BogieState(Record):
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
-        Why and where it stopped the run.
+        Why and where it stopped the run; of a jolt how large it is, over the load at rest.
     """
 
     stroke: float
@@ -965,6 +974,10 @@ def update_transporters(
         p, _, _ = _fit_group(kind, g, x, step)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
+            if not abs(bogie.mean - bogie.load) <= LARGEST_JOLT * vehicle.rest:
+                bogie.failure, bogie.station = JOLT, abs(bogie.mean - bogie.load) / vehicle.rest
+                work.status.outcome = STEP_TOO_LARGE
+                work.status.block = group.block
             state.road_work += bogie.mean * bogie.road
             moved = bogie.end_stroke - bogie.stroke
             if vehicle.pipe + vehicle.rubber > 0.0 and bogie.mean > 0.0:
