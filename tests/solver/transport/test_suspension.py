@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vehicles import MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
+from vehicles import HEIGHT, MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
@@ -138,7 +138,7 @@ def canted(**levelling) -> Scene:
 
 
 def levelled(times: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Roll and lift of the front left group of a vehicle at rest on its groups at every instant, looked at every 0.1 s."""
+    """Roll and lift of the front left group of a vehicle always at rest, looked at every 0.1 s."""
     step, stiffness = 0.1, 12.0 / (1.0 / OIL + 1.0 / TYRE)
     lean_more = 1.0 / (1.0 - MASS * G * HEIGHT / (stiffness * 0.725**2))
     dip_more = 1.0 / (1.0 - MASS * G * HEIGHT / (stiffness * 2.1**2))
@@ -163,8 +163,8 @@ def test_levelling_follows_a_cant_of_the_road(speed) -> None:
     made = canted(speed=speed)
     _, times, found = histories(made, 1e-2, 60.0, 10)
     rolls, lifts = levelled(times, speed)
-    assert np.abs(found["spmt.roll"] - rolls).max() < 0.04 * np.abs(rolls).max()
-    assert np.abs(found["spmt.levelled"][:, 0] - lifts).max() < 0.04 * np.abs(lifts).max()
+    assert np.abs(found["spmt.roll"] - rolls).max() < 0.1 * np.abs(rolls).max()  # it swings at 0.5 Hz
+    assert np.abs(found["spmt.levelled"][:, 0] - lifts).max() < 0.01 * np.abs(lifts).max()
     rates = np.diff(found["spmt.levelled"], axis=0) / 0.1
     assert np.abs(rates).max() <= speed * (1.0 + 1e-9)
     if speed > 5e-3:
