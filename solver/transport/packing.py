@@ -16,6 +16,7 @@ from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.joined import joined_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
@@ -135,6 +136,7 @@ def pack_transporters(
         ends = list(dict.fromkeys(attachment(name) for name in held))
         scale = sum(scales(name)[0] for name in held)
         first_bogie = len(bogies)
+        counts_of = [len(group.bogies) for group in transporter.groups]
         vehicles.append(
             (
                 len(groups),
@@ -155,8 +157,11 @@ def pack_transporters(
                 transporter.travel_speed is not None,
                 transporter.travel_speed or 0.0,
                 float(places.world[:, 2].mean()),
+                float(np.repeat(loads, counts_of).mean()) or np.inf,
+                *_levelling(transporter, column),
             )
         )
+        level = (places.world - places.world.mean(axis=0)) @ places.level.T
         stands_on += [deck for deck, _, _ in of_vehicle]
         starts += [place for _, _, place in of_vehicle]
         lifts = [lift for _, lift, _ in of_vehicle]
@@ -189,6 +194,7 @@ def pack_transporters(
                     group.constant_force,
                     group.relief_force,
                     count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0,
+                    *level[len(bogies) - first_bogie :][:count, :2].mean(axis=0).tolist(),
                 )
             )
             if load >= group.relief_force:
@@ -226,7 +232,7 @@ def pack_transporters(
             block += row_count * law.block_count
         if transporter.legs:
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
-            share = np.repeat(loads, [len(group.bogies) for group in transporter.groups])
+            share = np.repeat(loads, counts_of)
             at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
@@ -252,6 +258,17 @@ def pack_transporters(
         of_bogies,
     )
     return [kind, *paths.kinds(of_bogies)], blocks
+
+
+def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:
+    """What a vehicle keeps of its levelling: as `VehicleData`."""
+    said = transporter.levelling
+    if said is None:
+        return False, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
+    last = column + channel_width(transporter.CHANNELS[:-1], transporter.components)
+    return (
+        True, said.period, 1.0 / said.time_constant, said.speed, said.dead_angle, said.roll, said.pitch, last,
+    )  # fmt: skip
 
 
 def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:
