@@ -100,7 +100,7 @@ def pack_transporters(
     ]
     vehicles: list[tuple[Any, ...]] = []
     groups: list[tuple[Any, ...]] = []
-    bogies: list[tuple[int, int, float]] = []
+    bogies: list[tuple[Any, ...]] = []
     pumps: list[tuple[float, float]] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
