@@ -22,6 +22,7 @@ from heavylift.solver.transport.path_packing import PathPacking
 from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
+    GROUPS_A_BLOCK,
     BogieData,
     BogieState,
     DeckData,
@@ -92,7 +93,7 @@ def pack_transporters(
     stands_on: list[int] = []
     strokes: list[float] = []
     blocks: list[LawBlock] = []
-    block = first_block
+    block = free_block = first_block
     paths = PathPacking(scene, book)
     gravity = _gravity(scene)
     for transporter, column in zip(scene.transporters, columns, strict=True):
@@ -142,8 +143,16 @@ def pack_transporters(
         stands_on += [deck for deck, _, _ in of_vehicle]
         starts += [place for _, _, place in of_vehicle]
         lifts = [lift for _, lift, _ in of_vehicle]
-        for group, load in zip(transporter.groups, loads, strict=True):
+        scale = sum(scales(name)[0] for name in held)
+        for number, (group, load) in enumerate(zip(transporter.groups, loads, strict=True)):
             count = len(group.bogies)
+            lane = number % GROUPS_A_BLOCK
+            if lane == 0:
+                rows_left = len(transporter.groups) - number
+                blocks.append(
+                    LawBlock(transporter.name, tuple(ends), scale, rows=min(rows_left, GROUPS_A_BLOCK))
+                )
+                block, free_block = free_block, free_block + blocks[-1].block_count
             rows = (
                 []
                 if group.pump is None
@@ -155,6 +164,7 @@ def pack_transporters(
                     len(bogies),
                     count,
                     block,
+                    lane,
                     len(ends),
                     group.oil_stiffness / count,
                     group.gas_length * count,
@@ -195,22 +205,20 @@ def pack_transporters(
                     for deck in decks
                 ]
             )
-            scale = sum(scales(name)[0] for name in held)
-            blocks.append(LawBlock(transporter.name, tuple(ends), scale))
-            block += blocks[-1].block_count
         if transporter.legs:
+            block = free_block
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
             share = np.repeat(loads, [len(group.bogies) for group in transporter.groups])
             at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
             blocks.append(LawBlock(transporter.name, tuple(ends), scale, compliance=0.0, rows=3))
-            block += blocks[-1].block_count
+            free_block += blocks[-1].block_count
         else:
             paths.skip(len(places.points))
     state, of_bogies = records(GroupState, len(groups)), records(BogieState, len(bogies))
     state["fresh"] = True
-    state["force"], state["strokes"] = [group[7] for group in groups], strokes
+    state["force"], state["strokes"] = [group[8] for group in groups], strokes
     of_bogies["deck"], of_bogies["weight"] = stands_on, 1.0
     kind = Transporters(
         records(DeckData, made_decks),

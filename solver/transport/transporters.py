@@ -56,13 +56,14 @@ from heavylift.solver.joints.row_writing import (
     vector,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.laws.rows import RETURN, fit_law_on, put_law_on, row_rate_on
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
+    "GROUPS_A_BLOCK",
     "WALL",
     "BogieData",
     "BogieState",
@@ -83,6 +84,9 @@ LEFT, WALL = 1, 2
 GAS_EXPONENT = 1.4
 """Of the gas of an accumulator, adiabatic."""
 
+GROUPS_A_BLOCK = 4
+"""Rows of groups of one vehicle in a block of the system: they are on the same bodies."""
+
 ROUNDS = 100
 """Of the iteration for a pressure; brackets halve, so it ends before."""
 
@@ -101,8 +105,8 @@ DRIVE_CHANNELS = (
 )
 """Of a transporter with a path, and with a drive."""
 
-NEGLIGIBLE = 1e-15
-"""Relative change of a pressure that ends its iteration."""
+NEGLIGIBLE = 4e-15
+"""Relative change of a pressure that ends its iteration: what the sum over a group is rounded by."""
 
 
 def _forward() -> NDArray[np.float64]:
@@ -334,7 +338,7 @@ class GroupData(Record):
         Its transporter.
     first, count
         Its bogies.
-    block, attachments
+    block, lane, attachments
         Of its row.
     stiffness
         Of oil, force of a cylinder by the sum of strokes [N/m].
@@ -356,6 +360,7 @@ class GroupData(Record):
     first: int
     count: int
     block: int
+    lane: int
     attachments: int
     stiffness: float
     gas: float
@@ -524,9 +529,16 @@ def _closed_force(group: GroupData, grown: float) -> tuple[float, float]:
     return (force, group.stiffness) if force > 0.0 else (0.0, 0.0)
 
 
-@kernel(internal=True)
+@kernel(inline=True, internal=True)
+def _relaxed(vehicle: VehicleData, h: float) -> float:
+    """Share of the way to its aim that a damped stroke goes in a step; 1 without pipes, or at an instant."""
+    damping = vehicle.pipe + vehicle.rubber
+    return -math.expm1(-h * vehicle.tyre / damping) if damping > 0.0 and h > 0.0 else 1.0
+
+
+@kernel(inline=True, internal=True)
 def _bogie(
-    vehicle: VehicleData, r: float, growth: float, stroke: float, p: float, h: float
+    vehicle: VehicleData, r: float, growth: float, stroke: float, p: float, h: float, gone: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """A bogie in a step.
 
@@ -542,6 +554,8 @@ def _bogie(
         Force of its cylinder [N].
     h
         Step [s]; 0 for what holds at an instant, without pipe.
+    gone
+        `_relaxed` of the step.
 
     Returns
     -------
@@ -562,7 +576,7 @@ def _bogie(
             return max(load, 0.0), vehicle.low, vehicle.low, 0.0, 0.0, (k if load > 0.0 else 0.0), 0.0
         return p, s, s, 1.0, -1.0 / k, 0.0, 1.0
     delay, lag = (pipe + c) / k, pipe / k
-    gone, mean_left = -math.expm1(-h / delay), -math.expm1(-h / delay) * delay / h
+    mean_left = gone * delay / h
     aim = r - p / k
     off = stroke - aim + (0.5 * h + lag) * growth
     s = aim - lag * growth + off * mean_left
@@ -607,20 +621,27 @@ def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, f
     group, state = kind.groups[g], kind.group_state[g]
     vehicle = kind.vehicles[group.vehicle]
     n = group.count
+    gone = _relaxed(vehicle, h)
     lift = 0.5 * h * x - state.drift / n
     oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
     low, high = 0.0, math.inf
     p = max(state.force, 0.0)
+    sum_load = by_p = falls = by_r = follows = stiffness = 0.0
     for _ in range(ROUNDS):
-        total, falls = 0.0, 0.0
+        total = sum_load = by_p = falls = by_r = follows = 0.0
         for i in range(group.first, group.first + n):
             bogie = kind.bogie_state[i]
             tyre = kind.bogies[i].start_force / vehicle.tyre
-            _, s, _, _, stroke_p, _, _ = _bogie(
-                vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h
+            load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
+                vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h, gone
             )
+            bogie.mean, bogie.end_stroke = load, end
             total += s
+            sum_load += load
+            by_p += load_p
             falls += stroke_p
+            by_r += load_r
+            follows += stroke_r
         force, stiffness = _oil_force(group, total + oil - state.strokes)
         miss = force - p
         if abs(miss) <= NEGLIGIBLE * (p + force):
@@ -633,24 +654,8 @@ def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, f
         if not low <= after <= high:
             after = 0.5 * (low + high) if high < math.inf else 2.0 * low + 1.0
         if abs(after - p) <= NEGLIGIBLE * p:
-            p = after
             break
         p = after
-    total = sum_load = by_p = falls = by_r = follows = 0.0
-    for i in range(group.first, group.first + n):
-        bogie = kind.bogie_state[i]
-        tyre = kind.bogies[i].start_force / vehicle.tyre
-        load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
-            vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h
-        )
-        bogie.mean, bogie.end_stroke = load, end
-        total += s
-        sum_load += load
-        by_p += load_p
-        falls += stroke_p
-        by_r += load_r
-        follows += stroke_r
-    _, stiffness = _oil_force(group, total + oil - state.strokes)
     p_r = stiffness * follows / (1.0 - stiffness * falls)
     state.force = p
     return p, sum_load / n, 0.5 * h * (by_r + by_p * p_r) / n
@@ -693,18 +698,25 @@ def _place_rates(work: Workspace, deck: DeckData, marker: int) -> Vector:
     )
 
 
+@kernel(inline=True, internal=True)
+def _height(kind: Transporters, d: int, vehicle: VehicleData, x: float, y: float) -> float:
+    """Height of a wheel at a place on a deck [m]; `NO_ROAD` where there is none."""
+    deck = kind.decks[d]
+    if not deck.right <= y <= deck.left:
+        return NO_ROAD
+    return dilated_height(kind.corners, deck.first, deck.count, vehicle.radius, x)
+
+
 @kernel(internal=True)
 def _stand(
-    kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, ahead: float, travelled: float
-) -> tuple[int, float, float, float]:
-    """Uppermost deck under a wheel.
+    kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, travelled: float
+) -> tuple[int, float, float]:
+    """Uppermost deck under a wheel now.
 
     Parameters
     ----------
     kind, work, i, vehicle
         Wheel and its transporter.
-    ahead
-        Time from that of the markers, along their velocities [s].
     travelled
         Way of wheels that travel by themselves [m].
 
@@ -712,30 +724,72 @@ def _stand(
     -------
     deck, r
         -1 and 0 if there is none; by how much it lifts the wheel over its place under the body [m].
-    station, offset
-        On that deck, or on the last one that was looked at [m].
+    height
+        Of the road for the wheel over that of the deck [m].
     """
     marker = kind.bogies[i].marker
-    found, best = -1, NO_ROAD
-    station = offset = 0.0
+    found, best, above = -1, NO_ROAD, 0.0
+    for d in range(kind.decks.shape[0]):
+        x, y, z = _places(work, kind.decks[d], marker)
+        if vehicle.driven:
+            x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
+        height = _height(kind, d, vehicle, x, y)
+        if height > NO_ROAD and (found < 0 or height - z > best):
+            found, best, above = d, height - z, height
+    return found, (best if found >= 0 else 0.0), above
+
+
+@kernel(internal=True)
+def _roll(
+    kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, time: float, h: float
+) -> tuple[int, float, float, float, float, float, float]:
+    """Uppermost decks under a wheel at both ends of a step, from its middle along the velocities there.
+
+    Parameters
+    ----------
+    kind, work, i, vehicle
+        Wheel and its transporter.
+    time, h
+        At which the step begins, and its length [s].
+
+    Returns
+    -------
+    deck, before, after
+        At the end, -1 if there is none; by how much it and that at the start lift the wheel over its place under the
+        body [m], 0 where there is none.
+    up
+        Rate of the height of that place over the deck at the end [m/s].
+    moved, station, offset
+        Way along, and place at the end, on that deck; or on the last one that was looked at [m].
+    """
+    marker = kind.bogies[i].marker
+    first, found = -1, -1
+    before, after = NO_ROAD, NO_ROAD
+    rises = begin = station = offset = 0.0
     for d in range(kind.decks.shape[0]):
         deck = kind.decks[d]
         x, y, z = _places(work, deck, marker)
-        if ahead != 0.0:
-            along, across, up = _place_rates(work, deck, marker)
-            x += ahead * along
-            y += ahead * across
-            z += ahead * up
+        along, across, up = _place_rates(work, deck, marker)
+        x0, x1, y0, y1 = x - 0.5 * h * along, x + 0.5 * h * along, y - 0.5 * h * across, y + 0.5 * h * across
         if vehicle.driven:
-            x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
+            x0 = kind.starts[i, 2 * d] + vehicle.speed * time
+            x1 = kind.starts[i, 2 * d] + vehicle.speed * (time + h)
+            y0 = y1 = kind.starts[i, 2 * d + 1]
+        if first < 0:
+            begin = x0
         if found < 0:
-            station, offset = x, y
-        if not deck.right <= y <= deck.left:
-            continue
-        height = dilated_height(kind.corners, deck.first, deck.count, vehicle.radius, x)
-        if height > NO_ROAD and (found < 0 or height - z > best):
-            found, best, station, offset = d, height - z, x, y
-    return found, (best if found >= 0 else 0.0), station, offset
+            station, offset = x1, y1
+        height = _height(kind, d, vehicle, x0, y0)
+        lift = height - (z - 0.5 * h * up)
+        if height > NO_ROAD and (first < 0 or lift > before):
+            first, before, begin = d, lift, x0
+        height = _height(kind, d, vehicle, x1, y1)
+        lift = height - (z + 0.5 * h * up)
+        if height > NO_ROAD and (found < 0 or lift > after):
+            found, after, rises, station, offset = d, lift, up, x1, y1
+    before = before if first >= 0 else 0.0
+    after = after if found >= 0 else 0.0
+    return found, before, after, rises, station - begin, station, offset
 
 
 @kernel(internal=True)
@@ -755,16 +809,14 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
     start = state.road = state.body_rate = 0.0
     for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
-        _, r0, x0, _ = _stand(kind, work, i, vehicle, -0.5 * h, vehicle.speed * time)
-        deck, r1, x1, y1 = _stand(kind, work, i, vehicle, 0.5 * h, vehicle.speed * (time + h))
+        deck, r0, r1, up, moved, x1, y1 = _roll(kind, work, i, vehicle, time, h)
         if deck < 0:
             _stop(kind, g, i, LEFT, x1, y1, work)
             continue
         bogie.deck = deck
-        _, _, up = _place_rates(work, kind.decks[deck], kind.bogies[i].marker)
         bogie.road = r1 - r0 + h * up
         # decks that move differently are level where a wheel goes over, not at the same rate
-        if abs(bogie.road) > (STEEPEST + 0.5) * abs(x1 - x0) + 0.02 * vehicle.radius + 1e-6:
+        if abs(bogie.road) > (STEEPEST + 0.5) * abs(moved) + 0.02 * vehicle.radius + 1e-6:
             _stop(kind, g, i, WALL, x1, y1, work)
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
         start += r0
@@ -783,10 +835,9 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
     total = 0.0
     for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
-        deck, r, _, _ = _stand(kind, work, i, vehicle, 0.0, vehicle.speed * time)
+        deck, r, height = _stand(kind, work, i, vehicle, vehicle.speed * time)
         if deck >= 0:
-            bogie.deck, bogie.middle = deck, r
-            bogie.height = r + _places(work, kind.decks[deck], kind.bogies[i].marker)[2]
+            bogie.deck, bogie.middle, bogie.height = deck, r, height
         total += bogie.middle
     if state.fresh:
         state.lift = total
@@ -819,21 +870,28 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
 @kernel(internal=True)
 def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> None:
     """``sum w_i d/dt ( - n . (p_i - o) )`` on the sides of the body and of the decks."""
-    group, lanes = kind.groups[g], system.lanes
+    group, lanes, lane = kind.groups[g], system.lanes, kind.groups[g].lane
     for side in range(2 * group.block, 2 * group.block + group.attachments):
-        panel = system.attachments[side].panel
+        panel = system.attachments[side].panel + lane
         for k in range(system.attachments[side].width):
             system.panels[panel + k * lanes] = 0.0
-    for i in range(group.first, group.first + group.count):
-        bogie, d = kind.bogies[i], kind.bogie_state[i].deck
-        deck, w = kind.decks[d], kind.bogie_state[i].weight
-        n = vector(work, deck.z)
-        add_direction_row(system, bogie.side, 0, work, bogie.marker, (-w * n[0], -w * n[1], -w * n[2]))
+    for d in range(kind.decks.shape[0]):
+        deck = kind.decks[d]
+        n, o = vector(work, deck.z), vector(work, deck.origin)
+        shares, a, b, c = 0.0, 0.0, 0.0, 0.0
+        for i in range(group.first, group.first + group.count):
+            if kind.bogie_state[i].deck != d:
+                continue
+            bogie, w = kind.bogies[i], kind.bogie_state[i].weight
+            add_direction_row(system, bogie.side, lane, work, bogie.marker, (-w * n[0], -w * n[1], -w * n[2]))
+            p = vector(work, bogie.marker)
+            shares, a, b, c = shares + w, a + w * (p[0] - o[0]), b + w * (p[1] - o[1]), c + w * (p[2] - o[2])
         side = kind.deck_sides[g, d]
-        if side >= 0:
-            a = difference(work, deck.origin, bogie.marker)
-            add_direction_row(system, side, 0, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
-            add_direction_row(system, side, 0, work, deck.z, (-w * a[0], -w * a[1], -w * a[2]))
+        if side >= 0 and shares > 0.0:
+            add_direction_row(
+                system, side, lane, work, deck.origin, (shares * n[0], shares * n[1], shares * n[2])
+            )
+            add_direction_row(system, side, lane, work, deck.z, (-a, -b, -c))
 
 
 @implement(fill_rows, Transporters)
@@ -845,7 +903,8 @@ def fill_transporter_rows(
     for g in range(kind.groups.shape[0]):
         _write_row(kind, g, work, system)
         if with_residual:
-            put_residual(system, kind.groups[g].block, kind.group_state[g].drift)
+            group = kind.groups[g]
+            system.rows[group.block].residual[group.lane] = kind.group_state[g].drift
 
 
 @implement(set_targets, Transporters)
@@ -868,18 +927,18 @@ def set_transporter_targets(
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
             bogie.weight = bogie.mean / mean if mean > 0.0 else 1.0
-            up = _place_rates(work, kind.decks[bogie.deck], kind.bogies[i].marker)[2]
-            state.predicted -= bogie.weight * up
+            state.predicted -= bogie.weight * (bogie.road / step - bogie.growth)
         _write_row(kind, g, work, system)
-        put_law(system, group.block, step, state.predicted, mean, slope / group.count)
+        put_law_on(system, group.block, group.lane, step, state.predicted, mean, slope / group.count)
         state.last_rate, state.last_force, state.rounds = state.predicted, mean, 0
 
 
 @kernel(inline=True, internal=True)
 def _rate(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> float:
     """Rate of the row of a group in the middle of the step [m/s]."""
-    first = 2 * kind.groups[g].block
-    return row_rate(system, first, first + kind.groups[g].attachments, work.velocity)
+    group = kind.groups[g]
+    first = 2 * group.block
+    return row_rate_on(system, group.lane, first, first + group.attachments, work.velocity)
 
 
 @implement(relinearise, Transporters)
@@ -889,7 +948,7 @@ def relinearise_transporters(
 ) -> None:
     """Fit the mean loads to the rates found."""
     for g in range(kind.groups.shape[0]):
-        state, n = kind.group_state[g], kind.groups[g].count
+        group, state, n = kind.groups[g], kind.group_state[g], kind.groups[g].count
         u = _rate(kind, g, work, system)
         _, mean, slope = _fit_group(kind, g, (u - state.predicted) / n, step)
         slope /= n
@@ -897,7 +956,7 @@ def relinearise_transporters(
         if state.rounds > PLAIN_ROUNDS and u != state.last_rate:
             slope = max(slope, (mean - state.last_force) / (u - state.last_rate))
         state.last_rate, state.last_force = u, mean
-        fit_law(system, kind.groups[g].block, step, u, mean, slope, work)
+        fit_law_on(system, group.block, group.lane, step, u, mean, slope, work)
 
 
 @implement(update_rows, Transporters)
