@@ -94,6 +94,14 @@ def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
         entries, states = (getattr(kind, field) for field in told)
         for entry, state in zip(entries, states, strict=True):
             if entry["block"] == block:
+                if "overlap" in (states.dtype.names or ()) and not state["overlap"] > 0.0:
+                    side = "left" if entry["left"] else "right"
+                    reason = f": the {side} end of its line has slid off the deck"
+                    return (
+                        "line bearing",
+                        reason,
+                        "a longer body or deck, or what holds its sides at their distance",
+                    )
                 names = states.dtype.names or ()
                 word, unit = ("rope", " m") if {"rest", "depth"} & set(names) else ("law of", "")
                 reason = f": positions have left the elongation that makes its force, by {state['drift']:.3g}{unit}"

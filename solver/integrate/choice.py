@@ -110,6 +110,9 @@ def _law(scene: Scene) -> str:
         return f"contact {first.name!r} opens and closes"
     if scene.transporters:
         return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
+    bearings = [force.name for force in scene.forces if getattr(force, "WORD", "") == "line_bearing"]
+    if bearings:
+        return f"line bearing {bearings[0]!r} opens and closes"
     for joint in scene.joints:
         if any(joint_stops(joint)):
             return f"joint {joint.name!r} has stops"

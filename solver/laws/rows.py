@@ -26,14 +26,14 @@ __all__ = [
     "ROWS_A_BLOCK",
     "check_drift",
     "fit_law",
-    "fit_law_on",
+    "fit_row_law",
     "law_impulse",
     "put_law",
-    "put_law_on",
     "put_residual",
+    "put_row_law",
     "put_stick",
+    "rate_of_row",
     "row_rate",
-    "row_rate_on",
 ]
 
 FREE_SOFTNESS = 1e20
@@ -57,12 +57,12 @@ FITTED = 1e-13
 
 
 @kernel(inline=True, internal=True)
-def row_rate_on(system: RowArrays, lane: int, first: int, last: int, velocity: NDArray[np.float64]) -> float:
+def rate_of_row(system: RowArrays, first: int, last: int, row: int, velocity: NDArray[np.float64]) -> float:
     """``G v`` of a row of the attachments first ... last - 1."""
     lanes = system.lanes
     u = 0.0
     for i in range(first, last):
-        dof, panel = system.attachments[i].dof, system.attachments[i].panel + lane
+        dof, panel = system.attachments[i].dof, system.attachments[i].panel + row
         for k in range(system.attachments[i].width):
             u += system.panels[panel + k * lanes] * velocity[dof + k]
     return u
@@ -71,7 +71,7 @@ def row_rate_on(system: RowArrays, lane: int, first: int, last: int, velocity: N
 @kernel(inline=True, internal=True)
 def row_rate(system: RowArrays, first: int, last: int, velocity: NDArray[np.float64]) -> float:
     """``G v`` of the first row of the attachments first ... last - 1."""
-    return row_rate_on(system, 0, first, last, velocity)
+    return rate_of_row(system, first, last, 0, velocity)
 
 
 @kernel(inline=True, internal=True)
@@ -98,22 +98,22 @@ def check_drift(block: int, drift: float, largest: float, work: Workspace) -> No
 
 
 @kernel(internal=True)
-def put_law_on(
-    system: RowArrays, block: int, lane: int, h: float, u: float, force: float, slope: float
+def put_row_law(
+    system: RowArrays, block: int, row: int, h: float, u: float, force: float, slope: float
 ) -> None:
     """Fit a row of a block to a force and its derivative at a rate u."""
-    softest = FREE_SOFTNESS * system.rows[block].scale[lane]
+    softest = FREE_SOFTNESS * system.rows[block].scale[row]
     softness, target = softest, -0.5 * h * force * softest
     if 0.5 * h * slope * softest > 1.0:
         softness, target = 2.0 / (h * slope), u - force / slope
-    system.rows[block].softness[lane] = softness
-    system.rows[block].target[lane] = target
+    system.rows[block].softness[row] = softness
+    system.rows[block].target[row] = target
 
 
 @kernel(inline=True, internal=True)
 def put_law(system: RowArrays, block: int, h: float, u: float, force: float, slope: float) -> None:
-    """Fit the first row of a block to a force and its derivative at a rate u."""
-    put_law_on(system, block, 0, h, u, force, slope)
+    """`put_row_law` of the first row."""
+    put_row_law(system, block, 0, h, u, force, slope)
 
 
 @kernel(internal=True)
@@ -124,18 +124,18 @@ def put_stick(system: RowArrays, block: int) -> None:
 
 
 @kernel(internal=True)
-def fit_law_on(
-    system: RowArrays, block: int, lane: int, h: float, u: float, force: float, slope: float, work: Workspace
+def fit_row_law(
+    system: RowArrays, block: int, row: int, h: float, u: float, force: float, slope: float, work: Workspace
 ) -> None:
-    """As `put_law_on`, if impulse and row do not fit the law yet; counts it."""
-    row = system.rows[block]
-    miss = abs(row.impulse[lane] + 0.5 * h * force)
+    """As `put_row_law`, if impulse and row do not fit the law yet; counts it."""
+    rows = system.rows[block]
+    miss = abs(rows.impulse[row] + 0.5 * h * force)
     if miss <= FITTED * 0.5 * h * (abs(force) + slope * abs(u)):
         return
-    old_softness, old_target = row.softness[lane], row.target[lane]
-    put_law_on(system, block, lane, h, u, force, slope)
-    moved = abs(row.softness[lane] - old_softness) > FITTED * old_softness
-    if moved or abs(row.target[lane] - old_target) > FITTED * (abs(old_target) + abs(u)):
+    old_softness, old_target = rows.softness[row], rows.target[row]
+    put_row_law(system, block, row, h, u, force, slope)
+    moved = abs(rows.softness[row] - old_softness) > FITTED * old_softness
+    if moved or abs(rows.target[row] - old_target) > FITTED * (abs(old_target) + abs(u)):
         work.control.changed += 1
         work.status.block = block  # named if the iteration does not end
 
@@ -144,5 +144,5 @@ def fit_law_on(
 def fit_law(
     system: RowArrays, block: int, h: float, u: float, force: float, slope: float, work: Workspace
 ) -> None:
-    """As `put_law`, if impulse and row do not fit the law yet; counts it."""
-    fit_law_on(system, block, 0, h, u, force, slope, work)
+    """`fit_row_law` of the first row."""
+    fit_row_law(system, block, 0, h, u, force, slope, work)

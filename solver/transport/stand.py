@@ -131,6 +131,10 @@ def growth_rate(stand: Stand) -> float:
     return math.sqrt(max(0.0, -float(small_motions(stand)[0])))
 
 
+INDIFFERENT = 1e-12
+"""Square of the lowest frequency over that of the highest, of a body that nothing brings back."""
+
+
 class Tipping(NamedTuple):
     """Tilts of the road at which a vehicle tips over, whichever way it leans [rad].
 
@@ -162,7 +166,8 @@ def tipping_angles(stand: Stand, loads: NDArray[np.float64]) -> Tipping:
     ``-n_k k_k J_k . K^-1 (0, -W d_y, W d_x)``: along its gradient the load of a group is gone soonest. Both are 0 of a
     body that cannot stand.
     """
-    if growth_rate(stand) > 0.0:
+    squares = small_motions(stand)
+    if not squares[0] > INDIFFERENT * np.abs(squares).max():
         return Tipping(0.0, 0.0)
     J, W, h = _levers(stand), stand.weight, stand.height
     K = (stand.counts * stand.stiffness * J.T) @ J - np.diag([0.0, 1.0, 1.0]) * W * h

@@ -19,6 +19,11 @@ is that of the mean load, and a deviation of the row from its prediction is shar
 of r is carried over the step as an elongation of a rope is: where all loads are equal, of oil that is linear, the force
 is the discrete gradient of the stored energy ``p^2 / 2 kappa + sum f^2 / 2 k`` and no step gains any.
 
+A wheel is on the uppermost of several decks. Where that changes from one body to another one, as at the end of a link
+beam, its load goes over little by little while it rolls on: in truth both decks carry it as long as the one gives way
+and comes back. The force and the row then are a mean of both decks; what the wheel rises beside what this mean does is
+the work of the road, so energies balance whatever the shares are.
+
 The weight of bogies stands on the road, their inertia is left out.
 """
 
@@ -56,7 +61,7 @@ from heavylift.solver.joints.row_writing import (
     vector,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.rows import RETURN, fit_law_on, put_law_on, row_rate_on
+from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
@@ -80,6 +85,9 @@ __all__ = [
 OFF_ROAD = int(Outcome.OFF_ROAD)
 LEFT, WALL = 1, 2
 """Why a wheel stopped the run: there is no road below it, or a step that it cannot meet."""
+
+HANDOVER_WAY, HANDOVER_TIME = 0.05, 0.5
+"""Way over the radius of a wheel, or time [s] if that is over sooner, in which a load goes over to another body."""
 
 GAS_EXPONENT = 1.4
 """Of the gas of an accumulator, adiabatic."""
@@ -434,6 +442,10 @@ class BogieState(Record):
         At the end of the last step [m].
     deck
         On which it stands.
+    left_deck, left_share
+        On which it stood before, and what of its load is still on that.
+    rolled
+        Its way along its deck in the step [m]; 0 if that has changed.
     weight
         Share of its load in the mean of its group.
     height
@@ -452,6 +464,9 @@ class BogieState(Record):
 
     stroke: float
     deck: int
+    left_deck: int
+    left_share: float
+    rolled: float
     weight: float
     height: float
     middle: float
@@ -802,6 +817,19 @@ def _stop(kind: Transporters, g: int, i: int, failure: int, x: float, y: float, 
 
 
 @kernel(internal=True)
+def _go_over(kind: Transporters, g: int, i: int, deck: int) -> None:
+    """Set a wheel on a deck. Its load stays for the moment where it was, if that is another body."""
+    bogie = kind.bogie_state[i]
+    if deck == bogie.deck:
+        return
+    if bogie.left_share > 0.0 and deck == bogie.left_deck:
+        bogie.left_share = 1.0 - bogie.left_share
+    else:
+        bogie.left_share = 1.0 if kind.deck_sides[g, deck] != kind.deck_sides[g, bogie.deck] else 0.0
+    bogie.left_deck, bogie.deck = bogie.deck, deck
+
+
+@kernel(internal=True)
 def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspace) -> None:
     """Where the road is under the wheels of a group at the start and at the end of a step, from its middle."""
     group, state = kind.groups[g], kind.group_state[g]
@@ -813,11 +841,15 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
         if deck < 0:
             _stop(kind, g, i, LEFT, x1, y1, work)
             continue
-        bogie.deck = deck
-        bogie.road = r1 - r0 + h * up
         # decks that move differently are level where a wheel goes over, not at the same rate
-        if abs(bogie.road) > (STEEPEST + 0.5) * abs(moved) + 0.02 * vehicle.radius + 1e-6:
+        if abs(r1 - r0 + h * up) > (STEEPEST + 0.5) * abs(moved) + 0.02 * vehicle.radius + 1e-6:
             _stop(kind, g, i, WALL, x1, y1, work)
+        bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
+        _go_over(kind, g, i, deck)
+        if bogie.left_share > 0.0:
+            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].marker)[2]
+            up += bogie.left_share * (other - up)
+        bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
         start += r0
         state.road += bogie.road
@@ -837,7 +869,8 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
         bogie = kind.bogie_state[i]
         deck, r, height = _stand(kind, work, i, vehicle, vehicle.speed * time)
         if deck >= 0:
-            bogie.deck, bogie.middle, bogie.height = deck, r, height
+            _go_over(kind, g, i, deck)
+            bogie.middle, bogie.height = r, height
         total += bogie.middle
     if state.fresh:
         state.lift = total
@@ -880,11 +913,20 @@ def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -
         n, o = vector(work, deck.z), vector(work, deck.origin)
         shares, a, b, c = 0.0, 0.0, 0.0, 0.0
         for i in range(group.first, group.first + group.count):
-            if kind.bogie_state[i].deck != d:
+            bogie, w = kind.bogie_state[i], kind.bogie_state[i].weight
+            if bogie.deck == d:
+                w -= w * bogie.left_share
+            elif bogie.left_deck == d:
+                w *= bogie.left_share
+            else:
                 continue
-            bogie, w = kind.bogies[i], kind.bogie_state[i].weight
-            add_direction_row(system, bogie.side, lane, work, bogie.marker, (-w * n[0], -w * n[1], -w * n[2]))
-            p = vector(work, bogie.marker)
+            if w == 0.0:
+                continue
+            marker = kind.bogies[i].marker
+            add_direction_row(
+                system, kind.bogies[i].side, lane, work, marker, (-w * n[0], -w * n[1], -w * n[2])
+            )
+            p = vector(work, marker)
             shares, a, b, c = shares + w, a + w * (p[0] - o[0]), b + w * (p[1] - o[1]), c + w * (p[2] - o[2])
         side = kind.deck_sides[g, d]
         if side >= 0 and shares > 0.0:
@@ -929,7 +971,7 @@ def set_transporter_targets(
             bogie.weight = bogie.mean / mean if mean > 0.0 else 1.0
             state.predicted -= bogie.weight * (bogie.road / step - bogie.growth)
         _write_row(kind, g, work, system)
-        put_law_on(system, group.block, group.lane, step, state.predicted, mean, slope / group.count)
+        put_row_law(system, group.block, group.lane, step, state.predicted, mean, slope / group.count)
         state.last_rate, state.last_force, state.rounds = state.predicted, mean, 0
 
 
@@ -938,7 +980,7 @@ def _rate(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> flo
     """Rate of the row of a group in the middle of the step [m/s]."""
     group = kind.groups[g]
     first = 2 * group.block
-    return row_rate_on(system, group.lane, first, first + group.attachments, work.velocity)
+    return rate_of_row(system, first, first + group.attachments, group.lane, work.velocity)
 
 
 @implement(relinearise, Transporters)
@@ -956,7 +998,7 @@ def relinearise_transporters(
         if state.rounds > PLAIN_ROUNDS and u != state.last_rate:
             slope = max(slope, (mean - state.last_force) / (u - state.last_rate))
         state.last_rate, state.last_force = u, mean
-        fit_law_on(system, group.block, group.lane, step, u, mean, slope, work)
+        fit_row_law(system, group.block, group.lane, step, u, mean, slope, work)
 
 
 @implement(update_rows, Transporters)
@@ -979,6 +1021,9 @@ def update_transporters(
                 grown = step * (bogie.growth + x) - moved
                 state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * grown * grown) / step
             bogie.stroke = bogie.end_stroke
+            if bogie.left_share > 0.0:
+                gone = max(step / HANDOVER_TIME, bogie.rolled / max(HANDOVER_WAY * vehicle.radius, 1e-9))
+                bogie.left_share = max(bogie.left_share - gone, 0.0)
         state.road_work += p * RETURN * state.drift
         state.pump_work += p * (state.next_oil - state.oil)
         state.lift += state.road + step * (state.body_rate + group.count * x) + RETURN * state.drift

@@ -129,6 +129,7 @@ def test_panels_lie_as_deep_as_the_loaded_hull_floats(folder: Path) -> None:
     assert linear.volume == pytest.approx(ALL / RHO, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_hydrostatics_counts_the_same(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert (

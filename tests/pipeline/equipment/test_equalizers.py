@@ -85,6 +85,7 @@ def statics():
     return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", statics(), ids=lambda row: row["config"])
 def test_rests_as_the_minimum_of_the_energy(row, tmp_path):
     lengths = [float(row[f"l{i}"]) for i in range(1, 6)]
@@ -339,6 +340,7 @@ def both_models(folder: Path, lengths, **given):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lengths", "height"), [((23, 26, 26, 26, 23), 9.2), ((23, 26, 26, 26, 24), 9.0)])
 def test_without_masses_of_pulleys_lines_carry_the_same(lengths, height, tmp_path):
     (heavy, with_pulleys), (light, without) = both_models(

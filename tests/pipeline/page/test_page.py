@@ -226,6 +226,7 @@ def test_a_page_before_a_run_has_names_and_no_time(tmp_path):
     assert all("fixed" in body for body in header["bodies"])
 
 
+@pytest.mark.slow
 def test_neither_the_command_line_nor_a_simulation_imports_it():
     """Of the modules of a process that has what `simulate` needs, none is of the page or of k3d."""
     code = (

@@ -25,6 +25,7 @@ def run(folder: Path, *changes: tuple[str, str]) -> StageReport:
     return run_case(load_case(folder))
 
 
+@pytest.mark.slow
 def test_a_barge_trims_under_a_vehicle(tmp_path) -> None:
     """At rest at x = -10 m: moment over ``g (M (KB + BM) - sum m KG)``; the vehicle leans by ``1/(1 - W h/K)`` more."""
     at_rest = (("speed = 0.25", "speed = 0"), ("velocity = [0.25, 0, 0]", "velocity = [0, 0, 0]"))
@@ -42,6 +43,7 @@ def test_a_barge_trims_under_a_vehicle(tmp_path) -> None:
     np.testing.assert_allclose(results["spmt.wheel_load"], 173e3 * 9.81 / 12, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_energy_of_barge_vehicle_and_water_is_kept(tmp_path) -> None:
     """With the work of the guide; the barge rocks as the vehicle goes."""
     assert run(tmp_path).outcome is Outcome.COMPLETED
@@ -52,6 +54,7 @@ def test_energy_of_barge_vehicle_and_water_is_kept(tmp_path) -> None:
     np.testing.assert_allclose(total, total[0], atol=1e-5 * np.abs(parts[1]).max())
 
 
+@pytest.mark.slow
 def test_a_path_on_a_floating_deck_from_rest(tmp_path) -> None:
     """In equilibrium at first, then a corner: on the plan of the barge, which is pushed back."""
     begin, end = TEXT.index("[[joints]]"), TEXT.index("[[transporters]]")
@@ -83,6 +86,7 @@ name="fl" """
     np.testing.assert_allclose(total, total[0], atol=1e-5 * np.abs(parts[1]).max())
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_drives_off_its_deck_ends_the_run(tmp_path) -> None:
     """With the bogie, the station and the time."""
     faster = (("speed = 0.25", "speed = 2"), ("velocity = [0.25, 0, 0]", "velocity = [2, 0, 0]"))
@@ -121,6 +125,7 @@ def test_bad_input_is_one_clear_error(tmp_path, old, new, words) -> None:
         run(tmp_path, (old, new))
 
 
+@pytest.mark.slow
 def test_a_check_of_an_unknown_group_names_those_that_there_are(tmp_path) -> None:
     """Known when the run is done, as nodes of a frame are."""
     check = (

@@ -255,6 +255,7 @@ def train(slope: float, *, tilted: bool) -> tuple[Deck, RigidBody, tuple[BogieGr
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize(
     ("slope", "demand", "each"), [(0.0, 371.1e3, 5.2e3), (0.01, 556.7e3, 7.7e3), (0.02479, 831.3e3, 11.5e3)]
