@@ -1,4 +1,4 @@
-"""Writes held.csv and expected.csv: strokes of the first and the last row in a small wave, from linear theory.
+"""Writes held.csv and expected.csv: strokes and loads by linear theory.
 
     python make_reference.py
 
@@ -6,14 +6,14 @@ Barge, dock, links and block in the plane, with the block at its place, as nine 
 
     q = surge, heave, pitch of the barge; of the dock; heave, pitch of the block
 
-with the motions exp(-i w t) in the wave of `held_2.toml`. Links are plates from the hinge to the edge of the dock's deck.
-The block goes along with the decks by its shares on them. The height of a bogie's place over its deck is g_i(q), and what
-its tyre and its group make of that is a symmetric matrix F(w)::
+with the motions exp(-i w t). Links are plates from the hinge to the edge of the dock's deck. The block goes along with
+the decks by its shares on them. The height of a bogie's place over its deck is g_i(q), and what its tyre and its group
+make of that is a symmetric matrix F(w)::
 
     [ -w^2 (M + A) - i w (B + D) + C + J^T F J - sum f_i g_i'' ] q = X(w),     J = g',   s = S(w) (-J q)
 
-J and g'' are difference quotients of the geometry; A, B and X are those of the databases. The load of a bogie f_i is that
-at rest. Nothing of the program is used.
+J and g'' are difference quotients of the geometry; A, B and X are those of the databases. The load of a bogie f_i is
+that at rest. Nothing of the program is used.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ HERE = Path(__file__).resolve().parent
 
 HEIGHT, PERIOD = 0.1, 10.0
 TIMES = np.arange(300.0, 400.1, 0.5)
-ROWS = {"first": 17, "last": 0}
+BOGIES = {33: 17, 73: 0}
+"""Of the first and the last row: numbers of bogies and rows."""
 TYRE, TYRE_DAMPING, PIPE, OIL = 3e6, 15e3, 20e3, 9.7e6
 GAP = case.LENGTH
 DOCK = case.dock_x(GAP)
@@ -48,7 +49,11 @@ def splines(name: str) -> tuple[CubicSpline, CubicSpline, CubicSpline]:
         at, pick = int(np.argmin(np.abs(headings))), np.ix_(range(len(omega)), PLANE, PLANE)
         A, B = (file[key][:] for key in ("added_mass", "radiation_damping"))
     A, B = (0.5 * (matrix + matrix.transpose(0, 2, 1))[pick] for matrix in (A, B))
-    return CubicSpline(omega, A), CubicSpline(omega, B), CubicSpline(omega, (real + 1j * imaginary)[:, at][:, PLANE])
+    return (
+        CubicSpline(omega, A),
+        CubicSpline(omega, B),
+        CubicSpline(omega, (real + 1j * imaginary)[:, at][:, PLANE]),
+    )
 
 
 def point_mass(m: float, x: float, z: float) -> np.ndarray:
@@ -200,7 +205,9 @@ def extreme(row: dict[str, str], which: int, until: float) -> tuple[float, float
         m0 = np.trapezoid(power, omega, axis=0)
         row_of = int(m0.argmax())
         spread.append(math.sqrt(m0[row_of]))
-        rate.append(math.sqrt(np.trapezoid(power[:, row_of] * omega**2, omega) / m0[row_of]) / (2.0 * math.pi))
+        rate.append(
+            math.sqrt(np.trapezoid(power[:, row_of] * omega**2, omega) / m0[row_of]) / (2.0 * math.pi)
+        )
     seconds = (places[1] - places[0]) / case.SPEED
     levels = np.linspace(0.1, 8.0, 4000) * max(spread)
     reached = seconds * np.sum(
@@ -212,14 +219,15 @@ def extreme(row: dict[str, str], which: int, until: float) -> tuple[float, float
 def main() -> None:
     """Histories at the place of `held_2.toml`, and largest values on the way in all seas."""
     w = 2.0 * math.pi / PERIOD
-    lines = ["# strokes [m] of the first and the last row in the wave of held_2.toml, by make_reference.py"]
-    lines.append("time," + ",".join(ROWS))
     strokes, _ = respond(case.HELD, w)
+    lines = ["time," + ",".join(str(bogie) for bogie in BOGIES)]
     for time in TIMES:
-        values = [(0.5 * HEIGHT * strokes[row] * np.exp(-1j * w * time)).real for row in ROWS.values()]
-        lines.append(f"{time:g}," + ",".join(f"{value:.6e}" for value in values))
+        values = (0.5 * HEIGHT * strokes * np.exp(-1j * w * time)).real
+        lines.append(f"{time:g}," + ",".join(f"{values[row]:.6e}" for row in BOGIES.values()))
     (HERE / "held.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    lines = ["# largest stroke [m] and change of the load of a bogie [N] on the way, expected by make_reference.py"]
+    lines = [
+        "# largest stroke [m] and change of the load of a bogie [N] on the way, expected by make_reference.py"
+    ]
     lines.append("case,stroke_low,stroke,stroke_high,load_low,load,load_high")
     for row in case.seas():
         values: list[float] = []
