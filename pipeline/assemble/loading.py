@@ -8,12 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.pipeline.case.joined import (
-    joined_bodies,
-    joined_to_hull,
-    shared_bodies,
-    shared_with_hulls,
-)
+from heavylift.pipeline.case.joined import joined_to_hull, shared_with_hulls
+from heavylift.solver.scene.joined import joined_bodies, shared_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
 
 if TYPE_CHECKING:

@@ -40,9 +40,10 @@ from heavylift.solver.interface import (
     update_rows,
     watch_joints,
 )
-from heavylift.solver.joints.row_writing import add_direction_row, difference, dot, residuals, targets, vector
+from heavylift.solver.joints.row_writing import add_direction_row, dot, minus, residuals, targets, vector
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.transport.arms import PlaceData, add_place_row, place
 from heavylift.solver.transport.transporters import BogieState
 
 __all__ = ["DriveData", "PathBogie", "PathData", "PathPlan", "PathState", "Paths", "PlanState"]
@@ -61,7 +62,7 @@ class PathData(Record):
     column
         First record column.
     middle, forward, side
-        Markers of the middle of the bogies and of the axis of the vehicle, and the side of the rows on which it is.
+        The middle of the bogies, marker of the axis of the vehicle, and the side of the rows on which it is.
     first_plan, plans
         Bodies with decks.
     first_node, nodes, first_piece, pieces
@@ -79,7 +80,7 @@ class PathData(Record):
     block: int
     attachments: int
     column: int
-    middle: int
+    middle: PlaceData
     forward: int
     side: int
     first_plan: int
@@ -286,12 +287,12 @@ def _write_rows(kind: Paths, number: int, work: Workspace, system: RowArrays) ->
             continue
         x, y = vector(work, plan.x), vector(work, plan.y)
         across = (w * (c * y[0] - s * x[0]), w * (c * y[1] - s * x[1]), w * (c * y[2] - s * x[2]))
-        add_direction_row(system, path.side, 0, work, path.middle, (w * x[0], w * x[1], w * x[2]))
-        add_direction_row(system, path.side, 1, work, path.middle, (w * y[0], w * y[1], w * y[2]))
+        add_place_row(system, path.side, 0, work, path.middle, (w * x[0], w * x[1], w * x[2]))
+        add_place_row(system, path.side, 1, work, path.middle, (w * y[0], w * y[1], w * y[2]))
         add_direction_row(system, path.side, 2, work, path.forward, across)
         if plan.side < 0:
             continue
-        d = difference(work, plan.origin, path.middle)
+        d = minus(place(work, path.middle), vector(work, plan.origin))
         add_direction_row(system, plan.side, 0, work, plan.origin, (-w * x[0], -w * x[1], -w * x[2]))
         add_direction_row(system, plan.side, 0, work, plan.x, (w * d[0], w * d[1], w * d[2]))
         add_direction_row(system, plan.side, 1, work, plan.origin, (-w * y[0], -w * y[1], -w * y[2]))
@@ -307,7 +308,7 @@ def _place(kind: Paths, number: int, j: int, work: Workspace) -> tuple[tuple[flo
     path, plan = kind.table[number], kind.plans[j]
     c, s = math.cos(kind.state[number].yaw), math.sin(kind.state[number].yaw)
     x, y, f = vector(work, plan.x), vector(work, plan.y), vector(work, path.forward)
-    d = difference(work, plan.origin, path.middle)
+    d = minus(place(work, path.middle), vector(work, plan.origin))
     ahead, aside = dot(x, f), dot(y, f)
     return (dot(d, x), dot(d, y), c * aside - s * ahead), c * ahead + s * aside
 

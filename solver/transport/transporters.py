@@ -19,6 +19,10 @@ is that of the mean load, and a deviation of the row from its prediction is shar
 of r is carried over the step as an elongation of a rope is: where all loads are equal, of oil that is linear, the force
 is the discrete gradient of the stored energy ``p^2 / 2 kappa + sum f^2 / 2 k`` and no step gains any.
 
+Pipes and rubber so answer to what the bogies of a group do apart from each other by its prediction alone. A body with
+modes moves apart in ways that no step resolves, which this would drive: where such a body has dampers, every bogie has
+a row of its own, and the group only their common force.
+
 A wheel is on the uppermost of several decks. Where that changes from one body to another one, as at the end of a link
 beam, its load goes over little by little while it rolls on: in truth both decks carry it as long as the one gives way
 and comes back. The force and the row then are a mean of both decks; what the wheel rises beside what this mean does is
@@ -54,7 +58,6 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import (
     Vector,
     add_direction_row,
-    difference,
     dot,
     minus,
     rate,
@@ -65,6 +68,7 @@ from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
+from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
@@ -185,7 +189,7 @@ class Transporter:
 
     name: str
     body: Annotated[str, NameOf("body")]
-    """Body that rides on it: load and platform in one."""
+    """Body that rides on it: load and platform in one, or a platform to which fixed joints hold the load."""
     groups: Annotated[tuple[BogieGroup, ...], Least(1)]
     """Bogies, by the groups that share their oil."""
     direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
@@ -347,7 +351,9 @@ class GroupData(Record):
     first, count
         Its bogies.
     block, lane, attachments
-        Of its row.
+        Of its row, or of the first of its rows.
+    rows, apart
+        1, or one a bogie; blocks from one to the next.
     stiffness
         Of oil, force of a cylinder by the sum of strokes [N/m].
     gas
@@ -370,6 +376,8 @@ class GroupData(Record):
     block: int
     lane: int
     attachments: int
+    rows: int
+    apart: int
     stiffness: float
     gas: float
     start_force: float
@@ -426,9 +434,9 @@ class GroupState(Record):
 
 
 class BogieData(Record):
-    """A bogie: marker of its place, side of the row on which its body is, force of its cylinder at the start [N]."""
+    """A bogie: its place, side of its row on which its body is, force of its cylinder at the start [N]."""
 
-    marker: int
+    place: PlaceData
     side: int
     start_force: float
 
@@ -450,12 +458,15 @@ class BogieState(Record):
         Share of its load in the mean of its group.
     height
         By which the road lifts it over height zero of its deck [m].
-    middle, growth
-        r in the middle of the step [m] and its rate [m/s], as predicted.
+    middle, growth, extra
+        r in the middle of the step [m] and its rate, as predicted; rate by which it grows beside that [m/s].
     road
         By how much the road lifts it in the step [m].
-    load, mean
-        On the road at the end and in the mean of a step, without its own weight [N].
+    load, mean, slope, load_p
+        On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
+        rate by which every r of its group grows [N s/m], and by the force of its cylinder.
+    predicted, last_rate, last_mean
+        Of a row of its own: rate as predicted [m/s], and scratch of the iteration.
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
@@ -471,9 +482,15 @@ class BogieState(Record):
     height: float
     middle: float
     growth: float
+    extra: float
     road: float
     load: float
     mean: float
+    slope: float
+    load_p: float
+    predicted: float
+    last_rate: float
+    last_mean: float
     end_stroke: float
     failure: int
     station: float
@@ -614,30 +631,28 @@ def _bogie(
 
 
 @kernel(internal=True)
-def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, float, float]:
+def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, float]:
     """Loads of the bogies of a group.
 
     Parameters
     ----------
     kind
-        Carried; `mean` and `end_stroke` of its bogies, and the force of its cylinders, are found.
+        Carried; what `extra` makes of its bogies, and the force of its cylinders, are found.
     g
         The group.
-    x
-        Rate by which every r grows beside its prediction [m/s].
     h
         Step [s]; 0 for what holds at an instant.
 
     Returns
     -------
     force, mean, slope
-        Force of a cylinder [N]; mean load [N] and its derivative by x.
+        Force of a cylinder [N]; mean load [N] and its derivative by a rate that all bogies have beside `extra`.
     """
     group, state = kind.groups[g], kind.group_state[g]
     vehicle = kind.vehicles[group.vehicle]
     n = group.count
     gone = _relaxed(vehicle, h)
-    lift = 0.5 * h * x - state.drift / n
+    off = -state.drift / n
     oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
     low, high = 0.0, math.inf
     p = max(state.force, 0.0)
@@ -646,11 +661,12 @@ def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, f
         total = sum_load = by_p = falls = by_r = follows = 0.0
         for i in range(group.first, group.first + n):
             bogie = kind.bogie_state[i]
-            tyre = kind.bogies[i].start_force / vehicle.tyre
+            tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
             load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
-                vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h, gone
+                vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h, gone
             )
             bogie.mean, bogie.end_stroke = load, end
+            bogie.slope, bogie.load_p = load_r, load_p
             total += s
             sum_load += load
             by_p += load_p
@@ -672,6 +688,10 @@ def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, f
             break
         p = after
     p_r = stiffness * follows / (1.0 - stiffness * falls)
+    if group.rows > 1:
+        for i in range(group.first, group.first + n):
+            bogie = kind.bogie_state[i]
+            bogie.slope = 0.5 * h * (bogie.slope + bogie.load_p * p_r)
     state.force = p
     return p, sum_load / n, 0.5 * h * (by_r + by_p * p_r) / n
 
@@ -695,17 +715,17 @@ def _oil_in(kind: Transporters, g: int, time: float) -> float:
 
 
 @kernel(inline=True, internal=True)
-def _places(work: Workspace, deck: DeckData, marker: int) -> Vector:
-    """Station, offset and height of a marker on a deck [m]."""
-    d = difference(work, deck.origin, marker)
+def _places(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
+    """Station, offset and height of a place on a deck [m]."""
+    d = minus(place(work, at), vector(work, deck.origin))
     return dot(d, vector(work, deck.x)), dot(d, vector(work, deck.y)), dot(d, vector(work, deck.z))
 
 
 @kernel(inline=True, internal=True)
-def _place_rates(work: Workspace, deck: DeckData, marker: int) -> Vector:
+def _place_rates(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
     """Rates of `_places` [m/s]."""
-    d = difference(work, deck.origin, marker)
-    v = minus(rate(work, marker), rate(work, deck.origin))
+    d = minus(place(work, at), vector(work, deck.origin))
+    v = minus(place_rate(work, at), rate(work, deck.origin))
     return (
         dot(v, vector(work, deck.x)) + dot(d, rate(work, deck.x)),
         dot(v, vector(work, deck.y)) + dot(d, rate(work, deck.y)),
@@ -742,10 +762,10 @@ def _stand(
     height
         Of the road for the wheel over that of the deck [m].
     """
-    marker = kind.bogies[i].marker
+    at = kind.bogies[i].place
     found, best, above = -1, NO_ROAD, 0.0
     for d in range(kind.decks.shape[0]):
-        x, y, z = _places(work, kind.decks[d], marker)
+        x, y, z = _places(work, kind.decks[d], at)
         if vehicle.driven:
             x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
         height = _height(kind, d, vehicle, x, y)
@@ -777,14 +797,14 @@ def _roll(
     moved, station, offset
         Way along, and place at the end, on that deck; or on the last one that was looked at [m].
     """
-    marker = kind.bogies[i].marker
+    at = kind.bogies[i].place
     first, found = -1, -1
     before, after = NO_ROAD, NO_ROAD
     rises = begin = station = offset = 0.0
     for d in range(kind.decks.shape[0]):
         deck = kind.decks[d]
-        x, y, z = _places(work, deck, marker)
-        along, across, up = _place_rates(work, deck, marker)
+        x, y, z = _places(work, deck, at)
+        along, across, up = _place_rates(work, deck, at)
         x0, x1, y0, y1 = x - 0.5 * h * along, x + 0.5 * h * along, y - 0.5 * h * across, y + 0.5 * h * across
         if vehicle.driven:
             x0 = kind.starts[i, 2 * d] + vehicle.speed * time
@@ -847,7 +867,7 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
         bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
         if bogie.left_share > 0.0:
-            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].marker)[2]
+            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
             up += bogie.left_share * (other - up)
         bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
@@ -877,7 +897,8 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
     state.drift = total - state.lift
     state.oil = _oil_in(kind, g, time)
     if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
-        _fit_group(kind, g, 0.0, 0.0)
+        _put_extra(kind, g, 0.0)
+        _fit_group(kind, g, 0.0)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
             bogie.load, bogie.stroke = bogie.mean, bogie.end_stroke
@@ -900,17 +921,24 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
 # ---- rows ----
 
 
+@kernel(inline=True, internal=True)
+def _block(group: GroupData, i: int) -> int:
+    """Block of the row in which a bogie is."""
+    return group.block if group.rows == 1 else group.block + group.apart * (i - group.first)
+
+
 @kernel(internal=True)
 def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> None:
     """``sum w_i d/dt ( - n . (p_i - o) )`` on the sides of the body and of the decks."""
     group, lanes, lane = kind.groups[g], system.lanes, kind.groups[g].lane
-    for side in range(2 * group.block, 2 * group.block + group.attachments):
-        panel = system.attachments[side].panel + lane
-        for k in range(system.attachments[side].width):
-            system.panels[panel + k * lanes] = 0.0
+    for row in range(group.rows):
+        first = 2 * (group.block + group.apart * row)
+        for side in range(first, first + group.attachments):
+            panel = system.attachments[side].panel + lane
+            for k in range(system.attachments[side].width):
+                system.panels[panel + k * lanes] = 0.0
     for d in range(kind.decks.shape[0]):
-        deck = kind.decks[d]
-        n, o = vector(work, deck.z), vector(work, deck.origin)
+        n, o = vector(work, kind.decks[d].z), vector(work, kind.decks[d].origin)
         shares, a, b, c = 0.0, 0.0, 0.0, 0.0
         for i in range(group.first, group.first + group.count):
             bogie, w = kind.bogie_state[i], kind.bogie_state[i].weight
@@ -922,18 +950,36 @@ def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -
                 continue
             if w == 0.0:
                 continue
-            marker = kind.bogies[i].marker
-            add_direction_row(
-                system, kind.bogies[i].side, lane, work, marker, (-w * n[0], -w * n[1], -w * n[2])
-            )
-            p = vector(work, marker)
-            shares, a, b, c = shares + w, a + w * (p[0] - o[0]), b + w * (p[1] - o[1]), c + w * (p[2] - o[2])
-        side = kind.deck_sides[g, d]
-        if side >= 0 and shares > 0.0:
-            add_direction_row(
-                system, side, lane, work, deck.origin, (shares * n[0], shares * n[1], shares * n[2])
-            )
-            add_direction_row(system, side, lane, work, deck.z, (-a, -b, -c))
+            at = kind.bogies[i].place
+            add_place_row(system, kind.bogies[i].side, lane, work, at, (-w * n[0], -w * n[1], -w * n[2]))
+            p = minus(place(work, at), o)
+            shares, a, b, c = shares + w, a + w * p[0], b + w * p[1], c + w * p[2]
+            if group.rows > 1:
+                _add_deck(kind, g, d, _block(group, i), shares, (a, b, c), work, system)
+                shares, a, b, c = 0.0, 0.0, 0.0, 0.0
+        if shares > 0.0:
+            _add_deck(kind, g, d, group.block, shares, (a, b, c), work, system)
+
+
+@kernel(internal=True)
+def _add_deck(
+    kind: Transporters,
+    g: int,
+    d: int,
+    block: int,
+    w: float,
+    arms: Vector,
+    work: Workspace,
+    system: RowArrays,
+) -> None:
+    """Add what stands on a deck to a row: weights and weighted arms from its origin, summed."""
+    deck, lane, side = kind.decks[d], kind.groups[g].lane, kind.deck_sides[g, d]
+    if side < 0:
+        return
+    side += 2 * (block - kind.groups[g].block)
+    n = vector(work, deck.z)
+    add_direction_row(system, side, lane, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
+    add_direction_row(system, side, lane, work, deck.z, (-arms[0], -arms[1], -arms[2]))
 
 
 @implement(fill_rows, Transporters)
@@ -943,10 +989,12 @@ def fill_transporter_rows(
 ) -> None:
     """Rows with the shares that are known; drift."""
     for g in range(kind.groups.shape[0]):
+        group = kind.groups[g]
         _write_row(kind, g, work, system)
         if with_residual:
-            group = kind.groups[g]
-            system.rows[group.block].residual[group.lane] = kind.group_state[g].drift
+            for row in range(group.rows):
+                residual = system.rows[group.block + group.apart * row].residual
+                residual[group.lane] = kind.group_state[g].drift / group.rows
 
 
 @implement(set_targets, Transporters)
@@ -964,23 +1012,58 @@ def set_transporter_targets(
             _look_here(kind, g, time, work)
         _look_ahead(kind, g, time, step, work)
         state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
-        _, mean, slope = _fit_group(kind, g, 0.0, step)
+        _put_extra(kind, g, 0.0)
+        _, mean, slope = _fit_group(kind, g, step)
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
-            bogie.weight = bogie.mean / mean if mean > 0.0 else 1.0
-            state.predicted -= bogie.weight * (bogie.road / step - bogie.growth)
+            up = bogie.road / step - bogie.growth
+            bogie.predicted, bogie.last_rate, bogie.last_mean = -up, -up, bogie.mean
+            bogie.weight = 1.0 if group.rows > 1 else bogie.mean / mean if mean > 0.0 else 1.0
+            state.predicted -= bogie.weight * up
         _write_row(kind, g, work, system)
+        state.rounds = 0
+        if group.rows > 1:
+            for i in range(group.first, group.first + group.count):
+                bogie = kind.bogie_state[i]
+                put_row_law(system, _block(group, i), 0, step, bogie.predicted, bogie.mean, bogie.slope)
+            continue
         put_row_law(system, group.block, group.lane, step, state.predicted, mean, slope / group.count)
-        state.last_rate, state.last_force, state.rounds = state.predicted, mean, 0
+        state.last_rate, state.last_force = state.predicted, mean
 
 
 @kernel(inline=True, internal=True)
-def _rate(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> float:
-    """Rate of the row of a group in the middle of the step [m/s]."""
-    group = kind.groups[g]
-    first = 2 * group.block
+def _rate(group: GroupData, row: int, work: Workspace, system: RowArrays) -> float:
+    """Rate of a row of a group in the middle of the step [m/s]."""
+    first = 2 * (group.block + group.apart * row)
     return rate_of_row(system, first, first + group.attachments, group.lane, work.velocity)
+
+
+@kernel(internal=True)
+def _put_extra(kind: Transporters, g: int, x: float) -> None:
+    """Set the rate by which every r of a group grows beside its prediction [m/s]."""
+    for i in range(kind.groups[g].first, kind.groups[g].first + kind.groups[g].count):
+        kind.bogie_state[i].extra = x
+
+
+@kernel(internal=True)
+def _find_extra(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> float:
+    """Find by how much more every r of a group grows; rate of its row if it has one [m/s]."""
+    group, state = kind.groups[g], kind.group_state[g]
+    if group.rows == 1:
+        u = _rate(group, 0, work, system)
+        _put_extra(kind, g, (u - state.predicted) / group.count)
+        return u
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        bogie.extra = _rate(group, i - group.first, work, system) - bogie.predicted
+    return 0.0
+
+
+@kernel(inline=True, internal=True)
+def _chord(slope: float, u: float, force: float, last_rate: float, last_force: float) -> float:
+    """The slope, or that of the chord from the last iterate if it is steeper."""
+    return slope if u == last_rate else max(slope, (force - last_force) / (u - last_rate))
 
 
 @implement(relinearise, Transporters)
@@ -990,13 +1073,22 @@ def relinearise_transporters(
 ) -> None:
     """Fit the mean loads to the rates found."""
     for g in range(kind.groups.shape[0]):
-        group, state, n = kind.groups[g], kind.group_state[g], kind.groups[g].count
-        u = _rate(kind, g, work, system)
-        _, mean, slope = _fit_group(kind, g, (u - state.predicted) / n, step)
-        slope /= n
+        group, state = kind.groups[g], kind.group_state[g]
+        u = _find_extra(kind, g, work, system)
+        _, mean, slope = _fit_group(kind, g, step)
         state.rounds += 1
-        if state.rounds > PLAIN_ROUNDS and u != state.last_rate:
-            slope = max(slope, (mean - state.last_force) / (u - state.last_rate))
+        if group.rows > 1:
+            for i in range(group.first, group.first + group.count):
+                bogie = kind.bogie_state[i]
+                u, slope = bogie.predicted + bogie.extra, bogie.slope
+                if state.rounds > PLAIN_ROUNDS:
+                    slope = _chord(slope, u, bogie.mean, bogie.last_rate, bogie.last_mean)
+                bogie.last_rate, bogie.last_mean = u, bogie.mean
+                fit_row_law(system, _block(group, i), 0, step, u, bogie.mean, slope, work)
+            continue
+        slope /= group.count
+        if state.rounds > PLAIN_ROUNDS:
+            slope = _chord(slope, u, mean, state.last_rate, state.last_force)
         state.last_rate, state.last_force = u, mean
         fit_row_law(system, group.block, group.lane, step, u, mean, slope, work)
 
@@ -1010,31 +1102,33 @@ def update_transporters(
     for g in range(kind.groups.shape[0]):
         group, state = kind.groups[g], kind.group_state[g]
         vehicle = kind.vehicles[group.vehicle]
-        x = (_rate(kind, g, work, system) - state.predicted) / group.count
-        p, _, _ = _fit_group(kind, g, x, step)
+        _find_extra(kind, g, work, system)
+        p, _, _ = _fit_group(kind, g, step)
+        grown = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
+            grown += bogie.extra
             state.road_work += bogie.mean * bogie.road
             moved = bogie.end_stroke - bogie.stroke
             if vehicle.pipe + vehicle.rubber > 0.0 and bogie.mean > 0.0:
                 # mean force of the pipe by the stroke, and of the rubber by what the tyre gives way
-                grown = step * (bogie.growth + x) - moved
-                state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * grown * grown) / step
+                gave = step * (bogie.growth + bogie.extra) - moved
+                state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * gave * gave) / step
             bogie.stroke = bogie.end_stroke
             if bogie.left_share > 0.0:
                 gone = max(step / HANDOVER_TIME, bogie.rolled / max(HANDOVER_WAY * vehicle.radius, 1e-9))
                 bogie.left_share = max(bogie.left_share - gone, 0.0)
         state.road_work += p * RETURN * state.drift
         state.pump_work += p * (state.next_oil - state.oil)
-        state.lift += state.road + step * (state.body_rate + group.count * x) + RETURN * state.drift
-        _lose_oil(kind, g, p, x, step)
+        state.lift += state.road + step * (state.body_rate + grown) + RETURN * state.drift
+        _lose_oil(kind, g, p, step)
         state.oil = state.next_oil
         state.fresh = False
 
 
 @kernel(internal=True)
-def _lose_oil(kind: Transporters, g: int, p: float, x: float, step: float) -> None:
-    """Oil that leaks in a step at the force p of its middle, or that a relief valve lets go; x as in `_fit_group`."""
+def _lose_oil(kind: Transporters, g: int, p: float, step: float) -> None:
+    """Oil that leaks in a step at the force p of its middle, or that a relief valve lets go."""
     group, state = kind.groups[g], kind.group_state[g]
     if group.leak == 0.0 and group.relief == math.inf:
         return
@@ -1046,7 +1140,7 @@ def _lose_oil(kind: Transporters, g: int, p: float, x: float, step: float) -> No
             bogie = kind.bogie_state[i]
             total += bogie.stroke
             if vehicle.pipe + vehicle.rubber == 0.0 and vehicle.low < bogie.stroke < vehicle.high:
-                total += 0.5 * step * (bogie.growth + x)  # without pipes it is that of the middle
+                total += 0.5 * step * (bogie.growth + bogie.extra)  # without pipes it is that of the middle
         lost += max(total - state.strokes - lost - _growth_to(group, group.relief), 0.0)
     state.strokes += lost
     state.loss += p * lost
@@ -1095,7 +1189,7 @@ def _record_pose(kind: Transporters, vehicle: VehicleData, work: Workspace, row:
     """Heave, roll and pitch."""
     height = 0.0
     for i in range(vehicle.first_bogie, vehicle.first_bogie + vehicle.bogies):
-        height += vector(work, kind.bogies[i].marker)[2]
+        height += place(work, kind.bogies[i].place)[2]
     row[vehicle.column] = height / vehicle.bogies - vehicle.start_height
     x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
     row[vehicle.column + 1] = math.atan2(y[2], z[2])

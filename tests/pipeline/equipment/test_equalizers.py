@@ -540,6 +540,20 @@ def test_lines_differ_by_no_more_than_friction_holds(tmp_path, efficiency):
     assert np.abs(q).max() > 0.01
 
 
+@pytest.mark.slow
+def test_a_load_that_hangs_keeps_all_tensions(tmp_path):
+    """Friction leaves open how parts share what moves nothing: ten minutes at rest change no tension by 1e-6."""
+    more = {"step": 0.01, "duration": 600.0}
+    folder = lift(tmp_path / "c", (23, 26, 26, 26, 23), **more)
+    text = (folder / "case.toml").read_text().replace("output_interval = 0.01", "output_interval = 1")
+    (folder / "case.toml").write_text(text.replace("part_length = 3", "part_length = 3\nefficiency = 0.98"))
+    results = run(folder)
+    T = np.asarray(results["loader_rope.segment_tension"])[1:]
+    assert np.ptp(T, axis=0).max() < 1e-6 * T.min()
+    assert np.all(results["loader_rope.sheave_state"] == 0.0)
+    assert np.ptp(results["loader_pulley_1.position"][1:], axis=0).max() < 1e-8
+
+
 def test_massless_pulleys_have_no_efficiency(tmp_path):
     folder = lift(tmp_path / "c", (20,) * 3, lugs=(-2, 0, 2), height=14, pulley=None)
     text = (folder / "case.toml").read_text().replace("part_length = 3", "part_length = 3\nefficiency = 0.98")
