@@ -388,7 +388,8 @@ duration = {DURATION}
 [report]
 channels = ["spmt.stroke_max", "spmt.stroke_min", "spmt.heave", "spmt.pitch", "barge.position", "dock.position"]
 """
-    moves = next(one for one in rows_of("crossing_in_waves.csv") if one["case"] == row["case"])
+    wanted = {"case": row["case"], "link_m": "10", "dock": "moves"}
+    moves = next(one for one in rows_of("crossing_in_waves.csv") if wanted.items() <= one.items())
     source = "crossing_in_waves.csv, an independent linear prototype: link of 10 m, the dock moves, 1/100"
     for name, quantity, sign in (
         ("stroke_up", "stroke_max.max", 1.0),

@@ -18,16 +18,21 @@ that at rest. Nothing of the program is used.
 
 from __future__ import annotations
 
+import importlib.util
 import math
 from functools import lru_cache
 from pathlib import Path
 
 import h5py
-import make_case as case
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 HERE = Path(__file__).resolve().parent
+
+_SPEC = importlib.util.spec_from_file_location("make_case_block_offloading", HERE / "make_case.py")
+case = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(case)
+"""What the scene is."""
 
 HEIGHT, PERIOD = 0.1, 10.0
 TIMES = np.arange(300.0, 400.1, 0.5)
@@ -216,28 +221,34 @@ def extreme(row: dict[str, str], which: int, until: float) -> tuple[float, float
     return tuple(float(np.interp(p, np.exp(-reached), levels)) for p in (0.05, 0.5, 0.95))
 
 
-def main() -> None:
-    """Histories at the place of `held_2.toml`, and largest values on the way in all seas."""
+def references() -> dict[str, np.ndarray]:
+    """Strokes at the place of `held_2.toml`, and largest values on the way in all seas, by file."""
     w = 2.0 * math.pi / PERIOD
-    strokes, _ = respond(case.HELD, w)
-    lines = ["time," + ",".join(str(bogie) for bogie in BOGIES)]
-    for time in TIMES:
-        values = (0.5 * HEIGHT * strokes * np.exp(-1j * w * time)).real
-        lines.append(f"{time:g}," + ",".join(f"{values[row]:.6e}" for row in BOGIES.values()))
-    (HERE / "held.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    lines = [
-        "# largest stroke [m] and change of the load of a bogie [N] on the way, expected by make_reference.py"
-    ]
-    lines.append("case,stroke_low,stroke,stroke_high,load_low,load,load_high")
+    strokes = respond(case.HELD, w)[0][list(BOGIES.values())]
+    held = 0.5 * HEIGHT * (strokes * np.exp(-1j * w * TIMES[:, None])).real
+    expected = []
     for row in case.seas():
-        values: list[float] = []
+        values: list[float] = [float(row["case"])]
         for which in (0, 1):
             if row["type"] == "regular":
                 values += [worst(row, which)] * 3
             else:
                 values += extreme(row, which, case.SHORT if row["case"] == "6" else case.DURATION)
-        lines.append(f"{row['case']}," + ",".join(f"{value:.6g}" for value in values))
-    (HERE / "expected.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        expected.append(values)
+    return {"held.csv": np.column_stack([TIMES, held]), "expected.csv": np.array(expected)}
+
+
+HEADERS = {
+    "held.csv": "time," + ",".join(str(bogie) for bogie in BOGIES),
+    "expected.csv": "case,stroke_low,stroke,stroke_high,load_low,load,load_high",
+}
+
+
+def main() -> None:
+    """Write all."""
+    for name, table in references().items():
+        lines = [HEADERS[name], *(",".join(f"{value:.12g}" for value in row) for row in table)]
+        (HERE / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

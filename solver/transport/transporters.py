@@ -405,6 +405,9 @@ class GroupState(Record):
         Of the sum of r from the geometry [m].
     force
         Of a cylinder [N].
+    fitted, follows
+        `extra` for which `force` was found last [m/s], and by how much the force grows with it [N s/m]; of a group with
+        one row.
     predicted, body_rate
         As predicted: rate of the row, and of the sum of r without the road [m/s].
     road
@@ -422,6 +425,8 @@ class GroupState(Record):
     strokes: float
     drift: float
     force: float
+    fitted: float
+    follows: float
     predicted: float
     body_rate: float
     road: float
@@ -655,7 +660,8 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
     off = -state.drift / n
     oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
     low, high = 0.0, math.inf
-    p = max(state.force, 0.0)
+    extra = kind.bogie_state[group.first].extra
+    p = max(state.force + state.follows * (extra - state.fitted), 0.0)
     sum_load = by_p = falls = by_r = follows = stiffness = 0.0
     for _ in range(ROUNDS):
         total = sum_load = by_p = falls = by_r = follows = 0.0
@@ -688,7 +694,9 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
             break
         p = after
     p_r = stiffness * follows / (1.0 - stiffness * falls)
-    if group.rows > 1:
+    if group.rows == 1:
+        state.fitted, state.follows = extra, 0.5 * h * p_r
+    else:
         for i in range(group.first, group.first + n):
             bogie = kind.bogie_state[i]
             bogie.slope = 0.5 * h * (bogie.slope + bogie.load_p * p_r)
@@ -898,6 +906,7 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
     state.oil = _oil_in(kind, g, time)
     if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
         _put_extra(kind, g, 0.0)
+        state.follows = 0.0
         _fit_group(kind, g, 0.0)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
@@ -1013,6 +1022,7 @@ def set_transporter_targets(
         _look_ahead(kind, g, time, step, work)
         state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
         _put_extra(kind, g, 0.0)
+        state.follows = 0.0
         _, mean, slope = _fit_group(kind, g, step)
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
@@ -1102,8 +1112,10 @@ def update_transporters(
     for g in range(kind.groups.shape[0]):
         group, state = kind.groups[g], kind.group_state[g]
         vehicle = kind.vehicles[group.vehicle]
-        _find_extra(kind, g, work, system)
-        p, _, _ = _fit_group(kind, g, step)
+        u = _find_extra(kind, g, work, system)
+        if group.rows > 1 or u != state.last_rate:  # else it was fitted to that last
+            _fit_group(kind, g, step)
+        p = state.force
         grown = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
