@@ -34,6 +34,7 @@ BLOCK, BLOCK_SIZE, BLOCK_HEIGHT = 1.6e6, (25.0, 52.0, 20.0), 11.49
 PLATFORM, PLATFORM_HEIGHT = 23.003e3, 0.9  # of a transporter without bogies
 BOGIE, RADIUS = 108.0, 0.37
 LINK, LENGTH, GAP, BREADTH, LIP = 40e3, 10.0, 8.0, 12.0, 0.02
+RECESS = 0.5  # m by which the edge of the dock is lower under the links, which are steep at times
 
 SPEED, WAY = 0.25 / 3.6, 75.0  # m/s, m
 REST, DURATION = 200.0, 1280.0  # s
@@ -212,6 +213,12 @@ centre_of_mass = [{made["centre"][0]:.8g}, 0, {made["centre"][2]:.8g}]
 frame = {{ motion = "free" }}
 initial = {{ position = [{x!r}, 0, 0] }}
 
+[[surfaces]]
+name = "{name}_sides"
+body = "{name}"
+shape = {{ type = "box", size = [{length}, {breadth}, {draft + DECK}] }}
+at = [0, 0, {0.5 * (DECK - draft)!r}]
+
 [hulls.{name}]
 damping = [{", ".join(f"{value:.4g}" for value in damping(name))}]
 
@@ -255,6 +262,12 @@ centre_of_mass = [0, 0, {height:.8g}]
 frame = {{ motion = "free" }}
 initial = {{ position = [{begin!r}, 0, {DECK}] }}
 
+[[surfaces]]
+name = "block_sides"
+body = "block"
+shape = {{ type = "box", size = {list(BLOCK_SIZE)} }}
+at = [0, 0, {BLOCK_HEIGHT}]
+
 [[transporters]]
 name = "spmt"
 body = "block"
@@ -280,11 +293,11 @@ load_limit = {factor * LOAD!r}
     return text
 
 
-def deck(name: str, body: str, begin: float, end: float) -> Text:
-    """A level deck over the whole breadth for the trains."""
+def deck(name: str, body: str, stations: list[float], heights: list[float]) -> Text:
+    """A deck over the whole breadth for the trains."""
     return (
         f'\n[[decks]]\nname = "{name}"\nbody = "{body}"\norigin = [0, 0, {DECK}]\nsides = [-18, 18]\n'
-        f"stations = [{begin!r}, {end!r}]\nheights = [0, 0]\n"
+        f"stations = {stations}\nheights = {heights}\n"
     )
 
 
@@ -377,7 +390,7 @@ def small(row: dict[str, str]) -> Text:
         f"A block driven from a barge to a dock, neither of which feels it, {words(row, 0.01)}", row, 0.01
     )
     text += hull("barge", 0.0, loaded=True) + hull("dock", dock_x(LENGTH), loaded=True)
-    text += decks()
+    text += decks(LENGTH)
     text += plates(1e-6) + transporters(1e-6)
     text += f"""
 [simulate]
@@ -411,13 +424,15 @@ def loose_hulls(gap: float, begin: float = 0.0) -> Text:
     text += (
         "\n# against what the load leaves and brings" + tanks("barge", gap, begin) + tanks("dock", gap, begin)
     )
-    return text + decks()
+    return text + decks(gap)
 
 
-def decks() -> Text:
-    """Of the barge, and where the block goes on the dock."""
-    begin = -0.5 * DOCK[0]
-    return deck("barge_deck", "barge", -END, END) + deck("dock_deck", "dock", begin, begin + 100.0)
+def decks(gap: float) -> Text:
+    """Of the barge, and where the block goes on the dock: its edge is lower under links that reach over it."""
+    edge = -0.5 * DOCK[0]
+    landing = ([edge, edge + 1.2, edge + 1.5], [-RECESS, -RECESS, 0.0]) if gap < LENGTH else ([edge], [0.0])
+    stations, heights = [*landing[0], edge + 100.0], [*landing[1], 0.0]
+    return deck("barge_deck", "barge", [-END, END], [0.0, 0.0]) + deck("dock_deck", "dock", stations, heights)
 
 
 def held_at(row: dict[str, str]) -> Text:
@@ -528,8 +543,10 @@ def sea_checks(row: dict[str, str]) -> Text:
         source = "linear theory along the way, make_reference.py: within 90 of 100 seas"
         low, high = (expected[f"stroke_{side}"] + lip for side in ("low", "high"))
         text = check(f"stroke_{n}", stroke, source, minimum=low, maximum=high)
-        low, high = (static + expected[f"load_{side}"] for side in ("low", "high"))
-        text += check(f"load_{n}", load, source, minimum=low, maximum=high)
+        source = "13.136 t, and the median of its largest change by linear theory along the way"
+        text += check(
+            f"load_{n}", load, source, reference=static + expected["load"], tolerance="{ relative = 0.1 }"
+        )
     if n in {"1", "5"}:
         source = "passes with closed groups and a link of 10 m: 0.18 m, 0.21 m at the worst place, each floater alone"
         return text + check(f"verdict_{n}", stroke, source, maximum=STROKE)
@@ -548,7 +565,7 @@ def constant(row: dict[str, str]) -> Text:
     text = head(
         f"Cylinders of constant force under a block that is held level: sea {row['case']}, {words(row)}", row
     )
-    text += hull("barge", 0.0, loaded=True) + deck("barge_deck", "barge", -END, END)
+    text += hull("barge", 0.0, loaded=True) + deck("barge_deck", "barge", [-END, END], [0.0, 0.0])
     text += transporters(1e-6, constant=True, path=False)
     text += f"""
 # nothing stands on cylinders of constant force by itself
@@ -576,16 +593,23 @@ channels = ["spmt.stroke_max", "spmt.stroke_min", "barge.position"]
     return text + check(name, quantity, source, reference=STILL[n], tolerance="{ relative = 0.2 }")
 
 
-def main() -> None:
-    """Write all."""
+def files() -> dict[str, Text]:
+    """All cases by the names of their files."""
+    made = {}
     for row in seas():
         n = row["case"]
-        (HERE / f"wave_{n}.toml").write_text(wave(row), encoding="utf-8")
-        (HERE / f"constant_{n}.toml").write_text(constant(row), encoding="utf-8")
+        made[f"wave_{n}.toml"], made[f"constant_{n}.toml"] = wave(row), constant(row)
         if n == "2":
-            (HERE / "held_2.toml").write_text(held_at(row), encoding="utf-8")
+            made["held_2.toml"] = held_at(row)
         if n in {"2", "4"}:
-            (HERE / f"small_{n}.toml").write_text(small(row), encoding="utf-8")
+            made[f"small_{n}.toml"] = small(row)
+    return made
+
+
+def main() -> None:
+    """Write all."""
+    for name, text in files().items():
+        (HERE / name).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
