@@ -1612,10 +1612,10 @@ const heavylift = (() => {
   const opened = (list) => new Map([...list.querySelectorAll("[data-of]")].map((box) => [box.dataset.of, box.open]));
 
   function listChannels() {
-    const wanted = node("filter").value.toLowerCase();
+    const words = node("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
     const owners = new Map();
     for (const channel of data.channels) {
-      if (wanted && !channel.name.toLowerCase().includes(wanted)) continue;
+      if (!words.every((word) => channel.name.toLowerCase().includes(word))) continue;
       const owner = channel.name.includes("(") ? "combinations" : channel.name.split(".")[0];
       if (!owners.has(owner)) owners.set(owner, []);
       owners.get(owner).push(channel);
@@ -1623,7 +1623,7 @@ const heavylift = (() => {
     const list = node("channels"), { scrollTop } = list, open = opened(list), parts = [];
     for (const [owner, channels] of owners) {
       const box = make("details", { "data-of": owner }, make("summary", {}, owner));
-      box.open = wanted !== "" || Boolean(open.get(owner));
+      box.open = words.length > 0 || Boolean(open.get(owner));
       const fill = () => { // made when it is opened: there may be thousands
         if (box.childElementCount > 1) return;
         for (const channel of channels) {
@@ -1826,7 +1826,7 @@ const heavylift = (() => {
       ...data.bodies.map((body, index) => make("option", { value: String(index) }, `follow ${body.name}`)));
     node("follow").value = String(options.follow);
     const scales = data.scales;
-    node("scale").replaceChildren(...scales.map((value) => make("option", { value: String(value) }, `deformation × ${value}`)));
+    node("scale").replaceChildren(...scales.map((value) => make("option", { value: String(value) }, `× ${value} deformation`)));
     node("scale").hidden = scales.length < 2;
     if (!scales.includes(scale)) scale = data.scale;
     node("scale").value = String(scale);

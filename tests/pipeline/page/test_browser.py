@@ -426,6 +426,17 @@ def test_plots_have_curves_and_their_numbers(page, lift):
     assert page("heavylift.saved.every(one => one.size > 100)")
 
 
+def test_channels_are_found_by_parts_of_their_names(page):
+    page.do(
+        "(box => { box.value = 'Posi mod'; box.dispatchEvent(new Event('input')); })"
+        "(document.getElementById('hl-filter'))"
+    )
+    shown = page(
+        "[...document.querySelectorAll('#hl-channels [data-series]')].map(button => button.dataset.series)"
+    )
+    assert shown == [f"module.position.{axis}" for axis in "xyz"]
+
+
 def test_to_the_largest_value(page, lift):
     _, results, _ = lift
     page.do(
