@@ -2,7 +2,7 @@
 
     python make_reference.py
 
-Barge, dock, links and block in the plane, with the block at its place, as nine coordinates
+Barge, dock, links and block in the plane, with the block at its place, as eight coordinates
 
     q = surge, heave, pitch of the barge; of the dock; heave, pitch of the block
 
