@@ -76,8 +76,8 @@ from heavylift.solver.transport.arms import PlaceData, add_place_row, place, pla
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
-    "JOLT",
     "GROUPS_A_BLOCK",
+    "JOLT",
     "WALL",
     "BogieData",
     "BogieState",

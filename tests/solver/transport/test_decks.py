@@ -148,10 +148,15 @@ def test_a_wheel_that_leaves_the_road_is_named_with_time_and_place() -> None:
     assert "'spmt'" in run.message
 
 
-def test_a_wheel_that_meets_a_wall_between_decks_is_named() -> None:
-    """A deck 0.6 m high across the road."""
+@pytest.mark.parametrize("begin", [0.0, 30.0])
+def test_a_wheel_that_meets_a_wall_between_decks_is_named(begin: float) -> None:
+    """A deck 0.6 m high across the road, wherever its stations begin."""
     wall = Deck(
-        name="wall", sides=np.array([-5.0, 5.0]), stations=np.array([6.0, 8.0]), heights=np.array([0.6, 0.6])
+        name="wall",
+        origin=np.array([begin, 0.0, 0.0]),
+        sides=np.array([-5.0, 5.0]),
+        stations=np.array([6.0, 8.0]) - begin,
+        heights=np.array([0.6, 0.6]),
     )
     run, _, _ = histories(scene(vehicle(wheel_radius=R, travel_speed=1.0), (yard(), wall)), 5e-3, 4.0)
     assert run.outcome is Outcome.OFF_ROAD
