@@ -478,6 +478,27 @@ def _load(data: bytes, unit: Unit) -> dict[str, int] | None:
 # ---- calls from Python ----
 
 
+def _encoder(of_type: Any) -> Callable[[list[Any], Any], None]:
+    """Function that appends the words of a value of this type to a list, or raises a TypeError."""
+    if isinstance(of_type, types.Array):
+        dtype, dimensions = numpy_support.as_dtype(of_type.dtype), of_type.ndim
+
+        def put_array(words: list[Any], value: Any) -> None:
+            if value.ndim != dimensions or not value.flags.c_contiguous or value.dtype != dtype:
+                raise TypeError(f"{value.dtype} array of shape {value.shape}, expected {of_type}")
+            words.append(value.ctypes.data)
+            words.extend(value.shape)
+
+        return put_array
+    if isinstance(of_type, Words):
+        return lambda words, value: words.extend(of_type.words(value, "an argument"))
+    if isinstance(of_type, Pointer):
+        return lambda words, value: words.append(value.address)
+    if of_type == types.float64:
+        return lambda words, value: words.append(float(value))
+    return lambda words, value: words.append(number_as_word(of_type, value))
+
+
 def native_function(address: int, parameters: Iterable[Any], result: Any) -> Callable[..., Any]:
     """A compiled function as a callable of Python values: arrays, numbers and what has an `address`."""
     kinds = tuple(parameters)
@@ -489,32 +510,23 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
     out = None if result == types.none else (ctypes.c_double if result == types.float64 else ctypes.c_int64)
     call = ctypes.CFUNCTYPE(out, *codes)(address)
 
+    # what depends on the types alone is decided here: a statics calls small kernels some ten thousand times
+    encoders = [_encoder(of_type) for of_type in kinds]
+    pointers = [
+        (i, of_type, f"argument {i + 1}") for i, of_type in enumerate(kinds) if isinstance(of_type, Pointer)
+    ]
+
     def function(*values: Any) -> Any:
         if len(values) != len(kinds):
             raise TypeError(f"{len(values)} arguments, expected {len(kinds)}")
+        held = list(values)
+        for i, of_type, where in pointers:
+            held[i] = of_type.accept(held[i], where)
+        for i, _, _ in pointers:
+            held[i].address  # noqa: B018  # may import kernels that declare verbs: tables stay as they are afterwards
         words: list[Any] = []
-        held = [
-            of_type.accept(value, f"argument {i + 1}") if isinstance(of_type, Pointer) else value
-            for i, (of_type, value) in enumerate(zip(kinds, values, strict=True))
-        ]
-        for value in held:
-            getattr(
-                value, "address", 0
-            )  # may import kernels that declare verbs: tables stay as they are afterwards
-        for of_type, value in zip(kinds, held, strict=True):
-            if isinstance(of_type, types.Array):
-                fits = value.ndim == of_type.ndim and value.flags.c_contiguous
-                if not fits or numpy_support.from_dtype(value.dtype) != of_type.dtype:
-                    raise TypeError(f"{value.dtype} array of shape {value.shape}, expected {of_type}")
-                words += [value.ctypes.data, *value.shape]
-            elif isinstance(of_type, Words):
-                words += of_type.words(value, "an argument")
-            elif isinstance(of_type, Pointer):
-                words.append(value.address)
-            elif of_type == types.float64:
-                words.append(float(value))
-            else:
-                words.append(number_as_word(of_type, value))
+        for encode, value in zip(encoders, held, strict=True):
+            encode(words, value)
         answer = call(*words)
         if _FAILURE[0]:
             name, _FAILURE[0] = ctypes.string_at(int(_FAILURE[0])).decode(), 0

@@ -28,7 +28,7 @@ from heavylift.solver.scene.connections import Winch
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
 
-__all__ = ["Falls", "FallsRope", "HookBlock", "sheaves_aside", "without_winch"]
+__all__ = ["Falls", "FallsRope", "HookBlock", "limit_winch", "sheaves_aside", "without_winch"]
 
 
 @EQUIPMENT.part
@@ -57,6 +57,9 @@ class FallsRope:
     brake: Annotated[float | None, Positive("force")] = None
     """Tension at which the brake of its winch slips [N]: a scenario can let such a winch keep a tension, or hooks a
     load level."""
+    fastest: Annotated[float | None, Positive("velocity")] = None
+    """What its winch can do [m/s], as `fastest` of the winch of a rope: of falls as many times the speed of the hook as
+    there are parts."""
 
 
 @EQUIPMENT.part
@@ -184,14 +187,13 @@ class Falls:
             rope["winch"] = given(said.winch)
         if said.drum is None and said.other_drum is not None:
             rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": "last"}
-        if said.rope.brake is not None:
-            if said.efficiency < 1.0:
-                raise InputError(
-                    "a brake that answers to the tension, on a rope over sheaves with an efficiency",
-                    key="rope.brake",
-                    expected="no 'brake', or an efficiency of 1",
-                )
-            rope["winch"] = rope.get("winch", {}) | {"brake": said.rope.brake}
+        if said.rope.brake is not None and said.efficiency < 1.0:
+            raise InputError(
+                "a brake that answers to the tension, on a rope over sheaves with an efficiency",
+                key="rope.brake",
+                expected="no 'brake', or an efficiency of 1",
+            )
+        limit_winch(rope, said.rope)
         made.add("ropes", rope, "rope")
         if places.has_steps():
             load = {"name": name, "body": f"{name}_block", "ropes": [f"{name}_rope"]}
@@ -211,9 +213,17 @@ def sheaves_aside(parts: int, radius: float, spacing: float | None) -> NDArray[n
     return np.asarray((np.arange(count) - 0.5 * (count - 1)) * (spacing or 0.25 * radius))
 
 
+def limit_winch(rope: dict[str, Any], said: Any) -> None:
+    """Give the winch of a rope that is written its brake and the speed that it can do."""
+    if said.brake is not None:
+        rope["winch"] = rope.get("winch", {}) | {"brake": said.brake}
+    if said.fastest is not None:
+        rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"fastest": said.fastest}
+
+
 def without_winch(rope: Any) -> dict[str, Any]:
     """What is given of a rope beside its winch."""
-    return {key: value for key, value in given(rope).items() if key != "brake"}
+    return {key: value for key, value in given(rope).items() if key not in {"brake", "fastest"}}
 
 
 def _drum(

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Least, NameOf, Positive, Quantity, Shape
-from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, sheaves_aside, without_winch
+from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, limit_winch, sheaves_aside, without_winch
 from heavylift.pipeline.equipment.moves import Move, Turn, check_moves, positions_of, speeds_of, turned
 from heavylift.pipeline.equipment.parts import EQUIPMENT, given, heading, listed
 
@@ -348,8 +348,7 @@ def _add_stay(said: Any, made: Made, along: NDArray[np.float64], on_carrier: Cal
 
         times = _times(turned(said.luffing))
         rope["winch"] = {"times": times, "speeds": [-rate for rate in _rates(said, times, length)]}
-    if stay.rope.brake is not None:
-        rope["winch"] = rope.get("winch", {}) | {"brake": stay.rope.brake}
+    limit_winch(rope, stay.rope)
     made.add("ropes", rope, "stay")
 
 

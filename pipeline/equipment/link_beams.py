@@ -1,7 +1,7 @@
 """Link beams: bridges between two decks that wheels drive over, hinged on one, lying loose on the other.
 
 A link of the length L is a rigid plate with a hinge across its one end. With the corners of its other end it lies on
-the deck of the other side, where it slides with friction and may lift off: a line contact of two points, each with a
+the deck of the other side, where it slides with friction and may lift off: a line bearing, each end of it with a
 spring and a damper. So several links beside each other, and the roll of both sides against each other, find their loads
 by the stiffness of the bearings, and no row is redundant. A load f at the distance x from the hinge gives it
 ``f (1 - x/L)``: what crosses a link leaves its deck little by little.
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, NameOf, Positive, Quantity
-from heavylift.pipeline.equipment.parts import EQUIPMENT, Part, heading, listed
+from heavylift.pipeline.equipment.parts import EQUIPMENT, heading, listed
 
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
@@ -28,12 +28,6 @@ __all__ = ["LinkBeam"]
 STEEPEST = math.radians(30.0)
 """Of a link at the start."""
 
-BORDER = 0.25
-"""Of its breadth, by which the deck that it lies on is wider on both sides."""
-
-KNOTS = 4
-"""Points of that deck along and across."""
-
 
 @EQUIPMENT.describe("link_beams")
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -41,7 +35,7 @@ class LinkBeam:
     """A bridge for wheels, with a hinge on one deck and loose on another one."""
 
     CHANNELS: ClassVar = ()
-    """None of its own: ``NAME_plate``, ``NAME_hinge``, ``NAME_left`` and ``NAME_right`` have theirs."""
+    """None of its own: ``NAME_plate``, ``NAME_hinge`` and ``NAME_end`` have theirs."""
 
     name: str
     hinged_on: Annotated[str, NameOf("body")]
@@ -126,27 +120,22 @@ class LinkBeam:
         made.add("joints", joint | {"at": listed(hinge), "axis": listed(y)}, "hinge")
         deck = {"name": f"{name}_deck", "body": f"{name}_plate", "sides": [-0.5 * b, 0.5 * b]}
         made.add("decks", deck | {"stations": [0.0, L], "heights": [0.0, 0.0]}, "breadth")
-        contour = {"body": said.rests_on, "type": "surface"}
-        rows = [
-            [
-                listed(places.local(said.rests_on, edge + s * 2.0 * L * along + t * (0.5 + BORDER) * b * y))
-                for t in np.linspace(-1.0, 1.0, KNOTS)
-            ]
-            for s in np.linspace(0.0, 1.0, KNOTS)
-        ]
-        made.parts.append(Part("contours", f"{name}_landing", contour | {"points": rows}, "edge"))
+        origin, *ends = (places.local(said.rests_on, edge + v) for v in (np.zeros(3), along, [0.0, 0.0, 1.0]))
+        onto, up = (end - origin for end in ends)
         c = math.sqrt(said.stiffness * m / 6.0) if said.damping is None else said.damping
-        for side, sign in (("left", 0.5), ("right", -0.5)):
-            bearing = {
-                "name": f"{name}_{side}",
-                "between": [f"{name}_plate", f"{name}_landing"],
-                "point": [L, sign * b, -said.lip],
-                "law": "linear",
-                "stiffness": said.stiffness,
-                "damping": c,
-                "friction": said.friction,
-            }
-            made.add("contacts", bearing, "stiffness")
+        bearing = {
+            "name": f"{name}_end",
+            "type": "line_bearing",
+            "between": [said.rests_on, f"{name}_plate"],
+            "points": [listed(said.edge), [L, 0.0, -said.lip]],
+            "inward": listed(onto),
+            "normal": listed(up),
+            "length": b,
+            "stiffness": said.stiffness,
+            "damping": c,
+            "friction": said.friction,
+        }
+        made.add("forces", bearing, "stiffness")
 
 
 def _turn(R: NDArray[np.float64]) -> tuple[list[float], float]:

@@ -89,7 +89,7 @@ def pack_channels(
                     "description": descriptions.get(name, ""),
                 }
             )
-        timelines.append(block.add(times))
+        timelines.append(block.add(times, "f8"))
     order = {name: number for number, name in enumerate(shown)}
     return sorted(packed, key=lambda one: order[one["name"]]), timelines, notes
 

@@ -45,7 +45,7 @@ class Block:
     size: int = 0
 
     def add(self, values: ArrayLike, kind: str = "f4") -> dict[str, Any]:
-        """Reference to an array stored as ``f4``, ``i4``, ``u1`` or ``i2``; what ``f4`` does not hold is no number."""
+        """Reference to an array stored as ``f4``, ``f8``, ``i4``, ``u1``, ``i2``; what ``f4`` does not hold is NaN."""
         array = np.asarray(values)
         if kind == "f4":
             with np.errstate(over="ignore", invalid="ignore"):

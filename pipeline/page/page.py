@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Judged", "PageContent", "page_content", "page_html"]
 
+_FAR_APART = 0.03  # size of the largest body beside the scene below which only labels show where bodies are
 _CHANNELS = 6  # curves that are plotted at first, at most
 _STEPS = (0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 
@@ -115,7 +116,7 @@ def page_content(
     """
     block = Block()
     shown = motion if motion is not None else SceneMotion([np.zeros(1)] * 4, np.array([0.0, 0.0, 1.0]))
-    timelines = [block.add(times) for times in shown.times]
+    timelines = [block.add(times, "f8") for times in shown.times]
     said = [*notes, *shown.notes]
     channels: list[dict[str, Any]] = []
     if results is not None and len(results.time):
@@ -149,7 +150,7 @@ def page_content(
         "phases": [list(phase) for phase in phases],
         "events": [{"time": time, "text": text} for time, text in sorted(events, key=lambda one: one[0])],
         "notes": said,
-        "labelled": labelled,
+        "labelled": labelled or shown.largest < _FAR_APART * shown.size,
         "live": live,
         "version": version_of_data,
     }
@@ -175,7 +176,16 @@ def _scene(motion: SceneMotion, block: Block) -> dict[str, Any]:
         low, high = scale.limits
         table = _table(scale.colours)
         title = "axial stress N/A ± M c/I" if motion.signed else "von Mises stress"
-        stress = {"low": low, "high": high, "unit": scale.unit, "title": title, "table": table}
+        parts = [one.stress for one in motion.surfaces if one.stress is not None]
+        largest = max(float(np.abs(part[np.isfinite(part)]).max(initial=0.0)) for part in parts)
+        stress = {
+            "low": low,
+            "high": high,
+            "largest": largest / scale.divisor,
+            "unit": scale.unit,
+            "title": title,
+            "table": table,
+        }
     bodies = []
     for pose in motion.poses:
         own: dict[str, Any] = {"name": pose.name, "centre": pose.centre.tolist()}
@@ -190,7 +200,11 @@ def _scene(motion: SceneMotion, block: Block) -> dict[str, Any]:
                 "orientation": block.add(pose.orientation),
             }
         bodies.append(own)
-    tensions = [float(np.nanmax(line.tension)) for line in motion.lines if line.tension is not None]
+    tensions = [
+        float(line.tension[np.isfinite(line.tension)].max(initial=0.0))
+        for line in motion.lines
+        if line.tension is not None
+    ]
     largest = max(tensions, default=0.0)
     lengths = [float(np.linalg.norm(one.force, axis=2).max()) for one in motion.arrows]
     return {

@@ -18,21 +18,30 @@ const heavylift = (() => {
     return made;
   };
   const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
-  const TYPES = { f4: Float32Array, i2: Int16Array, u1: Uint8Array, i4: Int32Array };
+  const TYPES = { f4: Float32Array, f8: Float64Array, i2: Int16Array, u1: Uint8Array, i4: Int32Array };
 
   // ---- data: arrays by reference {o: offset, n: numbers, t: type, s: shape, low, step of quantised ones}
 
   let data = null; // header
   let bytes = null;
 
-  const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-
-  async function inflated(packed) {
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-    return new Uint8Array(await new Response(stream).arrayBuffer());
+  function bytesOf(text) {
+    const letters = atob(text), found = new Uint8Array(letters.length);
+    for (let k = 0; k < found.length; k++) found[k] = letters.charCodeAt(k);
+    return found;
   }
 
-  const raw = (ref) => new TYPES[ref.t](bytes.buffer, ref.o, ref.n);
+  async function inflated(packed) {
+    const stream = new DecompressionStream("deflate"), writer = stream.writable.getWriter();
+    writer.write(packed).catch(() => {}); // what is wrong is told by the other end
+    writer.close().catch(() => {});
+    return new Uint8Array(await new Response(stream.readable).arrayBuffer());
+  }
+
+  function raw(ref) {
+    if (ref.t !== "f8") return new TYPES[ref.t](bytes.buffer, ref.o, ref.n);
+    return new Float64Array(bytes.slice(ref.o, ref.o + 8 * ref.n).buffer); // the block is aligned to four bytes
+  }
 
   function floats(ref) {
     const values = raw(ref);
@@ -68,7 +77,7 @@ const heavylift = (() => {
 
   class Timeline {
     constructor(ref) {
-      this.times = floats(ref);
+      this.times = raw(ref);
       this.last = { time: NaN, i: 0, j: 0, w: 0 };
     }
 
@@ -100,8 +109,16 @@ const heavylift = (() => {
     if (value === null || value === undefined || Number.isNaN(value)) return "–";
     if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
     const size = Math.abs(value);
-    if (size !== 0 && (size < 1e-3 || size >= 1e7)) return value.toExponential(digits - 1);
+    if (size !== 0 && (size < 1e-3 || size >= 1e7)) return value.toExponential(digits - 1).replace(/\.?0+e/, "e");
     return String(Number(value.toPrecision(digits)));
+  }
+
+  function shortest(value) { // decimals of a number in single precision, without those that it never had
+    for (let digits = 6; digits < 10; digits++) {
+      const found = Number(value.toPrecision(digits));
+      if (Math.fround(found) === value) return found;
+    }
+    return value;
   }
 
   const FACTORS = [["G", 1e9], ["M", 1e6], ["k", 1e3], ["", 1], ["m", 1e-3]];
@@ -136,6 +153,12 @@ const heavylift = (() => {
   function jump(time) {
     play(false);
     seek(time);
+  }
+
+  function nextRecord(way) {
+    const { times } = timelines[0], { i } = timelines[0].at(clock.now);
+    if (way > 0) jump(i + 1 < times.length ? times[i + 1] : clock.end);
+    else jump(clock.now > times[i] || i === 0 ? times[i] : times[i - 1]);
   }
 
   const nextEvent = (way) => {
@@ -176,13 +199,20 @@ const heavylift = (() => {
     const soft = isSoftware(probe); // four samples a pixel are too many for a processor
     const lost = probe.getExtension("WEBGL_lose_context");
     if (lost) lost.loseContext();
-    K3D = new library.K3D(library.ThreeJsProvider, target, {
-      menuVisibility: false, gridVisible: false, gridAutoFit: false, cameraAutoFit: false, axesHelper: 0.7,
+    // a grid that is not seen would be hundreds of labels, which are placed at every frame
+    const { Initializers } = library.ThreeJsProvider;
+    const provider = { ...library.ThreeJsProvider, Initializers: { ...Initializers, Scene(plot) {
+      Initializers.Scene.call(this, plot);
+      plot.rebuildSceneData = () => Promise.resolve();
+    } } };
+    K3D = new library.K3D(provider, target, {
+      menuVisibility: false, gridVisible: false, gridAutoFit: false, cameraAutoFit: false, axesHelper: 0,
       antialias: soft ? 0 : 1, minimumFps: 0, cameraMode: "orbit", cameraUpAxis: data.up.axis,
       cameraDampingFactor: 0, renderOnChange: false, clearColor: 0xffffff, colorbarObjectId: -1,
       camera: [1, -1, 1, 0, 0, 0, ...data.up.vector],
     });
     world = K3D.getWorld();
+    world.renderer.debug.checkShaderErrors = false; // asking for them waits for each program
     const triangle = { data: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]) };
     const common = {
       visible: true, color: 0, opacity: 1, attribute: [], color_map: [], color_range: [], colors: [],
@@ -268,9 +298,16 @@ const heavylift = (() => {
   const rgb = (text) => parseInt(text.slice(1), 16);
 
   function build() {
-    if (root) world.scene.remove(root);
+    if (root) {
+      world.scene.remove(root);
+      root.traverse(({ geometry: shape, material }) => {
+        if (shape) shape.dispose();
+        if (material) material.dispose();
+      });
+    }
     root = new three.Group();
     world.scene.add(root);
+    const before = new Map(items.map((item) => [`${item.group} ${item.name}`, item.hidden]));
     bodies.length = 0;
     items = [];
     deformed = [];
@@ -279,8 +316,9 @@ const heavylift = (() => {
     for (const line of data.lines) items.push(new Line(line));
     for (const arrows of data.arrows) items.push(new Arrows(arrows));
     if (data.water) items.push(new Water(data.water));
+    for (const item of items) item.hidden = before.get(`${item.group} ${item.name}`) ?? item.hidden;
     ruler = new Tube(root, 2, data.radius * 0.6, 0x111111);
-    ruler.mesh.visible = false;
+    ruler.show(false);
   }
 
   class Body {
@@ -456,7 +494,7 @@ const heavylift = (() => {
     }
   }
 
-  // A polyline with thickness, six corners around each point.
+  // A polyline with thickness, six corners around each point; and its line, which is seen from far away too.
   class Tube {
     constructor(parent, count, radius, colour) {
       this.count = count;
@@ -472,8 +510,21 @@ const heavylift = (() => {
       }
       this.geometry = geometry(this.corners, Uint32Array.from(indices));
       this.mesh = new three.Mesh(this.geometry, surfaceMaterial(colour, 1, false));
-      this.mesh.frustumCulled = false;
-      parent.add(this.mesh);
+      const row = Array.from({ length: count - 1 }, (_, p) => [p, p + 1]).flat();
+      this.axis = geometry(this.points, Uint32Array.from(row));
+      this.line = new three.Segments(this.axis, lineMaterial(colour));
+      for (const object of [this.mesh, this.line]) {
+        object.frustumCulled = false;
+        parent.add(object);
+      }
+    }
+
+    show(seen) {
+      this.mesh.visible = this.line.visible = seen;
+    }
+
+    paint(r, g, b) {
+      for (const { material } of [this.mesh, this.line]) material.color.setRGB(r, g, b);
     }
 
     fill() {
@@ -499,6 +550,7 @@ const heavylift = (() => {
         }
       }
       this.geometry.attributes.position.needsUpdate = true;
+      this.axis.attributes.position.needsUpdate = true;
     }
   }
 
@@ -519,7 +571,7 @@ const heavylift = (() => {
       if (said.coil) this.coil = floats(said.coil);
       if (said.radius) {
         this.tube = new Tube(root, this.coil ? this.coil.length / 3 : this.count, said.radius, this.colour);
-        this.objects.push(this.tube.mesh);
+        this.objects.push(this.tube.mesh, this.tube.line);
         this.tube.mesh.userData.item = this;
       } else {
         this.geometry = geometry(this.there, Uint32Array.from(raw(said.ends)));
@@ -561,7 +613,7 @@ const heavylift = (() => {
       if (this.tension) {
         const force = this.tension.read(time, this.force)[0];
         const colour = data.tension.table[Math.round(clamp(force / data.tension.largest, 0, 1) * 255)];
-        if (colour) this.tube.mesh.material.color.setRGB(colour[0] / 255, colour[1] / 255, colour[2] / 255);
+        if (colour) this.tube.paint(colour[0] / 255, colour[1] / 255, colour[2] / 255);
       }
       if (this.coil) this.wind();
       else if (this.tube) this.tube.points.set(there);
@@ -743,7 +795,8 @@ const heavylift = (() => {
   const distanceFor = (size) => (0.5 * size) / Math.tan((0.5 * world.camera.fov * Math.PI) / 180);
 
   function view(name) { // from a side, or from where the report looks
-    const { low, high } = data.box, middle = low.map((part, k) => 0.5 * (part + high[k]));
+    if (isolated !== null) update(); // to where it is at this instant
+    const { low, high } = (isolated !== null && boxOf(isolated)) || data.box, middle = low.map((part, k) => 0.5 * (part + high[k]));
     let way = name === "home" ? data.view : forward(name);
     const up = data.up.vector;
     if (Math.abs(way[0] * up[0] + way[1] * up[1] + way[2] * up[2]) > 0.999) {
@@ -871,23 +924,23 @@ const heavylift = (() => {
   }
 
   function attached(item, point) { // to what was hit, so that the distance is followed in time
-    const body = item && bodies[item.body];
-    const pin = { body, local: body ? body.local(point) : point, surface: null };
+    const body = item && bodies[item.body] ? item.body : -1;
+    const pin = { body, local: body < 0 ? point : bodies[body].local(point), surface: -1 };
     if (item instanceof Surface && (item.modes || item.keyed)) {
       let best = Infinity;
       for (let v = 0; v < item.shown.length; v += 3) {
         const d = Math.hypot(...[0, 1, 2].map((k) => item.shown[v + k] - pin.local[k]));
         if (d < best) { best = d; pin.vertex = v; }
       }
-      pin.surface = item;
+      pin.surface = item.index;
       pin.local = pin.local.map((part, k) => part - item.shown[pin.vertex + k]);
     }
     return pin;
   }
 
   function pinned(pin) {
-    const local = pin.surface ? pin.local.map((part, k) => part + pin.surface.shown[pin.vertex + k]) : pin.local;
-    return pin.body ? Array.from(pin.body.point(local, [0, 0, 0])) : local;
+    const local = pin.surface < 0 ? pin.local : pin.local.map((part, k) => part + items[pin.surface].shown[pin.vertex + k]);
+    return pin.body < 0 ? local : Array.from(bodies[pin.body].point(local, [0, 0, 0]));
   }
 
   function measure(on = !options.measure) {
@@ -900,7 +953,7 @@ const heavylift = (() => {
 
   function measured() {
     const words = node("measured");
-    ruler.mesh.visible = picks.length === 2;
+    ruler.show(picks.length === 2);
     if (!options.measure) words.textContent = "";
     else if (picks.length < 2) words.textContent = `Distance: click ${picks.length ? "the second" : "the first"} point`;
     else {
@@ -911,7 +964,30 @@ const heavylift = (() => {
     }
   }
 
-  // ---- overlay: labels in the scene
+  // ---- overlay: labels in the scene, and its axes in a corner
+
+  const AXES = [["x", "#c62828"], ["y", "#2e7d32"], ["z", "#1565c0"]];
+
+  function axes() {
+    const canvas = node("axes"), size = 78, dots = window.devicePixelRatio || 1;
+    if (canvas.width !== Math.round(size * dots)) canvas.width = canvas.height = Math.round(size * dots);
+    const pen = canvas.getContext("2d"), m = world.camera.matrixWorldInverse.elements;
+    pen.setTransform(dots, 0, 0, dots, 0.5 * size * dots, 0.5 * size * dots);
+    pen.clearRect(-size, -size, 2 * size, 2 * size);
+    pen.font = "bold 12px sans-serif";
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    pen.lineWidth = 2;
+    const order = AXES.map(([name, colour], k) => ({ name, colour, x: m[4 * k], y: -m[4 * k + 1], near: m[4 * k + 2] }));
+    for (const { name, colour, x, y } of order.sort((a, b) => a.near - b.near)) { // what is near covers what is far
+      pen.strokeStyle = pen.fillStyle = colour;
+      pen.beginPath();
+      pen.moveTo(0, 0);
+      pen.lineTo(24 * x, 24 * y);
+      pen.stroke();
+      pen.fillText(name, 32 * x, 32 * y);
+    }
+  }
 
   let written = true;
 
@@ -930,37 +1006,49 @@ const heavylift = (() => {
     if (!world) return;
     pen.font = "12px sans-serif";
     pen.textBaseline = "middle";
-    const taken = [];
+    const taken = [], spots = [];
     const write = (text, point, mark) => {
       const at = new three.Vector(...point).project(world.camera);
-      if (!(at.z < 1 && Math.abs(at.x) < 1 && Math.abs(at.y) < 1)) return;
-      const x = ((at.x + 1) / 2) * width;
-      let y = ((1 - at.y) / 2) * height;
-      const wide = pen.measureText(text).width;
-      for (let tries = 0; tries < 12; tries++) { // labels do not cover each other
-        if (!taken.some(([l, r, v]) => l < x + wide + 16 && r > x && Math.abs(v - y) < 14)) break;
-        y += 14;
+      if (!(at.z < 1 && Math.abs(at.x) < 1 && Math.abs(at.y) < 1)) return true;
+      const x = ((at.x + 1) / 2) * width, place = ((1 - at.y) / 2) * height, wide = pen.measureText(text).width;
+      const free = [0, 14, -14, 28, -28, 42, 56].map((away) => place + away).find((row) =>
+        !taken.some(([l, r, v]) => l < x + wide + 16 && r > x && Math.abs(v - row) < 14));
+      spots.push([x, place, mark]);
+      if (free === undefined) return false; // no room for its name
+      pen.strokeStyle = mark ? "#c62828" : "#1d2733";
+      taken.push([x, x + wide + 16, free]);
+      if (free !== place) {
+        pen.beginPath();
+        pen.moveTo(x, place);
+        pen.lineTo(x + 6, free);
+        pen.stroke();
       }
-      taken.push([x, x + wide + 16, y]);
-      pen.fillStyle = mark ? "#c62828" : "#1d2733";
-      pen.beginPath();
-      pen.arc(x, y, mark ? 4 : 2.5, 0, 2 * Math.PI);
-      pen.fill();
       pen.fillStyle = "rgba(255,255,255,0.82)";
-      pen.fillRect(x + 6, y - 8, wide + 6, 16);
+      pen.fillRect(x + 6, free - 8, wide + 6, 16);
       pen.fillStyle = mark ? "#c62828" : "#1d2733";
-      pen.fillText(text, x + 9, y);
+      pen.fillText(text, x + 9, free);
+      return true;
     };
     if (marked) {
       const found = boxOf(marked);
       if (found) write(marked, found.low.map((part, k) => 0.5 * (part + found.high[k])), true);
     }
-    if (!options.labels) return;
-    for (const label of data.labels) {
+    let dotted = 0;
+    for (const label of options.labels ? data.labels : []) {
       if (label.body >= 0 && !bodies[label.body].there) continue;
       if (isolated !== null && label.name !== isolated) continue;
       const at = label.body >= 0 ? bodies[label.body].point(label.point, [0, 0, 0]) : label.point;
-      write(label.text, at, false);
+      if (!write(label.text, at, false)) dotted++;
+    }
+    for (const [x, y, mark] of spots) { // on top of the names
+      pen.fillStyle = mark ? "#c62828" : "#1d2733";
+      pen.beginPath();
+      pen.arc(x, y, mark ? 4 : 2.5, 0, 2 * Math.PI);
+      pen.fill();
+    }
+    if (dotted) {
+      pen.fillStyle = "#5d6873";
+      pen.fillText(`${dotted} ${dotted > 1 ? "names have" : "name has"} no room: come nearer, or isolate an object`, 12, 12);
     }
   }
 
@@ -1026,7 +1114,7 @@ const heavylift = (() => {
 
   function frame(now) {
     if (clock.playing) {
-      const step = ((now - clock.before) / 1000) * clock.speed;
+      const step = (Math.min(now - clock.before, 1000) / 1000) * clock.speed; // not all that passed behind other windows
       if (step > 0) {
         if (world) coarsen(now - clock.before);
         seek(clock.now + step);
@@ -1047,6 +1135,7 @@ const heavylift = (() => {
     if (overlayDirty) {
       overlayDirty = false;
       overlay();
+      if (world) axes();
     }
     if (plotsDirty && (!clock.playing || now - plottedAt > PLOT_EVERY)) {
       plotsDirty = false;
@@ -1103,17 +1192,18 @@ const heavylift = (() => {
 
     at(time) {
       const { i, j, w } = this.timeline.at(time);
-      const mix = (values) => values[i] + w * (values[j] - values[i]);
-      return [mix(this.low), mix(this.high)];
+      if (this.ranged) return [this.low, this.high].map((values) => values[w < 0.5 ? i : j]); // of one interval
+      const value = this.low[i] + w * (this.low[j] - this.low[i]);
+      return [value, value];
     }
 
-    extreme(side) { // when the largest or smallest value is
+    extreme(side) { // when the largest or smallest value is, and it
       const values = side === "max" ? this.high : this.low;
       let best = -1;
       for (let i = 0; i < values.length; i++) {
         if (Number.isFinite(values[i]) && (best < 0 || (side === "max" ? values[i] > values[best] : values[i] < values[best]))) best = i;
       }
-      return best < 0 ? null : this.times[best];
+      return best < 0 ? null : [this.times[best], values[best]];
     }
   }
 
@@ -1121,10 +1211,17 @@ const heavylift = (() => {
     constructor() {
       this.series = [];
       this.canvas = make("canvas", { class: "plot", tabindex: "0" });
+      this.chosen = ""; // curve whose largest value is looked for; of all if empty
       this.legend = make("div", { class: "legend" });
+      this.legend.addEventListener("pointerdown", (event) => {
+        const entry = event.target.closest("[data-label]");
+        if (!entry) return;
+        this.chosen = this.chosen === entry.dataset.label ? "" : entry.dataset.label;
+        this.write(...this.unit);
+      });
       const tools = make("div", { class: "tools" },
-        make("button", { title: "to the largest value of the first curve", onclick: () => this.extreme("max") }, "max"),
-        make("button", { title: "to the smallest value of the first curve", onclick: () => this.extreme("min") }, "min"),
+        make("button", { title: "to the largest value of all curves, or of the one whose name is clicked", onclick: () => this.extreme("max") }, "max"),
+        make("button", { title: "to the smallest value of all curves, or of the one whose name is clicked", onclick: () => this.extreme("min") }, "min"),
         make("button", { title: "numbers of what is shown", onclick: () => this.csv() }, "csv"),
         make("button", { title: "picture of what is shown", onclick: () => this.png() }, "png"),
         make("button", { title: "all of the time", onclick: () => zoom(clock.begin, clock.end) }, "all"),
@@ -1163,8 +1260,11 @@ const heavylift = (() => {
     }
 
     extreme(side) {
-      const time = this.series.length ? this.series[0].extreme(side) : null;
-      if (time !== null) jump(time);
+      const own = this.series.filter((series) => series.label === this.chosen);
+      const found = (own.length ? own : this.series).map((series) => series.extreme(side)).filter(Boolean);
+      const way = side === "max" ? 1 : -1;
+      found.sort((a, b) => way * (b[1] - a[1]));
+      if (found.length) jump(found[0][0]);
     }
 
     remove() {
@@ -1267,25 +1367,25 @@ const heavylift = (() => {
       pen.lineWidth = 1;
       pen.textAlign = "right";
       pen.textBaseline = "middle";
-      for (const tick of ticks(low / factor, high / factor, 5)) {
+      for (const [tick, words] of ticks(low / factor, high / factor, 5)) {
         const y = Y(tick * factor);
         pen.beginPath();
         pen.moveTo(left, y);
         pen.lineTo(right, y);
         pen.stroke();
-        pen.fillText(number(tick, 5), left - 5, y);
+        pen.fillText(words, left - 5, y, left - 8);
       }
       pen.textAlign = "center";
       pen.textBaseline = "top";
-      for (const tick of ticks(range.low, range.high, 6)) {
+      for (const [tick, words] of ticks(range.low, range.high, 6)) {
         pen.beginPath();
         pen.moveTo(X(tick), top);
         pen.lineTo(X(tick), bottom);
         pen.stroke();
-        pen.fillText(number(tick, 6), X(tick), bottom + 5);
+        pen.fillText(words, X(tick), bottom + 5);
       }
       pen.textAlign = "right";
-      pen.fillText("t [s]", left - 5, bottom + 5);
+      pen.fillText("t [s]", left - 14, bottom + 5);
       pen.save();
       pen.beginPath();
       pen.rect(left, top, right - left, bottom - top);
@@ -1359,7 +1459,8 @@ const heavylift = (() => {
         const value = series.ranged && high > low ? `${number(low / factor)} … ${number(high / factor)}` : number(low / factor);
         const dot = make("span", { class: "dot" });
         dot.style.background = COLOURS[order % COLOURS.length];
-        return make("span", { class: "entry" }, dot, `${series.label} `, make("b", {}, `${value} ${text}`.trim()));
+        const marked = series.label === this.chosen ? " chosen" : "";
+        return make("span", { class: `entry${marked}`, "data-label": series.label }, dot, `${series.label} `, make("b", {}, `${value} ${text}`.trim()));
       });
       this.legend.replaceChildren(...entries);
     }
@@ -1374,13 +1475,13 @@ const heavylift = (() => {
       for (const [timeline, own] of blocks) {
         const inside = [];
         timeline.times.forEach((time, i) => { if (time >= range.low && time <= range.high) inside.push(i); });
-        columns.push(["time [s]", inside.map((i) => timeline.times[i])]);
+        columns.push(["time [s]", inside.map((i) => Number(timeline.times[i].toPrecision(12)))]);
         for (const series of own) {
           const unit = series.unit ? ` [${series.unit}]` : "";
           if (series.ranged) {
-            columns.push([`smallest of ${series.label}${unit}`, inside.map((i) => series.low[i])]);
-            columns.push([`largest of ${series.label}${unit}`, inside.map((i) => series.high[i])]);
-          } else columns.push([`${series.label}${unit}`, inside.map((i) => series.low[i])]);
+            columns.push([`smallest of ${series.label}${unit}`, inside.map((i) => shortest(series.low[i]))]);
+            columns.push([`largest of ${series.label}${unit}`, inside.map((i) => shortest(series.high[i]))]);
+          } else columns.push([`${series.label}${unit}`, inside.map((i) => shortest(series.low[i]))]);
         }
       }
       const rows = Math.max(0, ...columns.map(([, values]) => values.length));
@@ -1426,13 +1527,16 @@ const heavylift = (() => {
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   }
 
-  function ticks(low, high, count) {
+  function ticks(low, high, count) { // places, and words with as many decimals as the step has
     const rough = (high - low) / count;
     if (!(rough > 0) || !Number.isFinite(rough)) return [];
     const power = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].map((part) => part * power).find((part) => part >= rough);
-    const found = [];
-    for (let k = Math.ceil(low / step); k <= Math.floor(high / step + 1e-9) && found.length < 50; k++) found.push(k * step);
+    const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)), found = [];
+    for (let k = Math.ceil(low / step); k <= Math.floor(high / step + 1e-9) && found.length < 50; k++) {
+      const tick = k * step;
+      found.push([tick, places > 6 || Math.abs(tick) >= 1e7 ? number(tick) : tick.toFixed(places)]);
+    }
     return found;
   }
 
@@ -1505,19 +1609,21 @@ const heavylift = (() => {
     }
   }
 
+  const opened = (list) => new Map([...list.querySelectorAll("[data-of]")].map((box) => [box.dataset.of, box.open]));
+
   function listChannels() {
-    const wanted = node("filter").value.toLowerCase();
+    const words = node("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
     const owners = new Map();
     for (const channel of data.channels) {
-      if (wanted && !channel.name.toLowerCase().includes(wanted)) continue;
+      if (!words.every((word) => channel.name.toLowerCase().includes(word))) continue;
       const owner = channel.name.includes("(") ? "combinations" : channel.name.split(".")[0];
       if (!owners.has(owner)) owners.set(owner, []);
       owners.get(owner).push(channel);
     }
-    const parts = [];
+    const list = node("channels"), { scrollTop } = list, open = opened(list), parts = [];
     for (const [owner, channels] of owners) {
-      const box = make("details", {}, make("summary", {}, owner));
-      if (wanted) box.open = true;
+      const box = make("details", { "data-of": owner }, make("summary", {}, owner));
+      box.open = words.length > 0 || Boolean(open.get(owner));
       const fill = () => { // made when it is opened: there may be thousands
         if (box.childElementCount > 1) return;
         for (const channel of channels) {
@@ -1537,11 +1643,13 @@ const heavylift = (() => {
         listPlotted();
       };
       box.addEventListener("toggle", fill);
-      if (wanted) fill();
+      if (box.open) fill();
       parts.push(box);
     }
-    node("channels").replaceChildren(...parts);
-    if (!parts.length) node("channels").textContent = data.channels.length ? "no such channel" : "no channels";
+    list.replaceChildren(...parts);
+    list.scrollTop = scrollTop;
+    listPlotted();
+    if (!parts.length) list.textContent = data.channels.length ? "no such channel" : "no channels";
   }
 
   function listPlotted() {
@@ -1559,7 +1667,7 @@ const heavylift = (() => {
       if (!names.has(item.name)) names.set(item.name, []);
       names.get(item.name).push(item);
     }
-    const parts = [];
+    const open = opened(node("objects")), parts = [];
     for (const [group, names] of groups) {
       const rows = [...names].map(([name, own]) => {
         const seen = make("input", { type: "checkbox", title: "shown", "aria-label": `show ${name}` });
@@ -1581,8 +1689,8 @@ const heavylift = (() => {
         listObjects();
         dirty = true;
       });
-      const box = make("details", {}, make("summary", {}, all, ` ${group} (${names.size})`), ...rows);
-      if (names.size <= 12) box.open = true;
+      const box = make("details", { "data-of": group }, make("summary", {}, all, ` ${group} (${names.size})`), ...rows);
+      box.open = open.get(group) ?? names.size <= 12;
       parts.push(box);
     }
     node("objects").replaceChildren(...parts);
@@ -1609,8 +1717,8 @@ const heavylift = (() => {
     };
     const five = (low, high, factor) => [4, 3, 2, 1, 0].map((k) => number((low + ((high - low) * k) / 4) / factor, 3));
     if (data.stress) {
-      const { low, high, title, unit } = data.stress;
-      parts.push(bar(`${title} [${unit}]`, data.stress.table, five(low, high, 1)));
+      const { low, high, title, unit, largest, table } = data.stress, ends = five(low, high, 1);
+      parts.push(bar(`${title} [${unit}]${largest > high ? `, largest ${number(largest, 3)}` : ""}`, table, ends));
     }
     if (data.tension) {
       const [unit, factor] = unitFor("N", data.tension.largest);
@@ -1638,12 +1746,11 @@ const heavylift = (() => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (at.tagName === "INPUT" && at.type === "search") return;
     if (at.tagName === "SELECT" && event.key !== "Escape") return;
-    const step = timelines[0] && timelines[0].times.length > 1 ? (clock.end - clock.begin) / (timelines[0].times.length - 1) : 0;
     const sides = ["-y", "+y", "+x", "-x", "+z", "-z"];
     const actions = {
       " ": () => play(),
-      ArrowRight: () => jump(clock.now + (event.shiftKey ? 1 : step)),
-      ArrowLeft: () => jump(clock.now - (event.shiftKey ? 1 : step)),
+      ArrowRight: () => (event.shiftKey ? jump(clock.now + 1) : nextRecord(1)),
+      ArrowLeft: () => (event.shiftKey ? jump(clock.now - 1) : nextRecord(-1)),
       Home: () => jump(clock.begin), End: () => jump(clock.end),
       "]": () => nextEvent(1), "[": () => nextEvent(-1),
       "+": () => speed(clock.speed * 2), "=": () => speed(clock.speed * 2), "-": () => speed(clock.speed / 2),
@@ -1719,7 +1826,7 @@ const heavylift = (() => {
       ...data.bodies.map((body, index) => make("option", { value: String(index) }, `follow ${body.name}`)));
     node("follow").value = String(options.follow);
     const scales = data.scales;
-    node("scale").replaceChildren(...scales.map((value) => make("option", { value: String(value) }, `deformation × ${value}`)));
+    node("scale").replaceChildren(...scales.map((value) => make("option", { value: String(value) }, `× ${value} deformation`)));
     node("scale").hidden = scales.length < 2;
     if (!scales.includes(scale)) scale = data.scale;
     node("scale").value = String(scale);
@@ -1747,6 +1854,8 @@ const heavylift = (() => {
     clock.now = clamp(clock.now, clock.begin, clock.end);
   }
 
+  let offered = false; // curves that are plotted at first
+
   function fill() {
     fillControls();
     if (world) {
@@ -1767,8 +1876,13 @@ const heavylift = (() => {
         first = false;
       }
     }
-    if (!shown.length) for (const [name, component] of data.plotted) plot(name, component);
-    if (!data.channels.length) document.querySelector('#hl [data-tab="objectpane"]').click();
+    const tab = (name) => document.querySelector(`#hl [data-tab="${name}"]`).click();
+    if (!data.channels.length) tab("objectpane");
+    else if (!offered) { // at first, and when the first records of a run come
+      offered = true;
+      tab("plotpane");
+      for (const [name, component] of data.plotted) plot(name, component);
+    }
     dirty = plotsDirty = overlayDirty = true;
   }
 

@@ -18,6 +18,7 @@ from heavylift.pipeline.pictures.drawings import (
 from heavylift.solver.bodies.ancf.stress import (
     FrameStresses,
     ShellStresses,
+    frame_lengths,
     frame_stresses,
     largest_frame_stress,
     largest_shell_stress,
@@ -143,6 +144,8 @@ class MeshSkin:
     ) -> None:
         self.body = body
         self.widening = widening
+        if lengths is None and isinstance(body, FrameBody):  # once, not at every record
+            lengths = frame_lengths(body.nodes, body.tangents, body.elements)
         self._lengths, self._side = lengths, side
         count = len(body.elements)
         if isinstance(body, ShellBody):

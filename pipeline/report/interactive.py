@@ -160,6 +160,8 @@ def _scaled(number: float, one: CheckResult, limit: float) -> str:
     if one.unit == "1" or not finite:
         return f"{number:.6g}"
     unit = scaled_unit(one.unit, [np.array(finite)])
+    if unit.text.startswith("10^"):
+        return f"{number:.6g} {one.unit}"
     return f"{number / unit.divisor:.6g} {unit.text}".strip()
 
 

@@ -119,7 +119,7 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
             input_section(case),
             *run_section(case, stages, results),
             *operation_section(results),
-            *transport_section(case, results, album),
+            *transport_section(case, stages, results, album),
             *surface_sections(case, stages),
             *sea_sections(case, stages, results),
             *sections,

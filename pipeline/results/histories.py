@@ -532,6 +532,8 @@ def _results_file(source: Case | Path | str, out: Path | str | None) -> Path:
 
 
 def _read_merged(file: Path) -> Results:
+    import h5py
+
     with open_hdf5(file, _REMEDY) as content:
         if content.attrs.get("format") != FORMAT:
             raise InputError("is not a result file", source=file, expected=f"format {FORMAT!r}; {_REMEDY}")
@@ -546,10 +548,11 @@ def _read_merged(file: Path) -> Results:
                 f"is damaged: {error}", source=file, expected=f"a whole file; {_REMEDY}"
             ) from None
         channels = {}
+        group = content["channels"].id
         for name in json.loads(content.attrs["channel_order"]):
-            attributes = content["channels"][name].attrs
-            components = tuple(json.loads(attributes["components"]))
-            channels[name] = ChannelInfo(name, str(attributes["unit"]), components, int(attributes["column"]))
+            place = h5py.h5d.open(group, name.encode())
+            unit, components, column = (_attribute(place, key) for key in (b"unit", b"components", b"column"))
+            channels[name] = ChannelInfo(name, unit, tuple(json.loads(components)), column)
     return Results(file, time, channels, _Hdf5Columns(file), metadata, file)
 
 
@@ -626,26 +629,61 @@ def merge_segments(
                 of_times = _sum(times, of_times)
                 for channel in channels:
                     # a channel is made when its first records are there: HDF5 then writes it once
-                    dataset = (
-                        group[channel.name] if first else _new_channel(group, channel, descriptions, count)
-                    )
+                    if not first:
+                        made = _new_channel(group.id, channel, descriptions[channel.name], count)
+                    else:
+                        made = h5py.h5d.open(group.id, channel.name.encode())
                     values = np.ascontiguousarray(
                         records[channel.column : channel.column + len(channel.components)].T
                     )
-                    dataset[rows] = values
+                    _put(made, first, values)
                     sums[channel.name] = _sum(values, sums[channel.name])
                 first = rows.stop
         _read_back(temporary, of_times, sums)
 
 
-def _new_channel(group: Any, channel: ChannelInfo, descriptions: Mapping[str, str], count: int) -> Any:
+def _new_channel(group: Any, channel: ChannelInfo, description: str, count: int) -> Any:
+    """Data set of a channel, by the calls of the library itself: there may be thousands."""
+    import h5py
+
     shape = (count, len(channel.components))
-    dataset = group.create_dataset(channel.name, shape=shape, dtype="f8", **_chunks(*shape))
-    dataset.attrs["unit"] = channel.unit
-    dataset.attrs["components"] = json.dumps(channel.components)
-    dataset.attrs["column"] = channel.column
-    dataset.attrs["description"] = descriptions[channel.name]
-    return dataset
+    pieces = _chunks(*shape)
+    creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    if pieces:
+        creation.set_chunk(pieces["chunks"])
+        creation.set_fletcher32()
+    link = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+    link.set_create_intermediate_group(True)
+    space, name = h5py.h5s.create_simple(shape), channel.name.encode()
+    made = h5py.h5d.create(group, name, h5py.h5t.IEEE_F64LE, space, creation, link)
+    texts = {"unit": channel.unit, "components": json.dumps(channel.components), "description": description}
+    scalar, text = h5py.h5s.create(h5py.h5s.SCALAR), h5py.string_dtype()
+    for key, value in texts.items():
+        of_type = h5py.h5t.py_create(text, logical=True)
+        h5py.h5a.create(made, key.encode(), of_type, scalar).write(np.array(value, dtype=text))
+    h5py.h5a.create(made, b"column", h5py.h5t.STD_I64LE, scalar).write(np.array(channel.column))
+    return made
+
+
+def _put(place: Any, first: int, values: NDArray[np.float64]) -> None:
+    """Write rows of a data set, from the first on."""
+    import h5py
+
+    if values.size:
+        space = place.get_space()
+        space.select_hyperslab((first, 0), values.shape)
+        place.write(h5py.h5s.create_simple(values.shape), space, values)
+
+
+def _attribute(place: Any, key: bytes) -> Any:
+    """Attribute of a data set, a number or a text, by the calls of the library itself."""
+    import h5py
+
+    attribute = h5py.h5a.open(place, key)
+    value = np.empty((), dtype=attribute.dtype)
+    attribute.read(value)
+    found = value.item()
+    return found.decode() if isinstance(found, bytes) else found
 
 
 def _chunks(count: int, *width: int) -> dict[str, Any]:

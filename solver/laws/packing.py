@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
+from heavylift.solver.forces.line_bearing import LineBearing
 from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.interface import FORCES, ROWS
@@ -32,7 +33,7 @@ from heavylift.solver.joints.registry import largest_opening
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import Channel, add_channels
-from heavylift.solver.scene.connections import GROUND, Joint, Limits, controlled, rubbing_places
+from heavylift.solver.scene.connections import GROUND, Between, Joint, Limits, controlled, rubbing_places
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
     from heavylift.solver.scene.scene import Scene
 
-__all__ = ["STOP_RATE", "PackedLaws", "add_law_channels", "law_owners", "pack_laws"]
+__all__ = ["STOP_RATE", "PackedLaws", "add_law_channels", "as_joint", "law_owners", "pack_laws"]
 
 STOP_RATE = 400.0
 """Frequency [rad/s] on the characteristic mass of the joint that a stop gets if no stiffness is given."""
@@ -65,11 +66,11 @@ class PackedLaws:
 
 
 def law_owners(scene: Scene) -> list[Any]:
-    """Ropes, transporters, springs and motors: what has channels of its own, in their order."""
+    """Ropes, transporters, springs, motors and bearings: what has channels of its own, in their order."""
     return [
         *scene.ropes,
         *scene.transporters,
-        *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor))),
+        *(f for f in scene.forces if isinstance(f, (Spring, JointSpring, JointMotor, LineBearing))),
     ]
 
 
@@ -195,6 +196,15 @@ def pack_laws(
         made.forces.append(driving)
         made.joints.append(driving)
     _pack_scalar_laws(packing, cornered)
+    bearings = [force for force in scene.forces if isinstance(force, LineBearing)]
+    if bearings:
+        from heavylift.solver.forces.line_bearing import pack_bearings
+
+        places = [columns[bearing.name] for bearing in bearings]
+        made.joints.append(
+            pack_bearings(bearings, places, scene.bodies, book, attachment, scales, packing.add)
+        )
+        made.fitted = True
     for ropes in _rope_groups(scene):
         from heavylift.solver.laws.rope_packing import pack_ropes
 
@@ -260,7 +270,7 @@ def _check_spring(force: Spring | JointSpring, scene: Scene) -> None:
     """Refuse ends of a spring between points that coincide."""
     if not isinstance(force, Spring):
         return
-    ends = start_frames(_as_joint(force), scene.bodies)
+    ends = start_frames(as_joint(force), scene.bodies)
     distance = float(np.linalg.norm(ends[1].point - ends[0].point))
     if not distance > 1e-9 * (1.0 + float(np.abs(ends[0].point).max())):
         raise InputError(
@@ -271,8 +281,8 @@ def _check_spring(force: Spring | JointSpring, scene: Scene) -> None:
         )
 
 
-def _as_joint(spring: Spring) -> Joint:
-    """A spring as a joint that frees everything: its two sides and points."""
+def as_joint(spring: Between) -> Joint:
+    """What is between two points as a joint that frees everything: its two sides and points."""
     from heavylift.solver.scene.connections import JointFrame
 
     return Joint(
@@ -287,7 +297,7 @@ def _as_joint(spring: Spring) -> Joint:
 def _sides(packing: _Packing, force: Any) -> tuple[int, Joint]:
     """Coordinate on which a spring or motor acts, and its joint or what stands for it."""
     if isinstance(force, Spring):
-        return DISTANCE, _as_joint(force)
+        return DISTANCE, as_joint(force)
     joint = next(joint for joint in packing.scene.joints if joint.name == force.joint)
     return joint_coordinate(joint, force), joint
 

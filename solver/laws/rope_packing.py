@@ -174,7 +174,7 @@ def _with_friction(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
         stride = max(1, (entry.attachments + 1) // 2)
         winch = getattr(rope, "winch", None)
         winch_last = float(winch is not None and winch.end == "last")
-        chains.append((len(sheaves), len(rubbing), stride, winch_last, 0, False, 0.0))
+        chains.append((len(sheaves), len(rubbing), stride, winch_last, 0, False, False, 0.0))
         column = entry.column + len(ROPE_CHANNELS) - 1 + parts
         for row, place in enumerate(rubbing, start=1):
             block = entry.block + row // ROWS_A_BLOCK * stride

@@ -26,10 +26,13 @@ __all__ = [
     "ROWS_A_BLOCK",
     "check_drift",
     "fit_law",
+    "fit_row_law",
     "law_impulse",
     "put_law",
     "put_residual",
+    "put_row_law",
     "put_stick",
+    "rate_of_row",
     "row_rate",
 ]
 
@@ -54,15 +57,21 @@ FITTED = 1e-13
 
 
 @kernel(inline=True, internal=True)
-def row_rate(system: RowArrays, first: int, last: int, velocity: NDArray[np.float64]) -> float:
-    """``G v`` of the first row of the attachments first ... last - 1."""
+def rate_of_row(system: RowArrays, first: int, last: int, row: int, velocity: NDArray[np.float64]) -> float:
+    """``G v`` of a row of the attachments first ... last - 1."""
     lanes = system.lanes
     u = 0.0
     for i in range(first, last):
-        dof, panel = system.attachments[i].dof, system.attachments[i].panel
+        dof, panel = system.attachments[i].dof, system.attachments[i].panel + row
         for k in range(system.attachments[i].width):
             u += system.panels[panel + k * lanes] * velocity[dof + k]
     return u
+
+
+@kernel(inline=True, internal=True)
+def row_rate(system: RowArrays, first: int, last: int, velocity: NDArray[np.float64]) -> float:
+    """``G v`` of the first row of the attachments first ... last - 1."""
+    return rate_of_row(system, first, last, 0, velocity)
 
 
 @kernel(inline=True, internal=True)
@@ -89,14 +98,22 @@ def check_drift(block: int, drift: float, largest: float, work: Workspace) -> No
 
 
 @kernel(internal=True)
-def put_law(system: RowArrays, block: int, h: float, u: float, force: float, slope: float) -> None:
-    """Fit the first row of a block to a force and its derivative at a rate u."""
-    softest = FREE_SOFTNESS * system.rows[block].scale[0]
+def put_row_law(
+    system: RowArrays, block: int, row: int, h: float, u: float, force: float, slope: float
+) -> None:
+    """Fit a row of a block to a force and its derivative at a rate u."""
+    softest = FREE_SOFTNESS * system.rows[block].scale[row]
     softness, target = softest, -0.5 * h * force * softest
     if 0.5 * h * slope * softest > 1.0:
         softness, target = 2.0 / (h * slope), u - force / slope
-    system.rows[block].softness[0] = softness
-    system.rows[block].target[0] = target
+    system.rows[block].softness[row] = softness
+    system.rows[block].target[row] = target
+
+
+@kernel(inline=True, internal=True)
+def put_law(system: RowArrays, block: int, h: float, u: float, force: float, slope: float) -> None:
+    """`put_row_law` of the first row."""
+    put_row_law(system, block, 0, h, u, force, slope)
 
 
 @kernel(internal=True)
@@ -107,17 +124,25 @@ def put_stick(system: RowArrays, block: int) -> None:
 
 
 @kernel(internal=True)
+def fit_row_law(
+    system: RowArrays, block: int, row: int, h: float, u: float, force: float, slope: float, work: Workspace
+) -> None:
+    """As `put_row_law`, if impulse and row do not fit the law yet; counts it."""
+    rows = system.rows[block]
+    miss = abs(rows.impulse[row] + 0.5 * h * force)
+    if miss <= FITTED * 0.5 * h * (abs(force) + slope * abs(u)):
+        return
+    old_softness, old_target = rows.softness[row], rows.target[row]
+    put_row_law(system, block, row, h, u, force, slope)
+    moved = abs(rows.softness[row] - old_softness) > FITTED * old_softness
+    if moved or abs(rows.target[row] - old_target) > FITTED * (abs(old_target) + abs(u)):
+        work.control.changed += 1
+        work.status.block = block  # named if the iteration does not end
+
+
+@kernel(inline=True, internal=True)
 def fit_law(
     system: RowArrays, block: int, h: float, u: float, force: float, slope: float, work: Workspace
 ) -> None:
-    """As `put_law`, if impulse and row do not fit the law yet; counts it."""
-    row = system.rows[block]
-    miss = abs(law_impulse(system, block) + 0.5 * h * force)
-    if miss <= FITTED * 0.5 * h * (abs(force) + slope * abs(u)):
-        return
-    old_softness, old_target = row.softness[0], row.target[0]
-    put_law(system, block, h, u, force, slope)
-    moved = abs(row.softness[0] - old_softness) > FITTED * old_softness
-    if moved or abs(row.target[0] - old_target) > FITTED * (abs(old_target) + abs(u)):
-        work.control.changed += 1
-        work.status.block = block  # named if the iteration does not end
+    """`fit_row_law` of the first row."""
+    fit_row_law(system, block, 0, h, u, force, slope, work)

@@ -87,11 +87,21 @@ FITTED, FREED, PUSHED = range(3)
 SAME_FLOW = 1e-10
 """Change of flows, relative to the largest, that counts as none."""
 
-STUCK = 1e-10
-"""Excess of a ratio of tensions up to which a sheave sticks."""
+STUCK = 3e-10
+"""Excess of a ratio of tensions up to which a sheave sticks: more than what rounding makes of one at its bound."""
 
-SHARING = 1e-5
-"""Compliance of a sheave that sticks, relative to that of its rope."""
+SHARING, HOLDING = 1e-5, 1e-3
+"""Compliance of a sheave that sticks, and of each of a rope that stands still, relative to that of the rope.
+
+Velocities at rest are rounding of positions, and the stiffer rows are, the more of that they add up in long holds.
+"""
+
+END = 1e-3
+"""Softness of a row that sticks in the projection, relative to that in the middle of the step.
+
+A winch or a driven body may make flows that no bodies can take back: rigid rows would then push against each other with
+impulses far above any friction, and what those do to the softness of guides is energy that nobody books.
+"""
 
 SMALL = 1e-8
 """Of a tension: what its force makes of a row that sticks counts as no flow."""
@@ -111,9 +121,9 @@ class Chain(Record):
         Blocks from one that has rows of it to the next.
     winch_last
         1 if the drum is at the last end.
-    settling, asked, largest
-        Scratch of the iteration: rounds since a sheave has changed its state, whether a search asks the rope, and the
-        largest tension [N].
+    settling, asked, standing, largest
+        Scratch of the iteration: rounds since a sheave has changed its state, whether a search asks the rope, whether
+        all sheaves stuck in the last step, and the largest tension [N].
     """
 
     first: int
@@ -122,6 +132,7 @@ class Chain(Record):
     winch_last: float
     settling: int
     asked: bool
+    standing: bool
     largest: float
 
 
@@ -152,6 +163,8 @@ class SheaveState(Record):
         Energy lost here, and what the winch works for it [J].
     held
         `force` of the last step that stands: the row of one that sticks begins with it.
+    stuck
+        Whether it stuck in that step.
     acting
         State that the tensions follow: `branch`, or the sense of a row that holds more than friction can.
     other
@@ -170,6 +183,7 @@ class SheaveState(Record):
     loss: float
     work: float
     held: float
+    stuck: bool
     acting: int
     other: int
     stops: bool
@@ -338,7 +352,8 @@ def _held_softness(kind: SheavedRopes, i: int, s: int, step: float, system: RowA
     lane = kind.sheaves[s].lane
     if kind.table[i].axial_stiffness == 0.0:  # it was let go
         return FREE_SOFTNESS * system.rows[kind.sheaves[s].block].scale[lane]
-    compliance = SHARING / stiffness_of(kind, i, 1.0 / kind.state[i].rest)
+    sharing = HOLDING if kind.chains[i].standing else SHARING
+    compliance = sharing / stiffness_of(kind, i, 1.0 / kind.state[i].rest)
     return REGULARISATION * system.rows[kind.sheaves[s].block].scale[lane] + 4.0 * compliance / (step * step)
 
 
@@ -430,7 +445,9 @@ def set_sheaved_targets(
     for i in range(kind.table.shape[0]):
         chain, rope = kind.chains[i], kind.state[i]
         if at_midpoint:
-            chain.asked, chain.settling = False, 0
+            chain.asked, chain.settling, chain.standing = False, 0, not rope.fresh
+            for s in range(chain.first, chain.first + chain.count):
+                chain.standing = chain.standing and kind.sheave_state[s].stuck
         for s in range(chain.first, chain.first + chain.count):
             state = kind.sheave_state[s]
             if at_midpoint:
@@ -447,12 +464,13 @@ def set_sheaved_targets(
             state.stops = False
             if rope.fresh or rope.stretched <= rope.rest:
                 continue
-            state.stops = (
-                state.branch * state.speed <= 0.0
-            )  # records ask as well, and must leave the state as it is
+            # what counts as no flow stops: else sheaves at their bounds change their states in each step at rest;
+            # records ask as well, and must leave the state as it is
+            least = SMALL * chain.largest * _creep(kind, i, s, step, system)
+            state.stops = state.branch * state.speed <= least
             if state.stops:
-                scale = system.rows[kind.sheaves[s].block].scale[kind.sheaves[s].lane]
-                _stick(kind, i, s, rope.hauling, REGULARISATION * scale, 0.0, system)
+                softness = END * _held_softness(kind, i, s, step, system)
+                _stick(kind, i, s, rope.hauling, softness, 0.0, system)
 
 
 @kernel(internal=True)
@@ -470,8 +488,8 @@ def _find_tensions(kind: SheavedRopes, i: int, mean: float) -> float:
         for s in range(chain.first, chain.first + chain.count):
             state, p = kind.sheave_state[s], kind.sheaves[s].place
             if state.acting == 0:
-                bound = (1.0 - kind.sheaves[s].efficiency) * max(kind.tension[p - 1], kind.tension[p])
-                if abs(state.force) > (1.0 + STUCK) * max(bound, 0.0) or mean <= 0.0:
+                bound = (1.0 - kind.sheaves[s].efficiency + STUCK) * max(kind.tension[p - 1], kind.tension[p])
+                if abs(state.force) > max(bound, 0.0) or mean <= 0.0:
                     state.acting = 1 if state.force > 0.0 else -1
                     again = True
         if not again:
@@ -713,7 +731,7 @@ def update_sheaved_ropes(
             state.force = -2.0 / step * _impulse(kind, s, system)
             change = 0.0 if kind.state[i].fresh else state.force - state.held
             state.trend = 2.0 / (step + work.control.last_step) * change
-            state.held = state.force
+            state.held, state.stuck = state.force, state.branch == 0
             state.loss += step * state.force * _flow(kind, i, s, hauling, work.velocity, system)
             state.work += step * state.force * (chain.winch_last - state.share) * hauling
     update_ropes(kind, time, step, work, system)
@@ -810,7 +828,7 @@ def record_sheaved_ropes(
         work.sums.dissipated += rope.loss
         for s in range(chain.first, chain.first + chain.count):
             state = kind.sheave_state[s]
-            row[kind.sheaves[s].column] = state.speed
+            row[kind.sheaves[s].column] = state.speed if state.branch != 0 else 0.0  # else that of compliance
             row[kind.sheaves[s].column + chain.count] = float(state.branch)
             work.sums.drive_work += state.work
             work.sums.dissipated += state.loss

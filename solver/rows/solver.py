@@ -98,7 +98,7 @@ def assemble(system: RowSystem) -> None:
 @kernel(internal=True)
 def _assemble_hubs(system: RowSystem) -> None:
     """Pivots ``-A`` and couplings ``G`` of the bodies that stay in the system."""
-    lanes = len(system.shape[1])
+    rows, lanes = len(system.shape[0]), len(system.shape[1])
     for i in range(system.hubs.shape[0]):
         hub = system.hubs[i]
         place, first, later = hub.place, hub.first, hub.later
@@ -106,7 +106,7 @@ def _assemble_hubs(system: RowSystem) -> None:
             if later < 0:
                 system.blocks[place + k * (lanes + 1)] = -1.0 / system.inverse_mass[first + k]
                 continue
-            for r in range(6):
+            for r in range(rows):
                 value = system.panels[first + k * lanes + r]
                 if later == 1:
                     system.blocks[place + r * lanes + k] += value

@@ -469,44 +469,31 @@ class Winch:
     """Name of a rope whose winch this one copies, by length."""
     ratio: Annotated[float, Quantity("number")] = 1.0
     """Length of this rope per length of the one that it follows; negative pays out while that one hauls in."""
+    fastest: Annotated[float | None, Positive("velocity")] = None
+    """What it can do [m/s]: it is not to be told, here or in a scenario, to haul in or to pay out faster; a brake that
+    slips does."""
     end: Literal["first", "last"] = "first"
     """End of the path with the drum: where sheaves have an efficiency, the rope runs over them from or to there."""
 
     @staticmethod
     def check(said: Any) -> None:
-        """A speed or a length a time."""
-        given = [key for key in ("speeds", "lengths", "tensions") if len(getattr(said, key))]
-        if said.follow is not None:
-            if given or said.acceleration is not None or said.speed is not None:
-                other = given[0] if given else "acceleration" if said.acceleration is not None else "speed"
-                raise InputError(f"both 'follow' and {other!r}", key=other, expected="one of them")
-        elif said.ratio != 1.0:
-            raise InputError("'ratio' without 'follow'", key="ratio", expected="'follow', a rope to follow")
-        if len(given) > 1:
-            raise InputError(f"both {given[0]!r} and {given[1]!r}", expected="one of them")
-        if not given and said.follow is None and (said.brake is None or len(said.times)):
-            raise InputError("neither 'speeds' nor 'lengths'", expected="one of them")
-        if given:
-            check_table("times", said.times, given[0], getattr(said, given[0]))
-        if given == ["tensions"]:
-            if said.speed is None:
-                raise InputError(
-                    "'tensions' without 'speed'", key="speed", expected="the largest speed of the winch"
-                )
-            for key in ("brake", "acceleration", "jerk"):
-                if getattr(said, key) is not None:
-                    raise InputError(f"both 'tensions' and {key!r}", key=key, expected="one of them")
+        """A speed or a length a time, none beyond what the winch can do."""
+        _check_told(said)
+        if said.fastest is None:
             return
-        if (said.speed is not None) != (len(said.lengths) > 0 and said.acceleration is not None):
-            raise InputError(
-                "'speed' is the limit of moves to 'lengths' with an 'acceleration'",
-                key="speed" if said.speed is not None else "acceleration",
-                expected="'lengths', 'speed' and 'acceleration'; 'speeds' and 'acceleration'; or a table alone",
-            )
+        if said.follow is not None:
+            raise InputError("both 'follow' and 'fastest'", key="fastest", expected="one of them")
         if said.speed is not None:
-            planned_moves(said.times, said.lengths, said.speed, said.acceleration, said.jerk)
+            told, key = said.speed, "speed"
         else:
-            check_speeds(said)
+            key = "lengths" if len(said.lengths) else "speeds"
+            told = float(np.abs(_told_speeds(said)[1]).max()) if len(said.times) else 0.0
+        if told > said.fastest * (1.0 + 1e-12):
+            raise InputError(
+                f"{told:g} m/s, and the winch can do {said.fastest:g} m/s",
+                key=key,
+                expected=f"at most {said.fastest:g} m/s",
+            )
 
     @property
     def plan(self) -> NDArray[np.float64]:
@@ -526,28 +513,69 @@ class Winch:
 
     @property
     def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Times [s] and speeds [m/s], between which the speed is linear.
+        """Times [s] and speeds [m/s], between which the speed is linear."""
+        return _told_speeds(self)
 
-        Notes
-        -----
-        Of lengths: a quadratic spline with a knot in the middle of each interval (L. L. Schumaker, SIAM J. Numer. Anal.
-        20, 1983). Speeds at the times are harmonic means of those of the intervals beside them, none where these have
-        opposite signs, so none is more than twice one beside it, and that in the middle never turns back.
-        """
-        times, speeds = (np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in (self.times, self.speeds))
-        if len(speeds):
-            return times, speeds
-        steps = np.diff(times)
-        means = -np.diff(np.asarray(self.lengths, dtype=np.float64)) / steps
-        at = np.zeros(len(times))
-        before, after = means[:-1], means[1:]
-        same = before * after > 0.0
-        at[1:-1][same] = 2.0 * before[same] * after[same] / (before[same] + after[same])
-        middle = 2.0 * means - 0.5 * (at[:-1] + at[1:])
-        all_times, all_speeds = np.empty(2 * len(times) - 1), np.empty(2 * len(times) - 1)
-        all_times[::2], all_times[1::2] = times, times[:-1] + 0.5 * steps
-        all_speeds[::2], all_speeds[1::2] = at, middle
-        return all_times, all_speeds
+
+def _check_told(said: Any) -> None:
+    """What a winch is told is a table, and one alone."""
+    given = [key for key in ("speeds", "lengths", "tensions") if len(getattr(said, key))]
+    if said.follow is not None:
+        if given or said.acceleration is not None or said.speed is not None:
+            other = given[0] if given else "acceleration" if said.acceleration is not None else "speed"
+            raise InputError(f"both 'follow' and {other!r}", key=other, expected="one of them")
+    elif said.ratio != 1.0:
+        raise InputError("'ratio' without 'follow'", key="ratio", expected="'follow', a rope to follow")
+    if len(given) > 1:
+        raise InputError(f"both {given[0]!r} and {given[1]!r}", expected="one of them")
+    if not given and said.follow is None and (said.brake is None or len(said.times)):
+        raise InputError("neither 'speeds' nor 'lengths'", expected="one of them")
+    if given:
+        check_table("times", said.times, given[0], getattr(said, given[0]))
+    if given == ["tensions"]:
+        if said.speed is None:
+            raise InputError(
+                "'tensions' without 'speed'", key="speed", expected="the largest speed of the winch"
+            )
+        for key in ("brake", "acceleration", "jerk"):
+            if getattr(said, key) is not None:
+                raise InputError(f"both 'tensions' and {key!r}", key=key, expected="one of them")
+        return
+    if (said.speed is not None) != (len(said.lengths) > 0 and said.acceleration is not None):
+        raise InputError(
+            "'speed' is the limit of moves to 'lengths' with an 'acceleration'",
+            key="speed" if said.speed is not None else "acceleration",
+            expected="'lengths', 'speed' and 'acceleration'; 'speeds' and 'acceleration'; or a table alone",
+        )
+    if said.speed is not None:
+        planned_moves(said.times, said.lengths, said.speed, said.acceleration, said.jerk)
+    else:
+        check_speeds(said)
+
+
+def _told_speeds(winch: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times [s] and speeds [m/s] of a winch, between which the speed is linear.
+
+    Notes
+    -----
+    Of lengths: a quadratic spline with a knot in the middle of each interval (L. L. Schumaker, SIAM J. Numer. Anal.
+    20, 1983). Speeds at the times are harmonic means of those of the intervals beside them, none where these have
+    opposite signs, so none is more than twice one beside it, and that in the middle never turns back.
+    """
+    times, speeds = (np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in (winch.times, winch.speeds))
+    if len(speeds):
+        return times, speeds
+    steps = np.diff(times)
+    means = -np.diff(np.asarray(winch.lengths, dtype=np.float64)) / steps
+    at = np.zeros(len(times))
+    before, after = means[:-1], means[1:]
+    same = before * after > 0.0
+    at[1:-1][same] = 2.0 * before[same] * after[same] / (before[same] + after[same])
+    middle = 2.0 * means - 0.5 * (at[:-1] + at[1:])
+    all_times, all_speeds = np.empty(2 * len(times) - 1), np.empty(2 * len(times) - 1)
+    all_times[::2], all_times[1::2] = times, times[:-1] + 0.5 * steps
+    all_speeds[::2], all_speeds[1::2] = at, middle
+    return all_times, all_speeds
 
 
 def controlled(rope: Any) -> bool:

@@ -755,12 +755,32 @@ class _Checker:
 
     def _check_speed(self, speed: float, rope: Any, key: str) -> None:
         """A winch is no faster than it is said to be."""
-        most = getattr(getattr(rope, "winch", None), "speed", None)
+        winch = getattr(rope, "winch", None)
+        most = (
+            min((one for one in (winch.speed, winch.fastest) if one is not None), default=None)
+            if winch
+            else None
+        )
         if most is not None and abs(speed) > most * (1.0 + 1e-12):
             raise InputError(
                 f"{abs(speed):g} m/s, and the winch of {rope.name!r} has at most {most:g} m/s",
                 key=f"{key}.speed",
                 expected=f"at most {most:g} m/s",
+            )
+
+    def _check_follower(self, action: WinchFollow, rope: Any, key: str) -> None:
+        """A winch that follows is no faster than it can be, however fast the other one goes."""
+        most = getattr(getattr(rope, "winch", None), "fastest", None)
+        if most is None:
+            return
+        leader = getattr(getattr(self.rope(action.leader, f"{key}.follow"), "winch", None), "fastest", None)
+        told = abs(action.ratio) * (math.inf if leader is None else leader)
+        if told > most * (1.0 + 1e-12):
+            raise InputError(
+                f"the winch of {rope.name!r} can do {most:g} m/s, and that of {action.leader!r} leads it with "
+                + ("any speed" if leader is None else f"{told:g} m/s"),
+                key=f"{key}.follow",
+                expected=f"'fastest' of the winch of {action.leader!r}, at most {most / abs(action.ratio):g} m/s",
             )
 
     def _move(self, action: WinchSpeed | WinchLength | WinchHaul | WinchFollow, rope: Any, key: str) -> None:
@@ -784,6 +804,7 @@ class _Checker:
                     key=f"{key}.follow",
                     expected="a winch that none follows",
                 )
+            self._check_follower(action, rope, key)
             self.followed[name] = action.leader
             self.planned[name] = action.ratio * self.planned.get(action.leader, 0.0)
             self.arriving.add(name)

@@ -13,10 +13,13 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
-from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.joined import joined_bodies
+from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
 from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, wheel_heights
 from heavylift.solver.transport.path_packing import PathPacking
 from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
@@ -44,6 +47,18 @@ __all__ = ["pack_transporters", "vehicle_tipping"]
 PATH_COLUMN = 8
 """Columns of a transporter before those of its groups and bogies."""
 
+
+NEAR, AROUND = 0.02, 8
+"""Part of the extent of a mesh within which a place counts as below it; or the distance of that neighbour of a node."""
+
+LONGEST = 1.0
+"""Stroke that no bogie has [m]: those of transporters are 0.6 to 0.7 m from stop to stop."""
+
+FAR_TOO_MUCH = 2.0
+"""Loads over the weight that are taken for those of groups."""
+
+LEAST_RISE = 0.5
+"""Cosine of the angle of the normal of a deck to the vertical: steeper ones carry no wheels."""
 
 ALIKE = 1e-3
 """Difference of heights of decks, and widths of overlaps, that are none [m]."""
@@ -78,6 +93,7 @@ def pack_transporters(
         cannot hold the body upright; or no load is told of a body whose weight is not known.
     """
     decks: Sequence[Deck] = scene.decks
+    _refuse_soft_decks(scene)
     corners, firsts, counts = corner_table(decks)
     made_decks = [
         (*_deck_markers(deck, book), first, count, *map(float, deck.sides))
@@ -85,7 +101,7 @@ def pack_transporters(
     ]
     vehicles: list[tuple[Any, ...]] = []
     groups: list[tuple[Any, ...]] = []
-    bogies: list[tuple[int, int, float]] = []
+    bogies: list[tuple[Any, ...]] = []
     pumps: list[tuple[float, float]] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
@@ -95,15 +111,24 @@ def pack_transporters(
     block = first_block
     paths = PathPacking(scene, book)
     gravity = _gravity(scene)
-    for transporter, column in zip(scene.transporters, columns, strict=True):
+    for transporter in scene.transporters:
         _check_names(transporter)
         for deck in decks:
             deck.check_radius(transporter.wheel_radius)
-        places = Places(transporter, scene)
-        if not vehicles:
-            _refuse_overlaps(decks, places)
-        of_vehicle = [places.on_decks(number, decks, corners) for number in range(len(places.points))]
-        loads = _start_loads(transporter, gravity, places)
+    all_places = [Places(transporter, scene) for transporter in scene.transporters]
+    _refuse_overturned(decks, all_places[0])
+    _refuse_overlaps(decks, all_places[0])
+    on_decks = [
+        [places.on_decks(number, decks, corners) for number in range(len(places.points))]
+        for places in all_places
+    ]
+    loads_of = {
+        places.transporter.name: loads
+        for party in _parties(scene, all_places)
+        for places, loads in zip(party, _start_loads(party, gravity), strict=True)
+    }
+    for places, of_vehicle, column in zip(all_places, on_decks, columns, strict=True):
+        transporter, loads = places.transporter, loads_of[places.transporter.name]
         weight = transporter.bogie_mass * float(np.linalg.norm(gravity))
         _check_loads(transporter, loads, weight)
         if weight and any(deck.body != GROUND for deck in decks):
@@ -119,7 +144,9 @@ def pack_transporters(
             *dict.fromkeys(d.body for d in decks if d.body not in {GROUND, transporter.body}),
         ]
         ends = list(dict.fromkeys(attachment(name) for name in held))
+        scale = sum(scales(name)[0] for name in held)
         first_bogie = len(bogies)
+        counts_of = [len(group.bogies) for group in transporter.groups]
         vehicles.append(
             (
                 len(groups),
@@ -127,7 +154,10 @@ def pack_transporters(
                 first_bogie,
                 len(places.points),
                 column,
-                *(book.direction(transporter.body, axis, FORCES, at=np.zeros(3)) for axis in places.axes),
+                *(
+                    book.direction(transporter.body, axis, FORCES, at=places.points[0])
+                    for axis in places.axes
+                ),
                 transporter.wheel_radius,
                 transporter.tyre_stiffness,
                 transporter.line_damping,
@@ -137,8 +167,11 @@ def pack_transporters(
                 transporter.travel_speed is not None,
                 transporter.travel_speed or 0.0,
                 float(places.world[:, 2].mean()),
+                float(np.repeat(loads, counts_of).mean()) or np.inf,
+                *_levelling(transporter, column),
             )
         )
+        level = (places.world - places.world.mean(axis=0)) @ places.level.T
         stands_on += [deck for deck, _, _ in of_vehicle]
         starts += [place for _, _, place in of_vehicle]
         lifts = [lift for _, lift, _ in of_vehicle]
@@ -149,6 +182,11 @@ def pack_transporters(
                 if group.pump is None
                 else list(zip(group.pump.times, count * group.pump.lifts, strict=True))
             )
+            # see `heavylift.solver.transport.transporters`
+            apart = isinstance(places.body, FlexibleBody) and (
+                transporter.line_damping + transporter.tyre_damping > 0.0
+            )
+            row_count = count if apart else 1
             groups.append(
                 (
                     len(vehicles) - 1,
@@ -156,6 +194,8 @@ def pack_transporters(
                     count,
                     block,
                     len(ends),
+                    row_count,
+                    max(1, (len(ends) + 1) // 2),
                     group.oil_stiffness / count,
                     group.gas_length * count,
                     load,
@@ -164,6 +204,7 @@ def pack_transporters(
                     group.constant_force,
                     group.relief_force,
                     count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0,
+                    *level[len(bogies) - first_bogie :][:count, :2].mean(axis=0).tolist(),
                 )
             )
             if load >= group.relief_force:
@@ -185,9 +226,11 @@ def pack_transporters(
             # with the loads of the start every tyre is as it is drawn, and the stroke is what the road lifts
             strokes.append(sum(lifts[own]) + (float(np.interp(0.0, *np.transpose(rows))) if rows else 0.0))
             side = 2 * block + ends.index(attachment(transporter.body))
+            law = LawBlock(transporter.name, tuple(ends), scale)
+            step = 2 * law.block_count if row_count > 1 else 0
             bogies += [
-                (book.point(transporter.body, point, FORCES), side, load)
-                for point in np.asarray(group.bogies, dtype=np.float64)
+                (places.pack(book, point), side + step * i, load)
+                for i, point in enumerate(np.asarray(group.bogies, dtype=np.float64))
             ]
             sides.append(
                 [
@@ -195,12 +238,11 @@ def pack_transporters(
                     for deck in decks
                 ]
             )
-            scale = sum(scales(name)[0] for name in held)
-            blocks.append(LawBlock(transporter.name, tuple(ends), scale))
-            block += blocks[-1].block_count
+            blocks += [law] * row_count
+            block += row_count * law.block_count
         if transporter.legs:
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
-            share = np.repeat(loads, [len(group.bogies) for group in transporter.groups])
+            share = np.repeat(loads, counts_of)
             at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
@@ -210,7 +252,7 @@ def pack_transporters(
             paths.skip(len(places.points))
     state, of_bogies = records(GroupState, len(groups)), records(BogieState, len(bogies))
     state["fresh"] = True
-    state["force"], state["strokes"] = [group[7] for group in groups], strokes
+    state["force"], state["strokes"] = [group[9] for group in groups], strokes
     of_bogies["deck"], of_bogies["weight"] = stands_on, 1.0
     kind = Transporters(
         records(DeckData, made_decks),
@@ -228,11 +270,48 @@ def pack_transporters(
     return [kind, *paths.kinds(of_bogies)], blocks
 
 
+def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:
+    """What a vehicle keeps of its levelling: as `VehicleData`."""
+    said = transporter.levelling
+    if said is None:
+        return False, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
+    last = column + channel_width(transporter.CHANNELS[:-1], transporter.components)
+    return (
+        True, said.period, 1.0 / said.time_constant, said.speed, said.dead_angle, said.roll, said.pitch, last,
+    )  # fmt: skip
+
+
 def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:
     """Markers of origin and axes."""
     origin = np.asarray(deck.origin, dtype=np.float64)
     axes = (book.direction(deck.body, axis, FORCES, at=origin) for axis in deck.axes())
     return (book.point(deck.body, origin, FORCES), *axes)
+
+
+def _refuse_soft_decks(scene: Scene) -> None:
+    """Refuse decks on bodies that deform: a deck is stiff, and its load would act on the shapes of one point."""
+    rigid = {body.name for body in scene.bodies if isinstance(body, RigidBody)} | {GROUND}
+    for deck in scene.decks:
+        if deck.body not in rigid:
+            raise InputError(
+                f"it is on body {deck.body!r}, which deforms",
+                source=deck.name,
+                key="body",
+                expected="a rigid body, or 'ground'",
+            )
+
+
+def _refuse_overturned(decks: Sequence[Deck], places: Places) -> None:
+    """Refuse decks on whose other side wheels would stand."""
+    for deck in decks:
+        up = (places.frame(deck.body, deck.origin).axes @ deck.axes().T)[:, 2]
+        if up[2] < LEAST_RISE:
+            raise InputError(
+                f"{np.asarray(deck.normal).tolist()} points {'down' if up[2] < 0.0 else 'sideways'} at the start",
+                source=deck.name,
+                key="normal",
+                expected="the direction away from the ground, to the side on which wheels stand",
+            )
 
 
 def _refuse_overlaps(decks: Sequence[Deck], places: Places) -> None:
@@ -276,7 +355,7 @@ def _gravity(scene: Scene) -> NDArray[np.float64]:
 
 
 class Places:
-    """Where the bogies of a transporter and the decks are in the world at the start."""
+    """Where the bogies of a transporter and the decks are in the world at the start, and what is fixed to its body."""
 
     def __init__(self, transporter: Transporter, scene: Scene) -> None:
         self.transporter, self.scene = transporter, scene
@@ -300,6 +379,8 @@ class Places:
         self.level = np.array([level, np.cross(up, level), up])
         self.axes = self.level @ turn
         self.turn = turn
+        self.carried = frozenset({self.body.name})
+        self._arms: tuple[int, int, int] | None = None
 
     def frame(self, body: str, point: NDArray[np.float64]) -> JointFrame:
         stands = FixedJoint(
@@ -309,6 +390,36 @@ class Places:
             frame_b=JointFrame(np.asarray(point, dtype=np.float64)),
         )
         return start_frames(stands, self.scene.bodies)[1]
+
+    def pack(
+        self, book: MarkerBook, point: NDArray[np.float64]
+    ) -> tuple[int, int, int, int, tuple[float, ...]]:
+        """Markers of a place of the body [m]: itself, or the node of a mesh on which it hangs, and the axes of its arm.
+
+        Raises
+        ------
+        InputError
+            If there is no body over it.
+        """
+        name, none = self.transporter.body, (-1, -1, -1)
+        if not isinstance(self.body, FlexibleBody):
+            return book.point(name, point, FORCES), *none, (0.0, 0.0, 0.0)
+        nodes = self.body.reduced.nodes
+        node = nodes[self.body.reduced.nearest_node(point)]
+        arm = np.asarray(point, dtype=np.float64) - node
+        near = np.sort(np.linalg.norm(nodes - node, axis=1))[: AROUND + 1][-1]
+        if np.linalg.norm(self.axes[:2] @ arm) > max(near, NEAR * float(np.ptp(nodes, axis=0).max())):
+            raise InputError(
+                f"place {np.round(point, 6).tolist()} m of a bogie is {np.linalg.norm(self.axes[:2] @ arm):.4g} m "
+                f"beside body {name!r}",
+                source=self.transporter.name,
+                key="groups",
+                expected="places below the body, in the coordinates of its geometry (are the units right?)",
+            )
+        if self._arms is None and np.any(arm):
+            x, y, z = (book.direction(name, axis, FORCES, at=node) for axis in np.eye(3))
+            self._arms = x, y, z
+        return book.point(name, node, FORCES), *(self._arms or none), tuple(map(float, arm))
 
     def on_decks(
         self, number: int, decks: Sequence[Deck], corners: NDArray[np.float64]
@@ -334,96 +445,164 @@ class Places:
                 key="groups",
                 expected="decks below all wheels, or another start",
             )
-        low, high = self.transporter.stops
+        low, high = np.clip(self.transporter.stops, -LONGEST, LONGEST)
         if not low <= lift <= high:
             raise InputError(
                 f"bogie {number + 1} is drawn {abs(lift):.4g} m {'below' if lift > 0.0 else 'above'} deck "
-                f"{decks[found].name!r}, more than its stroke",
+                f"{decks[found].name!r}, more than {'any' if self.transporter.stroke_limits is None else 'its'} stroke",
                 source=self.transporter.name,
                 key="groups",
                 expected="places of the wheels on the road at the start",
             )
         return found, lift, places
 
-    def stand(self, gravity: float) -> Stand:
-        """The body on its groups.
 
-        Raises
-        ------
-        InputError
-            If its weight is not known: it is not rigid.
-        """
-        body, transporter = self.body, self.transporter
-        if not isinstance(body, RigidBody):
-            raise InputError(
-                f"body {body.name!r} is not rigid",
-                source=transporter.name,
-                key="groups",
-                expected="the 'load' of each group, and 'accept_unstable': only of a rigid body it is known whether it "
-                "stands",
-            )
-        centre = self.frame(body.name, np.asarray(body.centre_of_mass, dtype=np.float64)).point
-        oil = np.array([group.oil_stiffness for group in transporter.groups])
-        counts = np.array([len(group.bogies) for group in transporter.groups])
-        ends = np.cumsum(counts)
-        middles = np.array([self.world[e - n : e].mean(axis=0) for e, n in zip(ends, counts, strict=True)])
-        turn = self.level @ self.turn
-        return Stand(
-            transporter.name,
-            (middles - centre) @ self.level.T,
-            counts,
-            oil,
-            body.mass * gravity,
-            body.mass,
-            turn @ np.asarray(body.inertia, dtype=np.float64) @ turn.T,
+def _parties(scene: Scene, all_places: Sequence[Places]) -> list[list[Places]]:
+    """Transporters that carry one stiff thing together: one body, or bodies that fixed joints hold together."""
+    pairs = [(joint.body_a, joint.body_b) for joint in scene.joints if isinstance(joint, FixedJoint)]
+    parties: dict[frozenset[str], list[Places]] = {}
+    for places in all_places:
+        group, _ = joined_bodies(places.body.name, _free(scene), pairs, _apart(scene))
+        places.carried = group
+        parties.setdefault(group, []).append(places)
+    return list(parties.values())
+
+
+def _free(scene: Scene) -> set[str]:
+    return {body.name for body in scene.bodies if isinstance(body.motion, Free)}
+
+
+def _apart(scene: Scene) -> set[str]:
+    """Bodies that something else carries: those with decks, and those that float."""
+    floating = () if scene.sea is None else scene.sea.hulls
+    return {deck.body for deck in scene.decks} | {hull.body for hull in floating}
+
+
+def _stand(party: Sequence[Places], gravity: float) -> Stand:
+    """What transporters carry, on all their groups.
+
+    Raises
+    ------
+    InputError
+        If its weight is not known.
+    """
+    first = party[0]
+    scene, apart = first.scene, _apart(first.scene)
+    pairs = [(joint.body_a, joint.body_b) for joint in scene.joints if not isinstance(joint, Guide)]
+    hanging = joined_bodies(first.body.name, _free(scene), pairs, apart)[0] - first.carried
+    carried = [body for body in scene.bodies if body.name in first.carried]
+    parts = [_mass_of(body, first) for body in carried if isinstance(body, (RigidBody, FlexibleBody))]
+    problem = ""
+    if hanging:
+        problem = f"body {min(hanging)!r} hangs on it by a joint that is not fixed"
+    elif len(parts) < len(carried):
+        problem = f"body {next(b.name for b in carried if not isinstance(b, (RigidBody, FlexibleBody)))!r} is a mesh"
+    elif first.body.name in apart:
+        problem = f"body {first.body.name!r} floats, or has a deck"
+    if problem:
+        raise InputError(
+            problem,
+            source=first.transporter.name,
+            key="groups",
+            expected="the 'load' of each group, and 'accept_unstable': what weighs on them is not known",
         )
+    mass = sum(part[0] for part in parts)
+    centre = np.sum([part[0] * part[1] for part in parts], axis=0) / mass
+    inertia = np.zeros((3, 3))
+    for own, place, about in parts:
+        d = place - centre
+        inertia += about + own * (d @ d * np.eye(3) - np.outer(d, d))
+    names, oil, counts, middles = [], [], [], []
+    for places in party:
+        begin = 0
+        for of_group in places.transporter.groups:
+            end = begin + len(of_group.bogies)
+            names.append(of_group.name if len(party) == 1 else f"{places.transporter.name}.{of_group.name}")
+            oil.append(of_group.oil_stiffness)
+            counts.append(end - begin)
+            middles.append(places.world[begin:end].mean(axis=0))
+            begin = end
+    return Stand(
+        first.transporter.name,
+        (np.array(middles) - centre) @ first.level.T,
+        np.array(counts),
+        np.array(oil),
+        mass * gravity,
+        mass,
+        first.level @ inertia @ first.level.T,
+        tuple(names),
+    )
 
 
-def _start_loads(
-    transporter: Transporter, gravity: NDArray[np.float64], places: Places
-) -> NDArray[np.float64]:
-    """Force of a bogie of each group at the start [N]; refuses what does not stand."""
-    told = np.array([group.load for group in transporter.groups], dtype=np.float64)
-    if np.all(np.isfinite(told)) and transporter.accept_unstable:
-        return told
+def _mass_of(
+    body: RigidBody | FlexibleBody, places: Places
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Mass [kg], centre in the world at the start [m] and inertia about it in world axes [kg m2]."""
+    if isinstance(body, RigidBody):
+        mass, centre, inertia = body.mass, np.asarray(body.centre_of_mass), np.asarray(body.inertia)
+    else:
+        integrals = body.reduced.integrals
+        mass, centre = float(integrals.mass), integrals.first_moment / integrals.mass
+        second = integrals.inertia_kl - mass * np.outer(centre, centre)
+        inertia = np.trace(second) * np.eye(3) - second
+    frame = places.frame(body.name, centre)
+    return mass, frame.point, frame.axes @ inertia @ frame.axes.T
+
+
+def _start_loads(party: Sequence[Places], gravity: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Forces of a bogie of each group of transporters that carry one thing [N]; refuses what does not stand."""
+    counts = [len(places.transporter.groups) for places in party]
+    told = np.array([group.load for places in party for group in places.transporter.groups], dtype=np.float64)
+    parts = np.cumsum(counts)[:-1]
+    name, accepted = party[0].transporter.name, all(places.transporter.accept_unstable for places in party)
+    if np.all(np.isfinite(told)) and accepted:
+        return np.split(told, parts)
     down = float(-gravity[2])
     if not down > 0.0 or float(np.abs(gravity[:2]).max()) > 1e-9 * down:
         raise InputError(
             f"gravity {gravity.tolist()}",
-            source=transporter.name,
+            source=name,
             key="gravity",
             expected="gravity along -z: a transporter stands by its weight",
         )
-    stand = places.stand(down)
+    stand = _stand(party, down)
     if not np.all(np.isfinite(told)):
         if np.any(np.isfinite(told)):
-            missing = transporter.groups[int(np.argmin(np.isfinite(told)))].name
+            named = [group.name for places in party for group in places.transporter.groups]
             raise InputError(
-                f"group {missing!r} has none",
-                source=transporter.name,
+                f"group {named[int(np.argmin(np.isfinite(told)))]!r} has none",
+                source=name,
                 key="load",
                 expected="a 'load' of all, or none",
             )
         told = even_loads(stand)
-    if not transporter.accept_unstable:
-        refuse_unstable(_on_tyres(stand, transporter, told))
-    return told
+    elif told @ stand.counts > FAR_TOO_MUCH * stand.weight:
+        raise InputError(
+            f"groups push with {told @ stand.counts:.6g} N in all on what weighs {stand.weight:.6g} N",
+            source=name,
+            key="load",
+            expected="the force of a single bogie of the group, or none: then they carry the weight",
+        )
+    if not accepted:
+        refuse_unstable(_on_tyres(stand, party, told))
+    return np.split(told, parts)
 
 
-def _on_tyres(stand: Stand, transporter: Transporter, loads: NDArray[np.float64]) -> Stand:
+def _on_tyres(stand: Stand, party: Sequence[Places], loads: NDArray[np.float64]) -> Stand:
     """A body on its groups with the stiffness of oil or gas and tyres in a row."""
-    tyre = transporter.tyre_stiffness
+    groups = [(group, places.transporter) for places in party for group in places.transporter.groups]
+    tyre = np.array([transporter.tyre_stiffness for _, transporter in groups])
     oil = np.array(
         [
             0.0 if group.constant_force else (group.oil_stiffness or GAS_EXPONENT * load / group.gas_length)
-            for group, load in zip(transporter.groups, loads, strict=True)
+            for (group, _), load in zip(groups, loads, strict=True)
         ]
     )
     return replace(stand, stiffness=oil * tyre / (oil + tyre))
 
 
 def vehicle_tipping(scene: Scene) -> dict[str, Tipping]:
-    """Tilts at which the transporters of a scene tip over, by name: of those on which a rigid body rides.
+    """Tilts at which the transporters of a scene tip over, by name: of those whose weight is known.
 
     Raises
     ------
@@ -431,13 +610,17 @@ def vehicle_tipping(scene: Scene) -> dict[str, Tipping]:
         As `pack_transporters`.
     """
     gravity = _gravity(scene)
-    found = {}
-    for transporter in scene.transporters:
-        places = Places(transporter, scene)
-        if isinstance(places.body, RigidBody) and float(-gravity[2]) > 0.0:
-            stand = places.stand(float(-gravity[2]))
-            loads = _start_loads(transporter, gravity, places)
-            found[transporter.name] = tipping_angles(_on_tyres(stand, transporter, loads), loads)
+    found: dict[str, Tipping] = {}
+    if not float(-gravity[2]) > 0.0:
+        return found
+    for party in _parties(scene, [Places(transporter, scene) for transporter in scene.transporters]):
+        loads = np.concatenate(_start_loads(party, gravity))
+        try:
+            stand = _stand(party, float(-gravity[2]))
+        except InputError:
+            continue
+        tipping = tipping_angles(_on_tyres(stand, party, loads), loads)
+        found |= {places.transporter.name: tipping for places in party}
     return found
 
 

@@ -115,7 +115,7 @@ class PathPacking:
                 block,
                 attachments,
                 column,
-                self._book.point(transporter.body, places.points.mean(axis=0), FORCES),
+                places.pack(self._book, places.points.mean(axis=0)),
                 self._book.direction(transporter.body, places.axes[0], FORCES, at=np.zeros(3)),
                 side_of[transporter.body],
                 first_plan,

@@ -40,12 +40,13 @@ from heavylift.solver.interface import (
     update_rows,
     watch_joints,
 )
-from heavylift.solver.joints.row_writing import add_direction_row, difference, dot, residuals, targets, vector
+from heavylift.solver.joints.row_writing import add_direction_row, dot, minus, residuals, targets, vector
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.transport.arms import PlaceData, add_place_row, place
 from heavylift.solver.transport.transporters import BogieState
 
-__all__ = ["DriveData", "PathBogie", "PathData", "PathPlan", "PathState", "Paths", "PlanState"]
+__all__ = ["DriveData", "Largest", "PathBogie", "PathData", "PathPlan", "PathState", "Paths", "PlanState"]
 
 LEAST_LOAD = 1e-3
 """Of the force of a bogie: less load on the road counts as this, so what is in the air is used a thousandfold."""
@@ -61,7 +62,7 @@ class PathData(Record):
     column
         First record column.
     middle, forward, side
-        Markers of the middle of the bogies and of the axis of the vehicle, and the side of the rows on which it is.
+        The middle of the bogies, marker of the axis of the vehicle, and the side of the rows on which it is.
     first_plan, plans
         Bodies with decks.
     first_node, nodes, first_piece, pieces
@@ -79,7 +80,7 @@ class PathData(Record):
     block: int
     attachments: int
     column: int
-    middle: int
+    middle: PlaceData
     forward: int
     side: int
     first_plan: int
@@ -94,6 +95,13 @@ class PathData(Record):
     weight: float
     drive: int
     driven: int
+
+
+class Largest(Record):
+    """Largest value so far, and when [s]."""
+
+    value: float
+    time: float
 
 
 class PathState(Record):
@@ -111,6 +119,10 @@ class PathState(Record):
         Force of a driven bogie in the middle of the last step [N], and shares of what it can do at most.
     forces, tractions, powers, brakes
         Their extremes.
+    time
+        At the end of the step [s].
+    most_traction, most_power, most_brake
+        Largest shares of the run, and when.
     """
 
     yaw: float
@@ -128,6 +140,10 @@ class PathState(Record):
     tractions: Extremes
     powers: Extremes
     brakes: Extremes
+    time: float
+    most_traction: Largest
+    most_power: Largest
+    most_brake: Largest
 
 
 class PathPlan(Record):
@@ -286,12 +302,12 @@ def _write_rows(kind: Paths, number: int, work: Workspace, system: RowArrays) ->
             continue
         x, y = vector(work, plan.x), vector(work, plan.y)
         across = (w * (c * y[0] - s * x[0]), w * (c * y[1] - s * x[1]), w * (c * y[2] - s * x[2]))
-        add_direction_row(system, path.side, 0, work, path.middle, (w * x[0], w * x[1], w * x[2]))
-        add_direction_row(system, path.side, 1, work, path.middle, (w * y[0], w * y[1], w * y[2]))
+        add_place_row(system, path.side, 0, work, path.middle, (w * x[0], w * x[1], w * x[2]))
+        add_place_row(system, path.side, 1, work, path.middle, (w * y[0], w * y[1], w * y[2]))
         add_direction_row(system, path.side, 2, work, path.forward, across)
         if plan.side < 0:
             continue
-        d = difference(work, plan.origin, path.middle)
+        d = minus(place(work, path.middle), vector(work, plan.origin))
         add_direction_row(system, plan.side, 0, work, plan.origin, (-w * x[0], -w * x[1], -w * x[2]))
         add_direction_row(system, plan.side, 0, work, plan.x, (w * d[0], w * d[1], w * d[2]))
         add_direction_row(system, plan.side, 1, work, plan.origin, (-w * y[0], -w * y[1], -w * y[2]))
@@ -307,7 +323,7 @@ def _place(kind: Paths, number: int, j: int, work: Workspace) -> tuple[tuple[flo
     path, plan = kind.table[number], kind.plans[j]
     c, s = math.cos(kind.state[number].yaw), math.sin(kind.state[number].yaw)
     x, y, f = vector(work, plan.x), vector(work, plan.y), vector(work, path.forward)
-    d = difference(work, plan.origin, path.middle)
+    d = minus(place(work, path.middle), vector(work, plan.origin))
     ahead, aside = dot(x, f), dot(y, f)
     return (dot(d, x), dot(d, y), c * aside - s * ahead), c * ahead + s * aside
 
@@ -353,7 +369,7 @@ def set_path_targets(
             after, _ = _way(kind, path, time + step)
             there, _ = _pose(kind, path, after)
             state.yaw, state.step, state.moved = 0.5 * (here[2] + there[2]), step, after - before
-            state.way = after
+            state.way, state.time = after, time + step
             part = -math.expm1(-step / path.delay)
             ahead, a, b, c = 0.0, 0.0, 0.0, 0.0
             for j in range(path.first_plan, path.first_plan + path.plans):
@@ -463,6 +479,15 @@ def watch_paths(kind: Paths, work: Workspace, system: RowArrays) -> None:
         note_value(state.tractions, interval, state.traction)
         note_value(state.powers, interval, state.power)
         note_value(state.brakes, interval, state.brake)
+        _keep_largest(state.most_traction, state.traction, state.time)
+        _keep_largest(state.most_power, state.power, state.time)
+        _keep_largest(state.most_brake, state.brake, state.time)
+
+
+@kernel(inline=True, internal=True)
+def _keep_largest(largest: Largest, value: float, time: float) -> None:
+    if value > largest.value:
+        largest.value, largest.time = value, time
 
 
 @implement(record_joints, Paths)

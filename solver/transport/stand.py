@@ -53,6 +53,8 @@ class Stand:
         [N].
     mass, inertia
         [kg]; about the centre of mass in these axes [kg m2], shape (3, 3).
+    groups
+        Names, for messages.
     """
 
     name: str
@@ -62,6 +64,11 @@ class Stand:
     weight: float
     mass: float
     inertia: NDArray[np.float64]
+    groups: tuple[str, ...] = ()
+
+    def named(self, number: int) -> str:
+        """Name or number of a group."""
+        return repr(self.groups[number]) if self.groups else str(number + 1)
 
     @property
     def height(self) -> float:
@@ -108,7 +115,7 @@ def even_loads(stand: Stand) -> NDArray[np.float64]:
     loads: NDArray[np.float64] = mean + change
     if loads.min() < 0.0:
         raise InputError(
-            f"group {int(np.argmin(loads)) + 1} would have to pull with {-loads.min():.6g} N a bogie",
+            f"group {stand.named(int(np.argmin(loads)))} would have to pull with {-loads.min():.6g} N a bogie",
             source=stand.name,
             key="groups",
             expected="groups about the centre of mass: it would tip over",
@@ -129,6 +136,10 @@ def small_motions(stand: Stand) -> NDArray[np.float64]:
 def growth_rate(stand: Stand) -> float:
     """With which a tilt grows [1/s]; 0 of a body that stands."""
     return math.sqrt(max(0.0, -float(small_motions(stand)[0])))
+
+
+INDIFFERENT = 1e-12
+"""Square of the lowest frequency over that of the highest, of a body that nothing brings back."""
 
 
 class Tipping(NamedTuple):
@@ -162,7 +173,8 @@ def tipping_angles(stand: Stand, loads: NDArray[np.float64]) -> Tipping:
     ``-n_k k_k J_k . K^-1 (0, -W d_y, W d_x)``: along its gradient the load of a group is gone soonest. Both are 0 of a
     body that cannot stand.
     """
-    if growth_rate(stand) > 0.0:
+    squares = small_motions(stand)
+    if not squares[0] > INDIFFERENT * np.abs(squares).max():
         return Tipping(0.0, 0.0)
     J, W, h = _levers(stand), stand.weight, stand.height
     K = (stand.counts * stand.stiffness * J.T) @ J - np.diag([0.0, 1.0, 1.0]) * W * h

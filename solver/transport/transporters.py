@@ -19,6 +19,19 @@ is that of the mean load, and a deviation of the row from its prediction is shar
 of r is carried over the step as an elongation of a rope is: where all loads are equal, of oil that is linear, the force
 is the discrete gradient of the stored energy ``p^2 / 2 kappa + sum f^2 / 2 k`` and no step gains any.
 
+Levelling looks at roll a and pitch b of the vehicle every now and then and lifts group k, whose middle is at (x_k, y_k)
+from that of all, with the speed ``s (b x_k - a y_k) / T`` until it looks again; s <= 1 keeps all of them within what
+their pumps can do. Where errors are within the dead angle they count as none.
+
+Pipes and rubber so answer to what the bogies of a group do apart from each other by its prediction alone. A body with
+modes moves apart in ways that no step resolves, which this would drive: where such a body has dampers, every bogie has
+a row of its own, and the group only their common force.
+
+A wheel is on the uppermost of several decks. Where that changes from one body to another one, as at the end of a link
+beam, its load goes over little by little while it rolls on: in truth both decks carry it as long as the one gives way
+and comes back. The force and the row then are a mean of both decks; what the wheel rises beside what this mean does is
+the work of the road, so energies balance whatever the shares are.
+
 The weight of bogies stands on the road, their inertia is left out.
 """
 
@@ -49,7 +62,6 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import (
     Vector,
     add_direction_row,
-    difference,
     dot,
     minus,
     rate,
@@ -59,10 +71,12 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg
+from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
+    "JOLT",
     "WALL",
     "BogieData",
     "BogieState",
@@ -77,8 +91,16 @@ __all__ = [
 ]
 
 OFF_ROAD = int(Outcome.OFF_ROAD)
-LEFT, WALL = 1, 2
-"""Why a wheel stopped the run: there is no road below it, or a step that it cannot meet."""
+STEP_TOO_LARGE = int(Outcome.STEP_TOO_LARGE)
+LEFT, WALL, JOLT = 1, 2, 3
+"""Why a wheel stopped the run: there is no road below it, a step that it cannot meet, or one that throws it up."""
+
+LARGEST_JOLT = 10.0
+"""Load of a wheel in the mean of a step, beyond that before, over that at rest: what is thrown up by more within a step
+is thrown anywhere, since how it meets the road is not seen."""
+
+HANDOVER_WAY, HANDOVER_TIME = 0.05, 0.5
+"""Way over the radius of a wheel, or time [s] if that is over sooner, in which a load goes over to another body."""
 
 GAS_EXPONENT = 1.4
 """Of the gas of an accumulator, adiabatic."""
@@ -168,17 +190,18 @@ class Transporter:
             "at rest, over what its brakes hold, largest since the last record",
             None,
         ),
+        ChannelKind("levelled", "length", "by which levelling has lifted the bogies of each group", None),
     )
     """What it records, in the order of its columns."""
 
     name: str
     body: Annotated[str, NameOf("body")]
-    """Body that rides on it: load and platform in one."""
+    """Body that rides on it: load and platform in one, or a platform to which fixed joints hold the load."""
     groups: Annotated[tuple[BogieGroup, ...], Least(1)]
     """Bogies, by the groups that share their oil."""
     direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
     """Where it goes, in the axes of the body: roll and pitch are about it and about what lies across it."""
-    wheel_radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)]
+    wheel_radius: Annotated[float, Quantity("length", minimum=0.0, maximum=5.0, closed=True)]
     """[m]; 0 of a point that follows the road."""
     tyre_stiffness: Annotated[float, Positive("stiffness")]
     """Of all tyres of a bogie [N/m]."""
@@ -207,6 +230,8 @@ class Transporter:
     """Largest steering angle of a bogie to both sides [rad]."""
     drive: Drive | None = None
     """Motors and brakes; with a path."""
+    levelling: Levelling | None = None
+    """What keeps it level; it stays as it is pumped if absent."""
     accept_unstable: bool = False
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
 
@@ -224,6 +249,10 @@ class Transporter:
         if said.drive is not None and not said.legs:
             raise InputError(
                 "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
+            )
+        if said.levelling is not None and any(group.constant_force for group in said.groups):
+            raise InputError(
+                "'levelling' of constant forces", key="levelling", expected="groups of oil or gas"
             )
 
     @property
@@ -246,6 +275,7 @@ class Transporter:
             "steering": wheels,
             "rolling_speed": wheels,
             "group_force": tuple(group.name for group in self.groups),
+            "levelled": tuple(group.name for group in self.groups) if self.levelling else (),
             "wheel_load": bogies,
             "road_under": bogies,
             "stroke_of": bogies,
@@ -294,6 +324,11 @@ class VehicleData(Record):
         Whether its wheels travel by themselves, and how fast [m/s].
     start_height
         Mean height of the places of its bogies at the start, along z of the world [m].
+    rest
+        Mean load of its bogies at the start [N].
+    levels, period, rate, fastest, dead, roll, pitch, levelled
+        Whether it has levelling; time between looks [s], 1/T [1/s], largest speed [m/s], dead angle, angles that are
+        kept [rad], and the first record column of what was lifted.
     """
 
     first_group: int
@@ -314,11 +349,21 @@ class VehicleData(Record):
     driven: bool
     speed: float
     start_height: float
+    rest: float
+    levels: bool
+    period: float
+    rate: float
+    fastest: float
+    dead: float
+    roll: float
+    pitch: float
+    levelled: int
 
 
 class VehicleState(Record):
-    """Extremes of the loads and strokes of a transporter."""
+    """Looks of levelling so far; extremes of the loads and strokes of a transporter."""
 
+    looks: int
     loads_high: Extremes
     loads_low: Extremes
     strokes_high: Extremes
@@ -335,7 +380,9 @@ class GroupData(Record):
     first, count
         Its bogies.
     block, attachments
-        Of its row.
+        Of its row, or of the first of its rows.
+    rows, apart
+        1, or one a bogie; blocks from one to the next.
     stiffness
         Of oil, force of a cylinder by the sum of strokes [N/m].
     gas
@@ -350,6 +397,8 @@ class GroupData(Record):
         Force of a cylinder at which oil is lost [N].
     leak
         Rate of the sum of strokes by oil that leaks, over the force of a cylinder [m/(N s)].
+    ahead, aside
+        Middle of its bogies from that of all, along and to the left [m].
     """
 
     vehicle: int
@@ -357,6 +406,8 @@ class GroupData(Record):
     count: int
     block: int
     attachments: int
+    rows: int
+    apart: int
     stiffness: float
     gas: float
     start_force: float
@@ -365,6 +416,8 @@ class GroupData(Record):
     constant: bool
     relief: float
     leak: float
+    ahead: float
+    aside: float
 
 
 class GroupState(Record):
@@ -378,6 +431,8 @@ class GroupState(Record):
         Carried sum of r [m].
     oil, next_oil
         Sum of lifts by the pump at the start and at the end of the step [m].
+    levelled, since, pumping
+        Sum of lifts by levelling at its last look [m], when that was [s], and the rate of the sum since [m/s].
     strokes
         Sum of strokes that makes the force of the start [m]: that of the start, and what oil was lost since.
     drift
@@ -398,6 +453,9 @@ class GroupState(Record):
     lift: float
     oil: float
     next_oil: float
+    levelled: float
+    since: float
+    pumping: float
     strokes: float
     drift: float
     force: float
@@ -413,9 +471,9 @@ class GroupState(Record):
 
 
 class BogieData(Record):
-    """A bogie: marker of its place, side of the row on which its body is, force of its cylinder at the start [N]."""
+    """A bogie: its place, side of its row on which its body is, force of its cylinder at the start [N]."""
 
-    marker: int
+    place: PlaceData
     side: int
     start_force: float
 
@@ -429,31 +487,47 @@ class BogieState(Record):
         At the end of the last step [m].
     deck
         On which it stands.
+    left_deck, left_share
+        On which it stood before, and what of its load is still on that.
+    rolled
+        Its way along its deck in the step [m]; 0 if that has changed.
     weight
         Share of its load in the mean of its group.
     height
         By which the road lifts it over height zero of its deck [m].
-    middle, growth
-        r in the middle of the step [m] and its rate [m/s], as predicted.
+    middle, growth, extra
+        r in the middle of the step [m] and its rate, as predicted; rate by which it grows beside that [m/s].
     road
         By how much the road lifts it in the step [m].
-    load, mean
-        On the road at the end and in the mean of a step, without its own weight [N].
+    load, mean, slope, load_p
+        On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
+        rate by which every r of its group grows [N s/m], and by the force of its cylinder.
+    predicted, last_rate, last_mean
+        Of a row of its own: rate as predicted [m/s], and scratch of the iteration.
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
-        Why and where it stopped the run.
+        Why and where it stopped the run; of a jolt how large it is, over the load at rest.
     """
 
     stroke: float
     deck: int
+    left_deck: int
+    left_share: float
+    rolled: float
     weight: float
     height: float
     middle: float
     growth: float
+    extra: float
     road: float
     load: float
     mean: float
+    slope: float
+    load_p: float
+    predicted: float
+    last_rate: float
+    last_mean: float
     end_stroke: float
     failure: int
     station: float
@@ -585,29 +659,27 @@ def _bogie(
 
 
 @kernel(internal=True)
-def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, float, float]:
+def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, float]:
     """Loads of the bogies of a group.
 
     Parameters
     ----------
     kind
-        Carried; `mean` and `end_stroke` of its bogies, and the force of its cylinders, are found.
+        Carried; what `extra` makes of its bogies, and the force of its cylinders, are found.
     g
         The group.
-    x
-        Rate by which every r grows beside its prediction [m/s].
     h
         Step [s]; 0 for what holds at an instant.
 
     Returns
     -------
     force, mean, slope
-        Force of a cylinder [N]; mean load [N] and its derivative by x.
+        Force of a cylinder [N]; mean load [N] and its derivative by a rate that all bogies have beside `extra`.
     """
     group, state = kind.groups[g], kind.group_state[g]
     vehicle = kind.vehicles[group.vehicle]
     n = group.count
-    lift = 0.5 * h * x - state.drift / n
+    off = -state.drift / n
     oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
     low, high = 0.0, math.inf
     p = max(state.force, 0.0)
@@ -615,9 +687,9 @@ def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, f
         total, falls = 0.0, 0.0
         for i in range(group.first, group.first + n):
             bogie = kind.bogie_state[i]
-            tyre = kind.bogies[i].start_force / vehicle.tyre
+            tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
             _, s, _, _, stroke_p, _, _ = _bogie(
-                vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h
+                vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h
             )
             total += s
             falls += stroke_p
@@ -639,11 +711,12 @@ def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, f
     total = sum_load = by_p = falls = by_r = follows = 0.0
     for i in range(group.first, group.first + n):
         bogie = kind.bogie_state[i]
-        tyre = kind.bogies[i].start_force / vehicle.tyre
+        tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
         load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
-            vehicle, bogie.middle + tyre + lift, bogie.growth + x, bogie.stroke, p, h
+            vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h
         )
         bogie.mean, bogie.end_stroke = load, end
+        bogie.slope, bogie.load_p = load_r, load_p
         total += s
         sum_load += load
         by_p += load_p
@@ -652,13 +725,24 @@ def _fit_group(kind: Transporters, g: int, x: float, h: float) -> tuple[float, f
         follows += stroke_r
     _, stiffness = _oil_force(group, total + oil - state.strokes)
     p_r = stiffness * follows / (1.0 - stiffness * falls)
+    if group.rows > 1:
+        for i in range(group.first, group.first + n):
+            bogie = kind.bogie_state[i]
+            bogie.slope = 0.5 * h * (bogie.slope + bogie.load_p * p_r)
     state.force = p
     return p, sum_load / n, 0.5 * h * (by_r + by_p * p_r) / n
 
 
 @kernel(internal=True)
 def _oil_in(kind: Transporters, g: int, time: float) -> float:
-    """Sum of the lifts that the pump of a group has made at a time [m]."""
+    """Sum of the lifts that pump and levelling of a group have made at a time [m]."""
+    state = kind.group_state[g]
+    return _planned(kind, g, time) + state.levelled + state.pumping * (time - state.since)
+
+
+@kernel(internal=True)
+def _planned(kind: Transporters, g: int, time: float) -> float:
+    """Sum of the lifts by the plan of a pump [m]."""
     first, count = kind.groups[g].first_pump, kind.groups[g].pumps
     if count == 0:
         return 0.0
@@ -671,21 +755,54 @@ def _oil_in(kind: Transporters, g: int, time: float) -> float:
     return kind.pumps[first + count - 1].lift
 
 
+@kernel(internal=True)
+def _tilt(vehicle: VehicleData, work: Workspace) -> tuple[float, float]:
+    """Roll and pitch of a vehicle [rad]."""
+    x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
+    return math.atan2(y[2], z[2]), -math.asin(min(max(x[2], -1.0), 1.0))
+
+
+@kernel(internal=True)
+def _level(kind: Transporters, v: int, time: float, work: Workspace) -> None:
+    """Look at a vehicle if it is time, and tell its pumps how fast until the next look."""
+    vehicle, state = kind.vehicles[v], kind.vehicle_state[v]
+    first, last = vehicle.first_group, vehicle.first_group + vehicle.groups
+    count = math.floor(time / vehicle.period + 1e-9)
+    if not vehicle.levels or kind.group_state[first].fresh or count < state.looks:
+        return
+    state.looks = count + 1
+    roll, pitch = _tilt(vehicle, work)
+    roll, pitch = roll - vehicle.roll, pitch - vehicle.pitch
+    roll = roll if abs(roll) > vehicle.dead else 0.0
+    pitch = pitch if abs(pitch) > vehicle.dead else 0.0
+    most = 0.0
+    for g in range(first, last):
+        group, carried = kind.groups[g], kind.group_state[g]
+        carried.levelled += carried.pumping * (time - carried.since)
+        carried.since = time
+        speed = vehicle.rate * (pitch * group.ahead - roll * group.aside)
+        carried.pumping = group.count * speed
+        most = max(most, abs(speed))
+    if most > vehicle.fastest:
+        for g in range(first, last):
+            kind.group_state[g].pumping *= vehicle.fastest / most
+
+
 # ---- wheels on decks ----
 
 
 @kernel(inline=True, internal=True)
-def _places(work: Workspace, deck: DeckData, marker: int) -> Vector:
-    """Station, offset and height of a marker on a deck [m]."""
-    d = difference(work, deck.origin, marker)
+def _places(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
+    """Station, offset and height of a place on a deck [m]."""
+    d = minus(place(work, at), vector(work, deck.origin))
     return dot(d, vector(work, deck.x)), dot(d, vector(work, deck.y)), dot(d, vector(work, deck.z))
 
 
 @kernel(inline=True, internal=True)
-def _place_rates(work: Workspace, deck: DeckData, marker: int) -> Vector:
+def _place_rates(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
     """Rates of `_places` [m/s]."""
-    d = difference(work, deck.origin, marker)
-    v = minus(rate(work, marker), rate(work, deck.origin))
+    d = minus(place(work, at), vector(work, deck.origin))
+    v = minus(place_rate(work, at), rate(work, deck.origin))
     return (
         dot(v, vector(work, deck.x)) + dot(d, rate(work, deck.x)),
         dot(v, vector(work, deck.y)) + dot(d, rate(work, deck.y)),
@@ -713,22 +830,22 @@ def _stand(
     deck, r
         -1 and 0 if there is none; by how much it lifts the wheel over its place under the body [m].
     station, offset
-        On that deck, or on the last one that was looked at [m].
+        On that deck, or on the one on which it stood before [m].
     """
-    marker = kind.bogies[i].marker
+    at = kind.bogies[i].place
     found, best = -1, NO_ROAD
     station = offset = 0.0
     for d in range(kind.decks.shape[0]):
         deck = kind.decks[d]
-        x, y, z = _places(work, deck, marker)
+        x, y, z = _places(work, deck, at)
         if ahead != 0.0:
-            along, across, up = _place_rates(work, deck, marker)
+            along, across, up = _place_rates(work, deck, at)
             x += ahead * along
             y += ahead * across
             z += ahead * up
         if vehicle.driven:
             x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
-        if found < 0:
+        if d == kind.bogie_state[i].deck and found < 0:
             station, offset = x, y
         if not deck.right <= y <= deck.left:
             continue
@@ -748,6 +865,30 @@ def _stop(kind: Transporters, g: int, i: int, failure: int, x: float, y: float, 
 
 
 @kernel(internal=True)
+def _go_over(kind: Transporters, g: int, i: int, deck: int) -> None:
+    """Set a wheel on a deck. Its load stays for the moment where it was, if that is another body."""
+    bogie = kind.bogie_state[i]
+    if deck == bogie.deck:
+        return
+    if bogie.left_share > 0.0 and deck == bogie.left_deck:
+        bogie.left_share = 1.0 - bogie.left_share
+    else:
+        bogie.left_share = 1.0 if kind.deck_sides[g, deck] != kind.deck_sides[g, bogie.deck] else 0.0
+    bogie.left_deck, bogie.deck = bogie.deck, deck
+
+
+@kernel(internal=True)
+def _rises(kind: Transporters, i: int, work: Workspace) -> float:
+    """How fast the place of a bogie moves up from the decks that carry it [m/s]."""
+    bogie, at = kind.bogie_state[i], kind.bogies[i].place
+    up = _place_rates(work, kind.decks[bogie.deck], at)[2]
+    if bogie.left_share > 0.0:
+        other = _place_rates(work, kind.decks[bogie.left_deck], at)[2]
+        up += bogie.left_share * (other - up)
+    return up
+
+
+@kernel(internal=True)
 def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspace) -> None:
     """Where the road is under the wheels of a group at the start and at the end of a step, from its middle."""
     group, state = kind.groups[g], kind.group_state[g]
@@ -760,12 +901,14 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
         if deck < 0:
             _stop(kind, g, i, LEFT, x1, y1, work)
             continue
-        bogie.deck = deck
-        _, _, up = _place_rates(work, kind.decks[deck], kind.bogies[i].marker)
-        bogie.road = r1 - r0 + h * up
+        _, _, up = _place_rates(work, kind.decks[deck], kind.bogies[i].place)
         # decks that move differently are level where a wheel goes over, not at the same rate
-        if abs(bogie.road) > (STEEPEST + 0.5) * abs(x1 - x0) + 0.02 * vehicle.radius + 1e-6:
+        if abs(r1 - r0 + h * up) > (STEEPEST + 0.5) * abs(x1 - x0) + 0.02 * vehicle.radius + 1e-6:
             _stop(kind, g, i, WALL, x1, y1, work)
+        bogie.rolled = abs(x1 - x0) if deck == bogie.deck else 0.0
+        _go_over(kind, g, i, deck)
+        up = _rises(kind, i, work)
+        bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
         start += r0
         state.road += bogie.road
@@ -785,15 +928,17 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
         bogie = kind.bogie_state[i]
         deck, r, _, _ = _stand(kind, work, i, vehicle, 0.0, vehicle.speed * time)
         if deck >= 0:
-            bogie.deck, bogie.middle = deck, r
-            bogie.height = r + _places(work, kind.decks[deck], kind.bogies[i].marker)[2]
+            _go_over(kind, g, i, deck)
+            bogie.middle = r
+            bogie.height = r + _places(work, kind.decks[deck], kind.bogies[i].place)[2]
         total += bogie.middle
     if state.fresh:
         state.lift = total
     state.drift = total - state.lift
     state.oil = _oil_in(kind, g, time)
     if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
-        _fit_group(kind, g, 0.0, 0.0)
+        _put_extra(kind, g, 0.0)
+        _fit_group(kind, g, 0.0)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
             bogie.load, bogie.stroke = bogie.mean, bogie.end_stroke
@@ -816,24 +961,44 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
 # ---- rows ----
 
 
+@kernel(inline=True, internal=True)
+def _block(group: GroupData, i: int) -> int:
+    """Block of the row in which a bogie is."""
+    return group.block if group.rows == 1 else group.block + group.apart * (i - group.first)
+
+
 @kernel(internal=True)
 def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> None:
     """``sum w_i d/dt ( - n . (p_i - o) )`` on the sides of the body and of the decks."""
     group, lanes = kind.groups[g], system.lanes
-    for side in range(2 * group.block, 2 * group.block + group.attachments):
-        panel = system.attachments[side].panel
-        for k in range(system.attachments[side].width):
-            system.panels[panel + k * lanes] = 0.0
+    for row in range(group.rows):
+        first = 2 * (group.block + group.apart * row)
+        for side in range(first, first + group.attachments):
+            panel = system.attachments[side].panel
+            for k in range(system.attachments[side].width):
+                system.panels[panel + k * lanes] = 0.0
     for i in range(group.first, group.first + group.count):
-        bogie, d = kind.bogies[i], kind.bogie_state[i].deck
-        deck, w = kind.decks[d], kind.bogie_state[i].weight
-        n = vector(work, deck.z)
-        add_direction_row(system, bogie.side, 0, work, bogie.marker, (-w * n[0], -w * n[1], -w * n[2]))
-        side = kind.deck_sides[g, d]
-        if side >= 0:
-            a = difference(work, deck.origin, bogie.marker)
-            add_direction_row(system, side, 0, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
-            add_direction_row(system, side, 0, work, deck.z, (-w * a[0], -w * a[1], -w * a[2]))
+        bogie = kind.bogie_state[i]
+        w, left = bogie.weight, bogie.left_share
+        _add_deck(kind, g, i, bogie.deck, w - w * left, work, system)
+        if left > 0.0:
+            _add_deck(kind, g, i, bogie.left_deck, w * left, work, system)
+
+
+@kernel(internal=True)
+def _add_deck(
+    kind: Transporters, g: int, i: int, d: int, w: float, work: Workspace, system: RowArrays
+) -> None:
+    """Add a bogie on a deck to the row of its group, or to its own."""
+    bogie, deck = kind.bogies[i], kind.decks[d]
+    n = vector(work, deck.z)
+    add_place_row(system, bogie.side, 0, work, bogie.place, (-w * n[0], -w * n[1], -w * n[2]))
+    side = kind.deck_sides[g, d]
+    if side >= 0:
+        side += 2 * (_block(kind.groups[g], i) - kind.groups[g].block)
+        a = minus(place(work, bogie.place), vector(work, deck.origin))
+        add_direction_row(system, side, 0, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
+        add_direction_row(system, side, 0, work, deck.z, (-w * a[0], -w * a[1], -w * a[2]))
 
 
 @implement(fill_rows, Transporters)
@@ -843,9 +1008,11 @@ def fill_transporter_rows(
 ) -> None:
     """Rows with the shares that are known; drift."""
     for g in range(kind.groups.shape[0]):
+        group = kind.groups[g]
         _write_row(kind, g, work, system)
         if with_residual:
-            put_residual(system, kind.groups[g].block, kind.group_state[g].drift)
+            for row in range(group.rows):
+                put_residual(system, group.block + group.apart * row, kind.group_state[g].drift / group.rows)
 
 
 @implement(set_targets, Transporters)
@@ -854,6 +1021,9 @@ def set_transporter_targets(
     kind: Transporters, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Road and loads as predicted, with them the shares of the row; at the end of a step what holds there."""
+    if not at_midpoint:
+        for v in range(kind.vehicles.shape[0]):
+            _level(kind, v, time, work)
     for g in range(kind.groups.shape[0]):
         group, state = kind.groups[g], kind.group_state[g]
         if not at_midpoint:
@@ -863,23 +1033,58 @@ def set_transporter_targets(
             _look_here(kind, g, time, work)
         _look_ahead(kind, g, time, step, work)
         state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
-        _, mean, slope = _fit_group(kind, g, 0.0, step)
+        _put_extra(kind, g, 0.0)
+        _, mean, slope = _fit_group(kind, g, step)
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
-            bogie.weight = bogie.mean / mean if mean > 0.0 else 1.0
-            up = _place_rates(work, kind.decks[bogie.deck], kind.bogies[i].marker)[2]
+            up = _rises(kind, i, work)
+            bogie.predicted, bogie.last_rate, bogie.last_mean = -up, -up, bogie.mean
+            bogie.weight = 1.0 if group.rows > 1 else bogie.mean / mean if mean > 0.0 else 1.0
             state.predicted -= bogie.weight * up
         _write_row(kind, g, work, system)
+        state.rounds = 0
+        if group.rows > 1:
+            for i in range(group.first, group.first + group.count):
+                bogie = kind.bogie_state[i]
+                put_law(system, _block(group, i), step, bogie.predicted, bogie.mean, bogie.slope)
+            continue
         put_law(system, group.block, step, state.predicted, mean, slope / group.count)
-        state.last_rate, state.last_force, state.rounds = state.predicted, mean, 0
+        state.last_rate, state.last_force = state.predicted, mean
 
 
 @kernel(inline=True, internal=True)
-def _rate(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> float:
-    """Rate of the row of a group in the middle of the step [m/s]."""
-    first = 2 * kind.groups[g].block
-    return row_rate(system, first, first + kind.groups[g].attachments, work.velocity)
+def _rate(group: GroupData, row: int, work: Workspace, system: RowArrays) -> float:
+    """Rate of a row of a group in the middle of the step [m/s]."""
+    first = 2 * (group.block + group.apart * row)
+    return row_rate(system, first, first + group.attachments, work.velocity)
+
+
+@kernel(internal=True)
+def _put_extra(kind: Transporters, g: int, x: float) -> None:
+    """Set the rate by which every r of a group grows beside its prediction [m/s]."""
+    for i in range(kind.groups[g].first, kind.groups[g].first + kind.groups[g].count):
+        kind.bogie_state[i].extra = x
+
+
+@kernel(internal=True)
+def _find_extra(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> float:
+    """Find by how much more every r of a group grows; rate of its row if it has one [m/s]."""
+    group, state = kind.groups[g], kind.group_state[g]
+    if group.rows == 1:
+        u = _rate(group, 0, work, system)
+        _put_extra(kind, g, (u - state.predicted) / group.count)
+        return u
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        bogie.extra = _rate(group, i - group.first, work, system) - bogie.predicted
+    return 0.0
+
+
+@kernel(inline=True, internal=True)
+def _chord(slope: float, u: float, force: float, last_rate: float, last_force: float) -> float:
+    """The slope, or that of the chord from the last iterate if it is steeper."""
+    return slope if u == last_rate else max(slope, (force - last_force) / (u - last_rate))
 
 
 @implement(relinearise, Transporters)
@@ -889,15 +1094,24 @@ def relinearise_transporters(
 ) -> None:
     """Fit the mean loads to the rates found."""
     for g in range(kind.groups.shape[0]):
-        state, n = kind.group_state[g], kind.groups[g].count
-        u = _rate(kind, g, work, system)
-        _, mean, slope = _fit_group(kind, g, (u - state.predicted) / n, step)
-        slope /= n
+        group, state = kind.groups[g], kind.group_state[g]
+        u = _find_extra(kind, g, work, system)
+        _, mean, slope = _fit_group(kind, g, step)
         state.rounds += 1
-        if state.rounds > PLAIN_ROUNDS and u != state.last_rate:
-            slope = max(slope, (mean - state.last_force) / (u - state.last_rate))
+        if group.rows > 1:
+            for i in range(group.first, group.first + group.count):
+                bogie = kind.bogie_state[i]
+                u, slope = bogie.predicted + bogie.extra, bogie.slope
+                if state.rounds > PLAIN_ROUNDS:
+                    slope = _chord(slope, u, bogie.mean, bogie.last_rate, bogie.last_mean)
+                bogie.last_rate, bogie.last_mean = u, bogie.mean
+                fit_law(system, _block(group, i), step, u, bogie.mean, slope, work)
+            continue
+        slope /= group.count
+        if state.rounds > PLAIN_ROUNDS:
+            slope = _chord(slope, u, mean, state.last_rate, state.last_force)
         state.last_rate, state.last_force = u, mean
-        fit_law(system, kind.groups[g].block, step, u, mean, slope, work)
+        fit_law(system, group.block, step, u, mean, slope, work)
 
 
 @implement(update_rows, Transporters)
@@ -909,28 +1123,37 @@ def update_transporters(
     for g in range(kind.groups.shape[0]):
         group, state = kind.groups[g], kind.group_state[g]
         vehicle = kind.vehicles[group.vehicle]
-        x = (_rate(kind, g, work, system) - state.predicted) / group.count
-        p, _, _ = _fit_group(kind, g, x, step)
+        _find_extra(kind, g, work, system)
+        p, _, _ = _fit_group(kind, g, step)
+        grown = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
+            if not abs(bogie.mean - bogie.load) <= LARGEST_JOLT * vehicle.rest:
+                bogie.failure, bogie.station = JOLT, abs(bogie.mean - bogie.load) / vehicle.rest
+                work.status.outcome = STEP_TOO_LARGE
+                work.status.block = group.block
+            grown += bogie.extra
             state.road_work += bogie.mean * bogie.road
             moved = bogie.end_stroke - bogie.stroke
             if vehicle.pipe + vehicle.rubber > 0.0 and bogie.mean > 0.0:
                 # mean force of the pipe by the stroke, and of the rubber by what the tyre gives way
-                grown = step * (bogie.growth + x) - moved
-                state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * grown * grown) / step
+                gave = step * (bogie.growth + bogie.extra) - moved
+                state.loss += (vehicle.pipe * moved * moved + vehicle.rubber * gave * gave) / step
             bogie.stroke = bogie.end_stroke
+            if bogie.left_share > 0.0:
+                gone = max(step / HANDOVER_TIME, bogie.rolled / max(HANDOVER_WAY * vehicle.radius, 1e-9))
+                bogie.left_share = max(bogie.left_share - gone, 0.0)
         state.road_work += p * RETURN * state.drift
         state.pump_work += p * (state.next_oil - state.oil)
-        state.lift += state.road + step * (state.body_rate + group.count * x) + RETURN * state.drift
-        _lose_oil(kind, g, p, x, step)
+        state.lift += state.road + step * (state.body_rate + grown) + RETURN * state.drift
+        _lose_oil(kind, g, p, step)
         state.oil = state.next_oil
         state.fresh = False
 
 
 @kernel(internal=True)
-def _lose_oil(kind: Transporters, g: int, p: float, x: float, step: float) -> None:
-    """Oil that leaks in a step at the force p of its middle, or that a relief valve lets go; x as in `_fit_group`."""
+def _lose_oil(kind: Transporters, g: int, p: float, step: float) -> None:
+    """Oil that leaks in a step at the force p of its middle, or that a relief valve lets go."""
     group, state = kind.groups[g], kind.group_state[g]
     if group.leak == 0.0 and group.relief == math.inf:
         return
@@ -942,7 +1165,7 @@ def _lose_oil(kind: Transporters, g: int, p: float, x: float, step: float) -> No
             bogie = kind.bogie_state[i]
             total += bogie.stroke
             if vehicle.pipe + vehicle.rubber == 0.0 and vehicle.low < bogie.stroke < vehicle.high:
-                total += 0.5 * step * (bogie.growth + x)  # without pipes it is that of the middle
+                total += 0.5 * step * (bogie.growth + bogie.extra)  # without pipes it is that of the middle
         lost += max(total - state.strokes - lost - _growth_to(group, group.relief), 0.0)
     state.strokes += lost
     state.loss += p * lost
@@ -991,11 +1214,9 @@ def _record_pose(kind: Transporters, vehicle: VehicleData, work: Workspace, row:
     """Heave, roll and pitch."""
     height = 0.0
     for i in range(vehicle.first_bogie, vehicle.first_bogie + vehicle.bogies):
-        height += vector(work, kind.bogies[i].marker)[2]
+        height += place(work, kind.bogies[i].place)[2]
     row[vehicle.column] = height / vehicle.bogies - vehicle.start_height
-    x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
-    row[vehicle.column + 1] = math.atan2(y[2], z[2])
-    row[vehicle.column + 2] = -math.asin(min(max(x[2], -1.0), 1.0))
+    row[vehicle.column + 1], row[vehicle.column + 2] = _tilt(vehicle, work)
 
 
 @implement(record_joints, Transporters)
@@ -1018,6 +1239,9 @@ def record_transporters(
         for g in range(vehicle.first_group, vehicle.first_group + vehicle.groups):
             group, carried = kind.groups[g], kind.group_state[g]
             row[c + 8 + g - vehicle.first_group] = carried.force
+            if vehicle.levels:
+                lifted = carried.levelled + carried.pumping * (time - carried.since)
+                row[vehicle.levelled + g - vehicle.first_group] = lifted / group.count
             load = 0.0
             for i in range(group.first, group.first + group.count):
                 bogie = kind.bogie_state[i]

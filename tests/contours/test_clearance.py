@@ -225,6 +225,7 @@ def test_places_in_longer_arrays_and_surfaces_of_a_scene():
     assert out == pytest.approx([0, 0, 0.5, 0, 0, 2.5])
 
 
+@pytest.mark.slow
 def test_a_pose_that_is_not_finite_has_no_clearance():
     a, b, motion = query("tank_hull")
     surfaces = pack_surfaces([a, b])

@@ -22,6 +22,7 @@ def directions(contacts):
     return {tuple(float(x) + 0.0 for x in n) for n in np.round(contacts.normals, 9)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "vertex_face", "edges"),
     [

@@ -55,6 +55,7 @@ def test_spheres_overlap_by_their_radii():
     assert find_overlap(on_plate, 0, 1, ONE, [0.3, 0.1, -0.2]).depth == pytest.approx(0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bunny_bunny", "tank_plane", "tank_hull", "far_apart"])
 def test_models_are_clear_at_the_start_and_overlap_by_no_more_than_their_way(name):
     a, b, motion = query(name)

@@ -159,6 +159,7 @@ def torus():
     return Patch((su, sv), np.stack([r * np.cos(a), r * np.sin(a), 0.6 * np.sin(b)], -1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [lambda: wavy(1), lambda: wavy(2), lambda: cylinder(3), torus])
 def test_cold_search_finds_the_global_minimum(make):
     patch = make()

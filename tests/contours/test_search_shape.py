@@ -124,6 +124,7 @@ def signed_distance(name, points):
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(SHAPES))
 def test_the_distance_to_a_core_is_that_of_its_support_function(name):
     kind, sizes, radius = SHAPES[name]
@@ -241,6 +242,7 @@ def local_distance(name, row):
     return gap
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ball", "capsule", "box", "cylinder"])
 def test_least_gap_to_a_surface_open_and_penetrating(name):
     generator = np.random.default_rng(11)

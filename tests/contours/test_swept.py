@@ -216,6 +216,7 @@ def invertible(random, count):
     return maps[np.abs(np.linalg.det(maps)) > 0.5]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [-1, 0, 1])
 def test_a_path_past_the_edge_of_a_face(gap):
     """The path crosses the plane of the face on an edge, or by one unit of the lattice inside or outside."""

@@ -116,6 +116,7 @@ def families():
     yield "degenerate", same
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("run", "exact"), [(to_triangle, exact_triangle), (between_segments, exact_segments)]
 )

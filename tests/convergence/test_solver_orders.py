@@ -19,6 +19,7 @@ ROUNDING = 1e-9
 """Relative errors below this show no order: momenta, prescribed motions."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_default_is_second_order_in_every_channel(case: str) -> None:
     system, scene = CASES[case]

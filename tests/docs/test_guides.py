@@ -165,6 +165,7 @@ CASE_PAGES = ("rigging.md", "equipment.md")
 COUNTED = [(page, count + 1) for page in CASE_PAGES for count in range(len(pieces(page)))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("page", "count"), COUNTED)
 def test_each_piece_of_a_case_fits_what_stands_before_it(page, count, tmp_path):
     """Valid by the JSON Schema, by the checks of the case, and put together."""
@@ -210,6 +211,7 @@ def test_the_page_on_editors_shows_what_taplo_reads():
     assert not re.match(pattern, "/home/me/lift/other.toml")
 
 
+@pytest.mark.slow
 def test_the_road_and_the_transporter_of_the_guide_make_a_scene(tmp_path):
     """The blocks of `transport.md` with a body on them: it stands, and its first steps are made."""
     text = "\n".join(b.text for b in blocks(DOCS / "transport.md") if b.language == "toml")
@@ -229,6 +231,13 @@ type = "rigid"
 mass = "1 t"
 inertia = [1e3, 1e3, 1e3]
 frame = { motion = "fixed" }
+
+[bodies.frame]
+type = "rigid"
+mass = "10 t"
+inertia = [1e5, 1e5, 1e5]
+frame = { motion = "free" }
+initial = { position = ["38 m", 0, "1.5 m"] }
 """
     (tmp_path / "case.toml").write_text(f"{body}\n{text}\n{REST}", encoding="utf-8")
     assert run_case(load_case(tmp_path)).outcome is Outcome.COMPLETED

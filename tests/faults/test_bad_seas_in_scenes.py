@@ -156,6 +156,7 @@ def test_a_database_of_other_water() -> None:
     assert "depth inf m" in str(error_of(water=shallow, radiation=(radiation(),)))
 
 
+@pytest.mark.slow
 def test_a_wave_beyond_the_database() -> None:
     """A period of 0.6 s where the table ends at 8 rad/s, and a direction of which it has none."""
     short = regular_wave(0.01, 0.6, 0.0, gravity=G)

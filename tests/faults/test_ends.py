@@ -29,6 +29,7 @@ def command(*tokens, code=MAIN, **options):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["output", "both", "closed"])
 def test_a_run_ends_as_if_it_could_speak(small_case, how):
     """A full disk under the words of a run does not end it; without any stream it is silent."""
@@ -54,6 +55,7 @@ def test_a_run_ends_as_if_it_could_speak(small_case, how):
     assert manifest["outcome"] == "completed"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tokens", [("verify",), ("verify", "--json"), ("simulate", "--json")])
 def test_a_table_that_cannot_be_written_is_no_success(small_case, tokens):
     with Path("/dev/full").open("wb") as full:
@@ -62,6 +64,7 @@ def test_a_table_that_cannot_be_written_is_no_success(small_case, tokens):
     assert b"output is lost" in found.stderr
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_enough_does_not_end_a_run(small_case):
     """As in ``heavylift verify CASE CASE | head -1``: the second case is run, and the code is that of all checks."""
     other = small_case.parent / "other"
@@ -76,6 +79,7 @@ def test_a_reader_that_has_enough_does_not_end_a_run(small_case):
     assert found.stderr == b""
 
 
+@pytest.mark.slow
 def test_folders_that_are_no_utf_8(small_case):
     """Their names are shown with escapes; files with them can be read again."""
     folder = Path(os.fsdecode(bytes(small_case.parent / "caf") + b"\xe9"))
@@ -152,6 +156,7 @@ start.main()
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("error", "outcome", "words"),
     [
@@ -190,6 +195,7 @@ def test_what_nobody_expected_is_a_line_and_a_file(small_case, tmp_path, error, 
         assert "case_file" in file.read_text() or "fails" in file.read_text()
 
 
+@pytest.mark.slow
 def test_a_signal_in_a_stage_outside_the_time_loop(small_case):
     """SIGTERM while a mesh is made: a line, the code of an interruption, and nothing half written."""
     code = MAIN.replace(

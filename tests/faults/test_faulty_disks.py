@@ -72,6 +72,7 @@ def damage(path, how, folder):
         os.mkfifo(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["removed", "a bit", "shorter", "another", "a pipe"])
 def test_a_segment_that_changes_while_the_run_goes_on(
     heavylift, small_case, reference, often, monkeypatch, how
@@ -153,6 +154,7 @@ def test_a_merged_file_that_reads_back_otherwise(heavylift, small_case, referenc
     same(load_results(small_case), reference)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "place", ["mesh/beam.h5", "modes/beam.h5", "simulate/results.h5", "report/report.md"]
 )
@@ -208,6 +210,7 @@ def limited(limit, *tokens):
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 def test_no_space_for_the_merged_file(heavylift, small_case, reference):
     assert heavylift("modes", small_case).code == 0
     done = limited(70_000, "simulate", small_case, *SHORT)
@@ -222,6 +225,7 @@ def test_no_space_for_the_merged_file(heavylift, small_case, reference):
     same(load_results(small_case), reference)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [0, 100, 3_000, 20_000, 60_000])
 def test_no_space_in_any_stage_is_told_as_such(small_case, limit):
     done = limited(limit, "run", small_case, "--set", "simulate.duration=1 ms", "--json")
@@ -231,6 +235,7 @@ def test_no_space_in_any_stage_is_told_as_such(small_case, limit):
     assert json.loads(done.stdout)["outcome"] == "disk_full"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("asked", "outcome"), [(["mesh"], 0), (["schema", "ropes"], int(Outcome.DISK_FULL))])
 def test_standard_output_that_is_full(small_case, asked, outcome):
     """A run does not mind that its log is lost; a table that was asked for is."""
@@ -264,6 +269,7 @@ def merged(folder, infos, marks):
     return folder / "results.h5"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("records", "channels", "width"), [(301, 400, 3), (7, 300, 1), (6001, 20, 3)])
 def test_the_merged_file_is_hardly_larger_than_its_records(tmp_path, records, channels, width):
     infos, values, marks = segments_of(tmp_path / "segments", records, channels, width)
@@ -286,6 +292,7 @@ def test_batches_and_pieces_do_not_change_what_is_merged(tmp_path, monkeypatch):
         assert np.array_equal(found[info.name], values[:, info.column : info.column + 3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EFBIG, errno.EDQUOT])
 def test_a_write_that_fails_anywhere_while_merging(tmp_path, monkeypatch, fault):
     infos, values, marks = segments_of(tmp_path / "segments", 40, 100, 3)

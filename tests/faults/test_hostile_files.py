@@ -86,6 +86,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", CHANGES)
 def test_a_database_with_variables_of_other_types(database_file, how):
     with h5py.File(database_file, "r+") as file:
@@ -99,6 +100,7 @@ def test_a_database_with_variables_of_other_types(database_file, how):
     assert caught.value.expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.3, 0.9, 0.999])
 def test_a_database_that_is_cut(database_file, share):
     content = database_file.read_bytes()
@@ -131,6 +133,7 @@ def test_what_is_read_first_in_another_process_costs_little(database_file):
     assert time.monotonic() - begin < 0.05
 
 
+@pytest.mark.slow
 def test_flipped_bits_of_a_database_never_end_the_process(database_file):
     """Whatever the library makes of them."""
     content, rng = database_file.read_bytes(), np.random.default_rng(1)

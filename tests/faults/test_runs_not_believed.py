@@ -71,6 +71,7 @@ def test_a_run_that_loses_most_of_its_energy_has_an_exit_code(heavylift, case):
     assert "not to be believed" in (case / "out" / "report" / "report.md").read_text()
 
 
+@pytest.mark.slow
 def test_a_warning_is_told_wherever_the_results_are(heavylift, case):
     result = heavylift("simulate", case, "--set", "simulate.step=50 ms", "--json")
     document = json.loads(result.out)

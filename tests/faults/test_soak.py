@@ -22,6 +22,7 @@ def _part(name):
     return module
 
 
+@pytest.mark.slow
 def test_every_part_can_be_asked_for():
     names = [path.stem.removeprefix("soak_") for path in PROGRAM.parent.glob("soak_*.py")]
     done = subprocess.run(

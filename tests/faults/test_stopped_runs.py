@@ -83,6 +83,7 @@ def not_reached(row, outcome):
         assert check["passed"] is False
 
 
+@pytest.mark.slow
 def test_sigkill(heavylift, small_case, reference, slow_run):
     process = slow_run(small_case)
     os.kill(process.pid, signal.SIGKILL)
@@ -99,6 +100,7 @@ def test_sigkill(heavylift, small_case, reference, slow_run):
     assert not OutputFolder(small_case / "out").segments.exists()
 
 
+@pytest.mark.slow
 def test_sigkill_and_other_inputs_afterwards(heavylift, small_case, slow_run):
     process = slow_run(small_case)
     os.kill(process.pid, signal.SIGKILL)
@@ -109,6 +111,7 @@ def test_sigkill_and_other_inputs_afterwards(heavylift, small_case, slow_run):
     assert load_results(small_case).time[-1] == pytest.approx(2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_says_so_and_goes_on(heavylift, small_case, reference, slow_run, number):
     process = slow_run(small_case)
@@ -125,6 +128,7 @@ def test_an_interrupted_run_says_so_and_goes_on(heavylift, small_case, reference
     same(load_results(small_case), reference)
 
 
+@pytest.mark.slow
 def test_two_runs_in_one_folder(heavylift, small_case, slow_run):
     process = slow_run(small_case)
     result = heavylift("simulate", small_case, *LONG)
@@ -138,6 +142,7 @@ def test_two_runs_in_one_folder(heavylift, small_case, slow_run):
     not_reached(json.loads(result.out)["cases"][0], "locked")
 
 
+@pytest.mark.slow
 def test_a_full_disk_while_simulating(heavylift, small_case, reference, monkeypatch):
     from heavylift.pipeline.stages import advance
 
@@ -169,6 +174,7 @@ def test_a_full_disk_while_simulating(heavylift, small_case, reference, monkeypa
     same(load_results(small_case), reference)
 
 
+@pytest.mark.slow
 def test_a_full_disk_while_merging(heavylift, small_case, reference, monkeypatch):
     from heavylift.pipeline.results import storage
 
@@ -204,6 +210,7 @@ def test_a_full_disk_while_meshing_keeps_the_old_mesh(heavylift, small_case, mon
     assert file.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_run_that_stops_by_itself_keeps_its_results_and_is_not_repeated(heavylift, small_case, monkeypatch):
     from heavylift.solver.simulation import Simulation
 
@@ -298,6 +305,7 @@ def test_a_run_killed_before_its_first_segment_says_that_it_restarts(heavylift, 
     assert "restarted" not in result.out  # the run before was whole, this is another one
 
 
+@pytest.mark.slow
 def test_a_run_that_stops_before_its_first_step_has_no_speed_and_no_drift(heavylift, small_case, monkeypatch):
     from heavylift.solver.simulation import Simulation
 

@@ -103,6 +103,7 @@ def put_all(system: System, matrix: np.ndarray, edges: np.ndarray) -> None:
     system.put(*every.T, matrix[every[:, 0], :, every[:, 1], :])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rows", "count", "edges"),
     [
@@ -219,6 +220,7 @@ def test_large_mesh_leaves_no_residual():
     np.testing.assert_allclose(system.vectors, known, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rows", [6, 12])
 @pytest.mark.parametrize("broken", [0.0, np.nan], ids=["zero pivot", "not a number"])
 def test_broken_pivots_show_in_their_own_body_only(rows, broken):

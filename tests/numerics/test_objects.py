@@ -56,6 +56,7 @@ def result(process: subprocess.Popen) -> tuple[int, str]:
     return count, said
 
 
+@pytest.mark.slow
 @compiled_only
 def test_what_is_compiled_is_loaded_and_what_is_not_whole_is_compiled_again(tmp_path: Path) -> None:
     assert result(run(tmp_path)) == (1, "")
@@ -91,6 +92,7 @@ def test_any_file_that_is_not_whole_is_compiled_again(
         assert seconds() == 0.0
 
 
+@pytest.mark.slow
 @compiled_only
 def test_two_processes_compile_the_same_at_once(tmp_path: Path) -> None:
     for count, said in [result(process) for process in [run(tmp_path) for _ in range(3)]]:
@@ -100,6 +102,7 @@ def test_two_processes_compile_the_same_at_once(tmp_path: Path) -> None:
     assert len(list((tmp_path / "objects").iterdir())) == 1  # no temporary file is left
 
 
+@pytest.mark.slow
 @compiled_only
 def test_a_folder_that_cannot_be_written_costs_one_line(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
@@ -111,6 +114,7 @@ def test_a_folder_that_cannot_be_written_costs_one_line(tmp_path: Path) -> None:
         assert f"compiled kernels cannot be kept in {blocked}" in said
 
 
+@pytest.mark.slow
 @compiled_only
 def test_code_for_another_processor_is_not_loaded(tmp_path: Path) -> None:
     other = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
@@ -159,6 +163,7 @@ def overrun(values: Floats1, place: int) -> float:
 """
 
 
+@pytest.mark.slow
 @compiled_only
 def test_an_index_out_of_bounds_is_told_where_bounds_are_checked(tmp_path: Path) -> None:
     (tmp_path / "program.py").write_text(BOUNDS + "print(overrun(np.zeros(2), 1))\noverrun(np.zeros(2), 5)\n")
@@ -212,6 +217,7 @@ def test_what_was_edited_while_a_process_runs_is_not_kept(
     assert not list((tmp_path / "objects").iterdir())
 
 
+@pytest.mark.slow
 @compiled_only
 def test_processes_compile_and_a_dead_one_leaves_its_work_to_us(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -6,6 +6,8 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 from heavylift.numerics.sources import PACKAGE
 
 COMPILED = {"entry", "kernel", "view"}
@@ -50,6 +52,7 @@ def names_in_python(node: ast.AST) -> Iterator[ast.Name]:
         yield from names_in_python(child)
 
 
+@pytest.mark.slow
 def test_python_calls_no_kernel_that_would_be_compiled_then() -> None:
     trees = dict(sources())
     kernels = {module: plain_kernels(tree) for module, tree in trees.items()}

@@ -322,6 +322,7 @@ def capytaine():
     return pytest.importorskip("capytaine")
 
 
+@pytest.mark.slow
 def test_a_small_box_in_one_and_in_two_processes(capytaine):
     given = inputs(omega=np.array([0.4, 0.8, 1.2]))
     seen, warned = [], []
@@ -340,6 +341,7 @@ def test_a_small_box_in_one_and_in_two_processes(capytaine):
         )
 
 
+@pytest.mark.slow
 def test_one_side_of_a_symmetric_hull_gives_the_same(capytaine):
     """One and two hulls, deep and 12 m: all panels against half of them; lids differ by where their panels lie."""
     hull = box_panels(20.0, 8.0, 3.0, 2.0)

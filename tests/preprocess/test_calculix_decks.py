@@ -159,6 +159,7 @@ def own_matrices(body, clamped, formulation=None):
     return model.stiffness[~held][:, ~held], model.full_mass()[~held][:, ~held]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "part", "clamped", "tolerance"),
     [

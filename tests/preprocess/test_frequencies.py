@@ -43,6 +43,7 @@ def test_incompatible_bricks_agree_with_a_prototype(thesis_mesh, steel):
     np.testing.assert_allclose(_frequencies(model), INCOMPATIBLE, rtol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", ["consistent", "lumped"])
 def test_tetrahedra_agree_with_a_prototype_on_a_mesh_of_that_size(complex_beam, steel, mass):
     mesh = mesh_blocks(complex_beam.add, complex_beam.cut, size=4e-3, groups=complex_beam.groups)
@@ -65,6 +66,7 @@ def test_a_graded_mesh_is_within_three_per_mille(complex_beam, steel):
     np.testing.assert_allclose(_frequencies(assemble(mesh, steel)), CONVERGED, rtol=3e-3)
 
 
+@pytest.mark.slow
 def test_tetrahedra_converge_from_above(complex_beam, steel):
     """Consistent mass and conforming elements bound frequencies from above (Rayleigh)."""
     errors = []

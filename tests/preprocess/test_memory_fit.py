@@ -36,6 +36,7 @@ def noisy() -> HydrodynamicDatabase:
     return replace(barges, damping=damping)
 
 
+@pytest.mark.slow
 def test_coordinates_of_noise_take_no_poles(noisy: HydrodynamicDatabase) -> None:
     begin = time.process_time()
     fit = fit_memory(noisy)
@@ -56,6 +57,7 @@ def test_coordinates_of_noise_take_no_poles(noisy: HydrodynamicDatabase) -> None
     assert fit.pole_count <= fit_memory(replace(noisy, damping=damping)).pole_count + 1
 
 
+@pytest.mark.slow
 def test_a_fit_comes_back_from_its_file(tmp_path: Path, noisy: HydrodynamicDatabase) -> None:
     fit = fit_memory(noisy, tolerance=0.05)
     write_memory(tmp_path / "fit.npz", fit, "key")

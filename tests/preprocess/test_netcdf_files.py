@@ -268,6 +268,7 @@ BAD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", BAD)
 def test_files_that_cannot_be_used(tmp_path, database, kind):
     change, message = BAD[kind]
@@ -305,6 +306,7 @@ def test_no_file_and_no_netcdf(tmp_path):
         read_netcdf(tmp_path / "text.nc")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2])
 def test_files_that_capytaine_writes(tmp_path, count):
     capytaine = pytest.importorskip("capytaine")

@@ -76,6 +76,7 @@ HULLS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("symmetric", [True, False])
 @pytest.mark.parametrize("name", HULLS)
 def test_as_many_panels_as_a_structured_grid(name, symmetric):
@@ -116,6 +117,7 @@ def test_boxes_get_rectangles():
     assert made.hull.longest_side <= 2.0 * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 def test_round_hulls_get_smaller_panels_until_volume_and_water_plane_are_right():
     sphere = wetted(trimesh.creation.icosphere(5, 5.0))
     coarse, fine = hull_panels(sphere, 1.5, symmetric=True), hull_panels(sphere, 0.4, symmetric=True)
@@ -126,6 +128,7 @@ def test_round_hulls_get_smaller_panels_until_volume_and_water_plane_are_right()
     assert fine.size == 1.0
 
 
+@pytest.mark.slow
 def test_separate_parts_are_meshed_by_themselves():
     column = trimesh.creation.cylinder(4.0, 20.0, sections=48)
     places = [(x, y, 0.0) for x in (-20.0, 20.0) for y in (-15.0, 15.0)]

@@ -34,6 +34,7 @@ def test_turned_triangles_are_counted_by_edge_and_by_face():
     assert report_surface(with_rows(box, rows)).reversed_triangles == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_fewest_to_turn_by_trying_all_choices(seed):
     """Strip of eight triangles with random windings: against all 256 ways to turn them."""

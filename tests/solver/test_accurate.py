@@ -61,6 +61,7 @@ def fixed_steps(values: np.ndarray, moments: np.ndarray, h: float, count: int) -
             values[i] = values[last * size + i]
 
 
+@pytest.mark.slow
 def test_the_method_is_of_order_eight() -> None:
     duration, deviations = 4.0, []
     for count in (16, 32, 64):

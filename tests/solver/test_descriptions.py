@@ -133,6 +133,7 @@ FAMILIES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILIES)
 def test_a_description_that_was_read_is_the_one_of_its_module(name):
     module, _, family = name.partition(".")

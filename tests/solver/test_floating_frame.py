@@ -149,6 +149,7 @@ def test_a_sensor_sits_on_the_nearest_node() -> None:
     np.testing.assert_array_equal(*rows)
 
 
+@pytest.mark.slow
 def test_a_free_frame_needs_inertia_of_its_own() -> None:
     """Shapes that move almost rigidly make the step explode; a held frame may have them."""
     cloud = make_cloud(rigid_part=10.0)
@@ -184,6 +185,7 @@ def test_a_drive_that_stands_still_is_a_fixed_frame() -> None:
         np.testing.assert_allclose(ends[0][name], ends[1][name], atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "limit"), [(0.03, 5e-5), (0.01, 1.2e-4)])
 def test_slender_bodies_do_not_spin_up(thickness: float, limit: float) -> None:
     """A bar of point masses with bending modes, pushed at a node: second order, also if its axial inertia is 2e-3."""

@@ -109,6 +109,7 @@ def test_fall_and_steady_turn_are_exact(integrator: str) -> None:
         assert end["energy.balance"][0] < 1e-11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGID)
 def test_every_channel_converges_to_the_point_masses(name: str) -> None:
     """Offset centre of mass, skew principal axes, loads in world and body axes, driven and fixed frames."""

@@ -82,10 +82,11 @@ SCENES = {
 
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("held", [(), (2,)], ids=["free", "one prescribed"])
-def test_solution_is_that_of_the_dense_system(name, held):
+@pytest.mark.parametrize("sizes", [(1, 3, 5, 6), (1, 5, 8)], ids=["joints", "ropes"])
+def test_solution_is_that_of_the_dense_system(name, held, sizes):
     rng = np.random.default_rng(len(name) + len(held))
     edges = SCENES[name]
-    counts = [int(n) for n in rng.choice([1, 3, 5, 6], size=len(edges))]
+    counts = [int(n) for n in rng.choice(sizes, size=len(edges))]
     body_count = 1 + max(max(pair) for pair in edges)
     system, G, W, Z, target = packed(edges, counts, body_count, rng, held)
     velocity = rng.normal(size=6 * body_count)

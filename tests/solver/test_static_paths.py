@@ -75,6 +75,7 @@ def test_settling_finds_the_stable_positions() -> None:
     assert apex_load(above.x[2, 1]) == pytest.approx(1.2 * LIMIT, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("links", [False, True])
 @pytest.mark.parametrize("upright", [False, True])
 def test_a_chain_settles_hanging(links: bool, upright: bool) -> None:
@@ -134,6 +135,7 @@ def test_relaxation_comes_to_rest_where_the_energy_allows() -> None:
     assert 0.0 < motion.dissipated < 1.2 * lost + 1e-9 or motion.stops > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("links", [False, True])
 def test_a_chain_relaxes_hanging(links: bool) -> None:
     truss = chain(links)

@@ -148,6 +148,7 @@ def many_ropes(seed: int) -> tuple[Scene, np.ndarray, np.ndarray]:
     return Scene((stone,), (DOWN,), (), (), ropes), ends, lengths
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_ropes_that_hang_slack_go_taut_on_the_way(seed: int) -> None:
     """All are slack at first, few at rest; each stretches by a millionth of its length only. Forces summed by hand."""

@@ -6,6 +6,7 @@ import pytest
 from experiments import EXPERIMENTS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_experiment(name):
     rows = list(EXPERIMENTS[name]())

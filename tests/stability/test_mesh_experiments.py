@@ -17,6 +17,7 @@ def wrong(rows):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["steel pendulum", "change of scheme"])
 def test_experiment(name):
     assert not wrong(MESH_EXPERIMENTS[name]())
@@ -32,6 +33,7 @@ def test_a_part_of_the_random_meshes_of_the_report():
     assert not wrong(random_meshes(0.2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["carried", "auto", "explicit"])
 @pytest.mark.parametrize(
     ("what", "count", "steps"), [("frames", 15, 1000), pytest.param("shells", 5, 300, marks=pytest.mark.slow)]

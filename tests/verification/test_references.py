@@ -37,6 +37,7 @@ def generator(script: Path) -> ModuleType:
     return module
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "script",
     [

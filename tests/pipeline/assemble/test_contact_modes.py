@@ -96,6 +96,7 @@ def test_attach_without_contours_or_patches_is_told(small_case):
         reduce(small_case)
 
 
+@pytest.mark.slow
 def test_a_disc_takes_its_nodes_and_a_footprint_is_one_vector(small_case):
     disc = "{on='top', centre=['175 mm', '20 mm', '5 mm'], radius='5 mm'%s}"
     reduced, _ = reduce(small_case, patches(f"[{disc % ''}]"))

@@ -251,6 +251,7 @@ def test_righting_arms_of_the_box_case_are_those_of_its_section():
     assert np.allclose(curve.arms, rows[:, 1], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_databases_are_stored_once_and_read_again(folder):
     case = load_case(folder)
     first = run_case(case, stages=("mesh",))
@@ -275,6 +276,7 @@ def test_databases_are_stored_once_and_read_again(folder):
     assert not run_case(case, stages=("mesh",)).stage("mesh").skipped
 
 
+@pytest.mark.slow
 def test_the_fit_of_the_mesh_stage_is_what_the_simulation_takes(folder, monkeypatch):
     from heavylift.preprocess.hydrodynamics import memory_fit
 
@@ -296,6 +298,7 @@ def test_the_fit_of_the_mesh_stage_is_what_the_simulation_takes(folder, monkeypa
     assert out.memory("still").is_file()
 
 
+@pytest.mark.slow
 def test_databases_and_fits_of_another_folder_are_reused(folder, tmp_path, monkeypatch):
     """Runs of a study, each in a folder of its own."""
     from heavylift.preprocess.hydrodynamics import memory_fit
@@ -321,6 +324,7 @@ class Heard(Log):
         self.lines.append(text)
 
 
+@pytest.mark.slow
 def test_a_database_is_computed_only_if_its_panels_changed(folder, monkeypatch):
     """The method itself is another module's; here it is a function that counts its calls."""
     from heavylift.preprocess.hydrodynamics import bem
@@ -394,6 +398,7 @@ def test_panels_of_a_box_are_what_it_wets(folder):
     assert again.method == "indirect"
 
 
+@pytest.mark.slow
 def test_refined_triangles_keep_shape_winding_and_neighbours():
     corners = np.array([[0.0, 0.0, 0.0], [7.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 3.0]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -429,6 +434,7 @@ def test_a_case_without_a_sea_has_none(small_case):
     assert sea_sections(case, OutputFolder(small_case / "out"), None) == []
 
 
+@pytest.mark.slow
 def test_the_report_says_what_the_sea_is(folder):
     case = load_case(folder)
     stages = run_case(case, stages=("mesh",)).folder

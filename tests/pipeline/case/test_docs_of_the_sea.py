@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import pytest
+
 from heavylift.pipeline import load_case
 from heavylift.pipeline.commands.ballast import ballast_command
 from heavylift.pipeline.log import Log
@@ -22,6 +24,7 @@ def test_the_example_is_a_valid_case(tmp_path):
     assert [line.name for line in case.lines] == ["bow", "stern"]
 
 
+@pytest.mark.slow
 def test_the_example_of_ballast_has_a_plan(tmp_path):
     """Two tanks take the moment of the load, and its mass where no draft is said stays aboard."""
     text = (ROOT / "docs" / "sea.md").read_text(encoding="utf-8")

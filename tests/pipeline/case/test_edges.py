@@ -118,6 +118,7 @@ def test_the_report_has_one_row_for_an_edge(folder, recorded):
     assert edge_sections(case, None) == []
 
 
+@pytest.mark.slow
 def test_edges_fit_the_schema(folder):
     jsonschema = pytest.importorskip("jsonschema")
     validator = jsonschema.Draft202012Validator(case_schema())

@@ -311,6 +311,7 @@ def test_the_report_tells_extremes_and_ends_not_every_node(folder, swung):
     assert len(text.splitlines()) < 90
 
 
+@pytest.mark.slow
 def test_a_case_of_meshes_fits_the_schema(folder):
     jsonschema = pytest.importorskip("jsonschema")
     validator = jsonschema.Draft202012Validator(case_schema())

@@ -289,6 +289,7 @@ print("all")
 """
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_a_new_force_rope_and_load_are_one_new_file_each(tmp_path: Path) -> None:
     for name, text in (

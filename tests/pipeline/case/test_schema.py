@@ -45,6 +45,7 @@ def document(file: Path = FOLDER / "small_beam.toml", **changes: Any) -> dict[st
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}/{file.name}")
 def test_every_case_of_the_project_is_valid(file):
     assert [error.message for error in validator().iter_errors(document(file))] == []
@@ -270,6 +271,7 @@ def test_sections_are_found_by_short_and_by_full_names():
     assert section_tables("case.toml", 100) == section_tables("case", 100)
 
 
+@pytest.mark.slow
 def test_an_unknown_section_is_one_line_with_all_of_them():
     with pytest.raises(InputError) as caught:
         section_tables("rops", 100)

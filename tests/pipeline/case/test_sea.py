@@ -172,6 +172,7 @@ sections = [{ length = "30 m", weight = "20 N/m" }]
     assert case.lines[2].points[1] == (0.0, 7.0, 2.0)
 
 
+@pytest.mark.slow
 def test_reading_a_case_with_a_sea_imports_no_heavy_library(folder):
     code = (
         "import sys\n"

@@ -142,6 +142,7 @@ static_at = "start"
 """
 
 
+@pytest.mark.slow
 def test_a_block_of_400_t_on_four_slings_of_one_hook(tmp_path):
     """Hook 8 m above lugs at (6, 4.5): slings of sqrt(6^2 + 4.5^2 + 8^2) = 10.966 m, a quarter of the weight each."""
     found = criteria(tmp_path, BLOCK.format(tons=400, aside=0) + ONE_HOOK)
@@ -328,6 +329,7 @@ static_at = "start"
 """
 
 
+@pytest.mark.slow
 def test_a_box_of_300_t_on_an_equalizer(tmp_path):
     """Five equal lines: 588.6 kN each, the rope half of one and of its pulley."""
     text = BLOCK.format(tons=300, aside=0).replace("[2e7, 3e7, 4e7]", "[3e6, 3e6, 5e6]")

@@ -94,6 +94,7 @@ def test_criteria_end_with_the_code_of_checks(heavylift, small_case):
     assert "no criteria" in error
 
 
+@pytest.mark.slow
 def test_converge_shows_the_order_of_the_integrator(heavylift, small_case):
     code, out, _ = heavylift("converge", small_case, "--json")
     assert code == 0
@@ -108,6 +109,7 @@ def test_converge_shows_the_order_of_the_integrator(heavylift, small_case):
     assert "observed order" in out
 
 
+@pytest.mark.slow
 def test_converge_with_a_run_as_reference(heavylift, small_case):
     study = (
         'converge={parameter="simulate.step", values=["20 us", "10 us", "5 us"],'
@@ -151,6 +153,7 @@ def test_run_makes_everything_and_then_nothing(heavylift, small_case):
     assert (code, out) == (0, "")
 
 
+@pytest.mark.slow
 def test_schema_accepts_the_keys_of_the_cases(heavylift):
     code, out, _ = heavylift("schema")
     assert code == 0
@@ -165,6 +168,7 @@ def test_schema_accepts_the_keys_of_the_cases(heavylift):
     assert any(option["type"] == "string" for option in quantity["anyOf"])
 
 
+@pytest.mark.slow
 def test_doctor_reports_what_is_there(heavylift):
     code, out, _ = heavylift("doctor", "--json")
     found = json.loads(out)
@@ -286,6 +290,7 @@ def test_of_several_cases_the_largest_code_counts(heavylift, small_case):
     assert [row["outcome"] for row in json.loads(out)["cases"]] == ["completed", "bad_input"]
 
 
+@pytest.mark.slow
 def test_a_reader_that_closes_early_sees_no_traceback() -> None:
     command = (
         f"{sys.executable} -c 'from heavylift.pipeline.commands.cli import main; main()' schema | head -n 1"

@@ -162,6 +162,7 @@ def test_hydrostatics_counts_what_is_joined_and_the_tanks(heavylift, barge: Path
     assert all((barge / "out" / "hydrostatics" / name).stat().st_size > 100 for name in files)
 
 
+@pytest.mark.slow
 def test_hydrostatics_of_linear_hulls_still_uses_their_surface(heavylift, barge: Path) -> None:
     arms = []
     for kind in ("clipped", "linear"):
@@ -171,6 +172,7 @@ def test_hydrostatics_of_linear_hulls_still_uses_their_surface(heavylift, barge:
     assert arms[0] == pytest.approx(arms[1], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_one_message(heavylift, barge: Path, small_case: Path) -> None:
     for command, key in (
         ("hydrostatics", "hulls"),
@@ -206,6 +208,7 @@ def test_what_is_missing_is_one_message(heavylift, barge: Path, small_case: Path
     assert "no databases" in error
 
 
+@pytest.mark.slow
 def test_the_database_is_drawn(heavylift, barge: Path) -> None:
     code, out, _ = heavylift("database", barge, "--json")
     assert code == 0

@@ -120,6 +120,7 @@ def test_bad_input_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
         run_moordyn(three_sections(), LineDynamics(MASSES), np.array([0.0, 1.0, 2.0]), still)
 
 
+@pytest.mark.slow
 def test_at_rest_it_is_the_catenary(tmp_path: Path) -> None:
     """Tensions of three sections with clump and buoy within 1 % of the catenary; nodes where that is."""
     pytest.importorskip("moordyn")
@@ -136,6 +137,7 @@ def test_at_rest_it_is_the_catenary(tmp_path: Path) -> None:
     assert {file.suffix for file in tmp_path.iterdir()} >= {".txt", ".log"}
 
 
+@pytest.mark.slow
 def test_slow_motion_is_quasi_static_and_fast_motion_is_not() -> None:
     """Surge of 2 m over 100 s and heave of 3 m over 7 s."""
     pytest.importorskip("moordyn")

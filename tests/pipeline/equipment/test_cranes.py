@@ -94,6 +94,7 @@ def lead_line_factors():
     return [(float(row["K"]), int(row["parts"]), float(row["lead_line_factor"])) for row in rows]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "parts", "expected"),
     [row for row in lead_line_factors() if row[:2] in {(1.02, 4), (1.04, 4), (1.09, 4), (1.04, 12)}],
@@ -152,6 +153,14 @@ def test_two_drums_haul_in_together(tmp_path):
             "two drums",
         ),
         (
+            (
+                "256.5e6 }",
+                "256.5e6, fastest = 1.1 }\nmoves = [{ start = 0, distance = 1, speed = 0.1 }]",
+            ),
+            "falls.0.rope",
+            "1.2 m/s, and the winch can do 1.1 m/s",
+        ),
+        (
             ('"ground", point = [0, 0, 40]', '"jib", point = [0, 0, 40]'),
             "falls.0.crown.body",
             "'jib' does not exist",
@@ -167,6 +176,24 @@ def test_one_error_with_the_key_of_the_falls(change, key, words, tmp_path):
     (line,) = str(refused.value).splitlines()
     assert f"{key}: " in line
     assert words in line
+
+
+def test_a_scenario_hoists_no_faster_than_the_winch_can(tmp_path):
+    text = FALLS.format(parts=12, mass=1e5, more="", duration=1).replace("256.5e6", "256.5e6, fastest = 1.1")
+    phase = """
+[[scenario.phases]]
+name = "up"
+actions = [{{ hook = "hook", speed = {speed} }}]
+until = {{ time = "1 s" }}
+"""
+    (tmp_path / "case.toml").write_text(text + phase.format(speed=0.1))
+    with pytest.raises(InputError) as refused:
+        load_case(tmp_path)
+    (line,) = str(refused.value).splitlines()
+    assert "scenario.phases.0.actions.0" in line
+    assert "1.2 m/s, and the winch of 'hook_rope' has at most 1.1 m/s" in line
+    (tmp_path / "case.toml").write_text(text + phase.format(speed=0.09))
+    load_case(tmp_path)
 
 
 def test_tables_of_moves():
@@ -190,6 +217,7 @@ def statics():
     return [row for row in csv.DictReader(line for line in lines if line[0] != "#") if row["x1"] == "8"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", statics(), ids=lambda row: f"{row['cx']},{row['cy']}")
 def test_hook_loads_follow_from_moments(row, tmp_path):
     text = (CASES / "gantry_lift" / "case.toml").read_text()

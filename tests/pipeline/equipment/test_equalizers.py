@@ -85,6 +85,7 @@ def statics():
     return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", statics(), ids=lambda row: row["config"])
 def test_rests_as_the_minimum_of_the_energy(row, tmp_path):
     lengths = [float(row[f"l{i}"]) for i in range(1, 6)]
@@ -339,6 +340,7 @@ def both_models(folder: Path, lengths, **given):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lengths", "height"), [((23, 26, 26, 26, 23), 9.2), ((23, 26, 26, 26, 24), 9.0)])
 def test_without_masses_of_pulleys_lines_carry_the_same(lengths, height, tmp_path):
     (heavy, with_pulleys), (light, without) = both_models(
@@ -536,6 +538,20 @@ def test_lines_differ_by_no_more_than_friction_holds(tmp_path, efficiency):
     F = T[taut, ::2] + T[taut, 1::2]
     assert (F.min(axis=1) / F.max(axis=1)).min() > efficiency**8
     assert np.abs(q).max() > 0.01
+
+
+@pytest.mark.slow
+def test_a_load_that_hangs_keeps_all_tensions(tmp_path):
+    """Friction leaves open how parts share what moves nothing: ten minutes at rest change no tension by 1e-6."""
+    more = {"step": 0.01, "duration": 600.0}
+    folder = lift(tmp_path / "c", (23, 26, 26, 26, 23), **more)
+    text = (folder / "case.toml").read_text().replace("output_interval = 0.01", "output_interval = 1")
+    (folder / "case.toml").write_text(text.replace("part_length = 3", "part_length = 3\nefficiency = 0.98"))
+    results = run(folder)
+    T = np.asarray(results["loader_rope.segment_tension"])[1:]
+    assert np.ptp(T, axis=0).max() < 1e-6 * T.min()
+    assert np.all(results["loader_rope.sheave_state"] == 0.0)
+    assert np.ptp(results["loader_pulley_1.position"][1:], axis=0).max() < 1e-8
 
 
 def test_massless_pulleys_have_no_efficiency(tmp_path):

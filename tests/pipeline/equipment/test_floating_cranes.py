@@ -137,6 +137,7 @@ def test_luffing_by_the_stay(tmp_path):
 
 
 # a lead to a drum on deck wraps less about its sheave: a fifth of its radius, 8 mm at the hook
+@pytest.mark.slow
 @pytest.mark.parametrize("winch", ["", ", winch = [-20, 0, 2]", ", winch = [-20, 6, 2]"])
 @pytest.mark.parametrize("stay", ["", STAY])
 def test_level_luffing(winch, stay, tmp_path):
@@ -247,6 +248,7 @@ def test_hooks_share_a_load_that_is_aside_by_moments(tmp_path):
     assert np.ptp(load) > 0.05 * load.mean()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["massless", pytest.param("pulleys", marks=pytest.mark.slow)])
 def test_rest_of_a_hull_off_its_trim(model, tmp_path):
     folder = tmp_path / "lift"

@@ -1,4 +1,4 @@
-"""Link beams: the share of a load that its hinge carries, lift-off, sliding with friction, and what is refused."""
+"""Link beams: the share of a load that its hinge carries, lift-off, sliding with friction, what is refused or stops."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 
 G = 9.81
@@ -128,9 +128,7 @@ def test_hinge_carries_what_is_left_of_each_row(tmp_path: Path) -> None:
     t = results.time
     loads = results["spmt.wheel_load"]
     hinge = sum(results[f"{name}_hinge.reaction_force"][:, 2] for name in ("port", "starboard"))
-    bearings = sum(
-        results[f"{name}_{side}.normal_force"] for name in ("port", "starboard") for side in ("left", "right")
-    )
+    bearings = sum(results[f"{name}_end.force"] for name in ("port", "starboard"))
     rows = [i for end in (range(9, 18), range(9)) for _ in range(2) for i in end for _ in range(4)]
     x = start + speed * t[:, None] + (np.array(rows) - 8.5) * 1.4
     on = (x > 0.0) & (x < 10.0)
@@ -147,6 +145,10 @@ def test_hinge_carries_what_is_left_of_each_row(tmp_path: Path) -> None:
     assert w * 100.0 / 8.0 == pytest.approx(9.20e6, rel=1e-3)
     full = (x.min(axis=1) < 0.0) & (x.max(axis=1) > 10.0)
     assert (hinge - 40e3 * G)[full].mean() == pytest.approx(3.68e6, rel=0.01)
+    # a row presses the bearings by (105.1 t g)^2 / 2 k: this goes to the wheels that roll down, and no step makes any
+    stored = 18.0 * (ROW * G) ** 2 / (2.0 * 4e8)
+    balance = results["energy.balance"]
+    assert np.ptp(balance) < 2e-3 * stored
     # what the pier carries falls evenly with each row that is on the link: nothing leaves it at once
     pier = results["pier.reaction_force"][:, 2]
     carried = (loads * np.clip(1.0 - x / 10.0, 0.0, 1.0)).sum(axis=1) + 41e3 * G
@@ -154,27 +156,173 @@ def test_hinge_carries_what_is_left_of_each_row(tmp_path: Path) -> None:
     assert np.ptp(pier) > 17.0 * ROW * G
 
 
-@pytest.mark.slow
+def driven(text: str, **axes: str) -> str:
+    """A scene whose pier moves by tables."""
+    tables = ", ".join(f"{axis} = {{ {table}, interpolation = 'monotone' }}" for axis, table in axes.items())
+    return text.replace('frame = { motion = "fixed" }', f'frame = {{ motion = "driven", {tables} }}')
+
+
 def test_end_slides_with_friction(tmp_path: Path) -> None:
-    """A pier that goes back and forth by 0.8 m: the end slides, with 0.2 of its load."""
-    drive = (
-        'frame = { motion = "driven", '
-        'x = { times = [0, 2, 6, 10, 12], values = [0, 0, -0.8, 0, 0], interpolation = "monotone" } }'
-    )
-    text = put(SCENE + RUN, STEP=0.005, INTERVAL=0.1, DURATION=12).replace(
-        'frame = { motion = "fixed" }', drive
-    )
-    _, results = run(tmp_path, text)
+    """A pier that goes back and forth by 0.8 m: the end slides, with 0.2 of its load. No row is redundant."""
+    text = put(SCENE + RUN, STEP=0.005, INTERVAL=0.1, DURATION=12)
+    text = driven(text, x="times = [0, 2, 6, 10, 12], values = [0, 0, -0.8, 0, 0]")
+    report, results = run(tmp_path, text)
+    assert report.stages[-1].details["redundant"] == []
+    t = results.time
+    moving = (t > 3.0) & (t < 5.0)
+    for name in ("port", "starboard"):
+        force, friction = results[f"{name}_end.force"][moving], results[f"{name}_end.friction"][moving]
+        np.testing.assert_allclose(
+            friction[:, 0], 0.2 * force, rtol=1e-4
+        )  # the link goes back: along the deck
+        np.testing.assert_allclose(friction[:, 1], 0.0, atol=1.0)
+        # moments about the hinge of a level link: m g L/2 = N L; friction acts along it, 20 mm below
+        np.testing.assert_allclose(force, 20e3 * G / (1.0 + 0.2 * 0.002), rtol=1e-3)
+        np.testing.assert_allclose(results[f"{name}_end.slip_path"][-1], 1.6, atol=0.002)
+    work = 2.0 * 0.2 * 20e3 * G * 1.6
+    dissipated, driven_by = results["energy.dissipated"], results["energy.drive_work"]
+    i, k = np.searchsorted(t, (1.9, 10.5))
+    assert dissipated[k] - dissipated[i] == pytest.approx(work, rel=2e-3)
+    assert driven_by[k] - driven_by[i] == pytest.approx(work, rel=5e-3)
+    assert np.ptp(results["energy.balance"]) < 1e-6 * work
+
+
+def test_end_lifts_off_and_comes_back(tmp_path: Path) -> None:
+    """The shelf under it falls by 0.5 m in 0.1 s. A bar on a hinge falls with 3 g/2 at its end, and is caught."""
+    drop = "times = [0, 2, 2.1, 6], values = [0, 0, -0.5, -0.5]"
+    text = put(SCENE + RUN, STEP=0.002, INTERVAL=0.01, DURATION=6)
+    shelf = text[text.index("[bodies.pier]") : text.index("[[link_beams]]")].replace("pier", "shelf")
+    text = text.replace("[[link_beams]]", driven(shelf, z=drop) + "[[link_beams]]", 1)
+    text = text.replace('rests_on = "ground"', 'rests_on = "shelf"')
+    report, results = run(tmp_path, text)
+    assert report.stages[-1].outcome.value == 0
     t = results.time
     for name in ("port", "starboard"):
-        normal = sum(results[f"{name}_{side}.normal_force"] for side in ("left", "right"))
-        friction = sum(results[f"{name}_{side}.friction_force"] for side in ("left", "right"))
-        moving = (t > 3.0) & (t < 5.0)
-        np.testing.assert_allclose(friction[moving], 0.2 * normal[moving], rtol=1e-3)
-        # moments about the hinge of a level link: m g L/2 = N L; friction acts along it
-        np.testing.assert_allclose(normal[moving], 20e3 * G, rtol=5e-3)
-    slid = results["port_left.slip_path"]
-    assert slid[-1] == pytest.approx(1.6, abs=0.02)
+        gap, force = results[f"{name}_end.gap"], results[f"{name}_end.force"]
+        free = (t > 2.105) & (t < 2.25)
+        fallen = 0.75 * G * (t[free] - 2.0) ** 2
+        np.testing.assert_allclose(gap[free], (0.5 - fallen)[:, None] * [1.0, 1.0], atol=6e-3)
+        assert np.all(force[free] == 0.0)
+        caught = t[t > 2.1][np.argmax(force[t > 2.1] > 0.0)]
+        assert caught == pytest.approx(2.0 + np.sqrt(0.5 / (0.75 * G)), abs=0.012)
+        assert results[f"{name}_end.force_max"].max() > 10.0 * 20e3 * G
+        np.testing.assert_allclose(force[-1], 20e3 * G, rtol=5e-3)
+        assert gap[-1] == pytest.approx(-0.5 * 20e3 * G / 1e8, rel=1e-2)
+    balance = results["energy.balance"]
+    assert np.ptp(balance) < 1e-6 * 2.0 * 40e3 * G * 0.25
+
+
+@pytest.mark.parametrize("way", ["x", "y"])
+def test_end_that_slides_off_its_deck_stops_the_run(tmp_path: Path, way: str) -> None:
+    """2 m of it are on the deck; across it goes as far as it likes."""
+    text = put(SCENE + RUN, STEP=0.01, INTERVAL=0.1, DURATION=8)
+    text = driven(text, **{way: "times = [0, 1, 7, 8], values = [0, 0, -2.5, -2.5]"})
+    report, _ = run(tmp_path, text)
+    last = report.stages[-1]
+    if way == "y":
+        assert last.outcome is Outcome.COMPLETED
+        return
+    assert last.outcome is Outcome.NOT_CLOSED
+    assert "_end': the " in last.message
+    assert "end of its line has slid off the deck" in last.message
+
+
+BARGE = """
+title = "a row leaves a barge"
+[gravity]
+acceleration = [0, 0, -9.81]
+[sea]
+density = 1025
+[bodies.barge]
+type = "rigid"
+mass = 16189.9e3
+inertia = [1.5e9, 1.2e10, 1.2e10]
+frame = { motion = "free" }
+[[surfaces]]
+name = "plating"
+body = "barge"
+shape = { type = "box", size = [97.5, 36, 8] }
+at = [0, 0, -0.5]
+[hulls.barge]
+surface = "plating"
+damping = [1e6, 1e6, 2e7, 5e9, 1e10, 1e9]
+[[joints]]
+type = "guide"
+name = "mooring"
+between = ["ground", "barge"]
+at = [0, 0, 0]
+axis = [0, 0, 1]
+reference = [1, 0, 0]
+[[decks]]
+name = "deck"
+body = "barge"
+origin = [0, 0, 1.5]
+sides = [-18, 18]
+stations = [-48.75, 48.75]
+heights = [0, 0]
+[[decks]]
+name = "quay"
+origin = [0, 0, 1.5]
+sides = [-18, 18]
+stations = [FIRST, 100]
+heights = [0, 0]
+[bodies.row]
+type = "rigid"
+mass = "1 t"
+inertia = [1e3, 1e3, 1e3]
+[bodies.row.frame]
+motion = "driven"
+x = { times = [0, 60, 120, 260], values = [START, START, END, END], interpolation = "monotone" }
+[[transporters]]
+name = "spmt"
+body = "row"
+wheel_radius = "0.37 m"
+tyre_stiffness = "3 MN/m"
+tyre_damping = "15 kN s/m"
+line_damping = "20 kN s/m"
+accept_unstable = true
+[[transporters.groups]]
+name = "row"
+constant_force = true
+load = 128878.875
+bogies = [[0, -14.725, 1.5], [0, -13.275, 1.5], [0, -6.725, 1.5], [0, -5.275, 1.5],
+          [0, 5.275, 1.5], [0, 6.725, 1.5], [0, 13.275, 1.5], [0, 14.725, 1.5]]
+[[sensors]]
+name = "edge"
+body = "barge"
+point = [48.75, 0, 1.5]
+[simulate]
+step = 0.02
+output_interval = 0.2
+duration = 260
+"""
+
+
+@pytest.mark.slow
+def test_row_leaves_a_barge_at_once_or_little_by_little(tmp_path: Path) -> None:
+    """29 mm of sinkage and 89 mm of trim: the end of the barge jumps, or goes up evenly over a link of 10 m."""
+    area, weight = 97.5 * 36.0, 16189.9e3
+    metacentric = 97.5**3 * 36.0 / 12.0 / (area * 4.5) + 2.25 - 4.5  # the centre of mass is in the waterline
+    jump = ROW / (1025.0 * area) + ROW * 48.75**2 / (weight * metacentric)
+    assert jump == pytest.approx(0.118, abs=5e-4)
+    links = ""
+    for name, y in (("port", 10), ("starboard", -10)):
+        links += (
+            f'[[link_beams]]\nname = "{name}"\nhinged_on = "barge"\nhinge = [48.75, {y}, 1.5]\n'
+            f'rests_on = "ground"\nedge = [56.75, {y}, 1.5]\nlength = 10\nbreadth = 12\nmass = "40 t"\n'
+        )
+    found = {}
+    for kind, first, end, more in (("jump", 48.85, 8.0, ""), ("link", 56.75, 20.0, links)):
+        folder = tmp_path / kind
+        folder.mkdir()
+        text = BARGE.replace("FIRST", str(first)).replace("END", str(48.75 + end)).replace("START", "47.75")
+        text = text.replace("[[sensors]]", more + "[[sensors]]", 1)
+        _, results = run(folder, text)
+        t, z = results.time, results["edge.position"][:, 2]
+        before, after = z[(t > 50.0) & (t < 60.0)].mean(), z[t > 240.0].mean()
+        assert after - before == pytest.approx(jump, rel=0.02)
+        found[kind] = np.abs(np.gradient(z, t))[t > 58.0].max()
+    assert found["link"] < 0.15 * found["jump"]
 
 
 def test_rise_at_the_start_is_met_by_its_end(tmp_path: Path) -> None:

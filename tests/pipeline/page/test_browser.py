@@ -19,11 +19,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_pages import lift_motion, lifted, made_content, made_results
+from made_pages import lift_case, lift_motion, lifted, made_content, made_results
 
+from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.live import LiveRun, serve
-from heavylift.pipeline.page.page import page_html
+from heavylift.pipeline.page.page import page_content, page_html
+from heavylift.pipeline.page.scene import scene_motion
 from heavylift.pipeline.pictures.camera import Camera, View
 from heavylift.pipeline.pictures.render import Drawing, Patch, Renderer, RenderingUnavailableError
 from heavylift.pipeline.results.histories import load_results
@@ -211,6 +213,73 @@ def test_pixels_are_those_of_vtk_from_the_same_place(page, lift):
     assert np.sum(one & other) / np.sum(one | other) > 0.95
 
 
+def test_what_is_not_seen_is_not_there(page):
+    """The library would bring hundreds of labels of a hidden grid, which it places at every frame."""
+    assert page("document.querySelectorAll('#hl-canvas *').length") < 20
+
+
+def test_ropes_that_are_thinner_than_a_pixel_have_no_gaps(driver, tmp_path):
+    """A hoist of 400 m: each row of pixels between its ends is covered."""
+    arrays = lifted()
+    arrays["hook.position"][:, 2] -= 400.0
+    arrays["module.position"][:, 2] -= 400.0
+    case, results, motion = lift_motion(tmp_path / "lift", arrays)
+    file = tmp_path / "thin.html"
+    file.write_text(page_html(made_content(case, motion, results)), encoding="utf-8")
+    page = Page(driver).open(file.as_uri())
+    page.do("heavylift.isolate('hoist'); heavylift.view('+x')")
+    page.settle()
+    rows = np.flatnonzero(np.any(page.pixels("hl-canvas")[:, 200:600] < 230, axis=(1, 2)))
+    assert len(rows) > 200
+    assert np.all(np.diff(rows) == 1)
+
+
+def test_marks_are_at_their_places_whether_or_not_names_have_room(driver, tmp_path):
+    """Of a scene before its run: each label has a dot where its point is projected, also among many at one place."""
+    case, stages = lift_case(tmp_path / "lift")
+    motion = scene_motion(case, stages, assemble_scene(case, stages), None, marked=True)
+    file = tmp_path / "draw.html"
+    file.write_text(page_html(page_content(case, motion, None, labelled=True)), encoding="utf-8")
+    page = Page(driver).open(file.as_uri())
+    page.settle()
+    seen = page("heavylift.camera()")
+    position, target, up = np.array(seen["array"]).reshape(3, 3)
+    ahead = (target - position) / np.linalg.norm(target - position)
+    right = np.cross(ahead, up) / np.linalg.norm(np.cross(ahead, up))
+    tangent = np.tan(np.radians(0.5 * seen["fov"]))
+    pixels = np.array(
+        page(
+            "(c => Array.from(c.getContext('2d').getImageData(0, 0, c.width, c.height).data))"
+            "(document.getElementById('hl-overlay'))"
+        )
+    )
+    width, height = page("(c => [c.width, c.height])(document.getElementById('hl-overlay'))")
+    pixels = pixels.reshape(height, width, 4)
+    found = 0
+    for label in page("heavylift.header().labels"):
+        point = np.array(label["point"])
+        if label["body"] >= 0:
+            name = page(f"heavylift.header().bodies[{label['body']}].name")
+            point = np.array(page(f"heavylift.position({json.dumps(name)}, {label['point']})"))
+        d = point - position
+        depth = d @ ahead
+        x = (1 + d @ right / (depth * tangent * seen["aspect"])) / 2 * width
+        y = (1 - d @ np.cross(right, ahead) / (depth * tangent)) / 2 * height
+        if 2 < x < width - 2 and 2 < y < height - 2:
+            found += 1
+            red, _, _, covered = pixels[round(y), round(x)]
+            assert red < 60, label["text"]  # that of a dot,
+            assert covered > 200, label["text"]  # not of air
+    assert found > 5
+
+
+def test_a_view_is_of_what_is_isolated(page):
+    page.do("heavylift.seek(4.0); heavylift.isolate('module'); heavylift.view('+x')")
+    np.testing.assert_allclose(page("heavylift.camera().array")[3:6], module_at(4.0), atol=0.05)
+    page.do("heavylift.isolate(null); heavylift.view('+x')")
+    assert page("heavylift.camera().array")[5] > 4.0 + module_at(4.0)[2]
+
+
 def test_play_moves_bodies_to_where_the_records_say(page):
     page.do("heavylift.speed(2)")
     page.keys(" ")
@@ -346,6 +415,8 @@ def test_plots_have_curves_and_their_numbers(page, lift):
     colours = int(np.all(np.abs(shown - curve) < 9, axis=1).sum())
     assert colours > 100
     rows = [line.split(",") for line in page("heavylift.table(0)").split("\r\n")[1:] if line]
+    assert [row[0] for row in rows][:3] == ["2", "2.1", "2.2"]  # as the records have them
+    assert max(len(row[1]) for row in rows) <= 10  # nine digits are all that single precision has
     found = np.array(rows, dtype=float)
     chosen = (results.time > 1.99) & (results.time < 4.01)
     np.testing.assert_allclose(found[:, 0], results.time[chosen], rtol=1e-6)
@@ -355,12 +426,35 @@ def test_plots_have_curves_and_their_numbers(page, lift):
     assert page("heavylift.saved.every(one => one.size > 100)")
 
 
+def test_channels_are_found_by_parts_of_their_names(page):
+    page.do(
+        "(box => { box.value = 'Posi mod'; box.dispatchEvent(new Event('input')); })"
+        "(document.getElementById('hl-filter'))"
+    )
+    shown = page(
+        "[...document.querySelectorAll('#hl-channels [data-series]')].map(button => button.dataset.series)"
+    )
+    assert shown == [f"module.position.{axis}" for axis in "xyz"]
+
+
 def test_to_the_largest_value(page, lift):
     _, results, _ = lift
     page.do(
         "heavylift.plots.slice().forEach(plot => plot.remove()); heavylift.plot('hoist.tension').extreme('max')"
     )
     assert page("heavylift.clock.now") == pytest.approx(results.time[results["hoist.tension"].argmax()])
+    # of several curves the largest of all, or of the one that is chosen
+    page.do("heavylift.plot('module.position', 0); heavylift.plot('module.position', 2)")
+    position = "heavylift.plots.find(plot => plot.series[0].label === 'module.position.x')"
+    page.do(f"{position}.extreme('max')")
+    assert page("heavylift.clock.now") == pytest.approx(8.0)
+    page.settle()
+    page.do(
+        f"{position}.legend.querySelector('[data-label=\"module.position.x\"]')"
+        ".dispatchEvent(new Event('pointerdown', {bubbles: true}))"
+    )
+    page.do(f"{position}.extreme('max')")
+    assert page("heavylift.clock.now") == 0.0
 
 
 def test_bad_input_is_told_and_the_rest_works(driver, tmp_path):
@@ -479,7 +573,12 @@ def test_a_run_is_watched_and_stopped(driver, tmp_path):
             page = Page(driver).open(address[0])
             page.wait("heavylift.clock.end > 0", 240)
             first = page("heavylift.clock.end")
+            page.do("document.querySelector('#hl-objects [aria-label=\"show heaving\"]').click()")
+            page.do("document.querySelector('#hl-channels [data-of=rolling]').open = true")
             page.wait(f"heavylift.clock.end > {first}", 120)
+            assert page("heavylift.visible('heaving')") is False  # what was chosen stays as it is
+            assert page("heavylift.visible('rolling')") is True
+            assert page("document.querySelector('#hl-channels [data-of=rolling]').open") is True
             assert page("heavylift.header().channels.length") > 20
             page.driver.find_element("id", "hl-stop").click()
             page.wait("document.getElementById('hl-progress').textContent.startsWith('ended')", 120)

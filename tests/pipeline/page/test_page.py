@@ -125,7 +125,7 @@ def test_the_block_holds_the_poses_of_the_records(lift):
         values_of(body["position"], block), results["module.position"], rtol=1e-6, atol=1e-6
     )
     timeline = values_of(content.header["timelines"][body["timeline"]], block)
-    np.testing.assert_allclose(timeline, TIMES, rtol=1e-6)
+    np.testing.assert_array_equal(timeline, TIMES)
     channel = next(one for one in content.header["channels"] if one["name"] == "hoist.tension")
     np.testing.assert_allclose(values_of(channel["values"], block)[:, 0], results["hoist.tension"], rtol=1e-6)
 
@@ -152,6 +152,27 @@ def test_a_body_that_leaves_is_told_and_the_others_stay_in_view(tmp_path):
     found = values_of(position, zlib.decompress(content.block.packed()))
     assert np.isfinite(found[:40]).all()
     assert np.isnan(found[40:]).all()
+
+
+def test_bodies_that_are_small_beside_their_distances_have_labels_at_once(tmp_path, lift):
+    """A module of 14 m beside a hook that is 800 m away; the same beside a near one has none."""
+    arrays = lifted()
+    arrays["hook.position"][:, 0] = 800.0
+    case, results, motion = lift_motion(tmp_path / "lift", arrays)
+    assert made_content(case, motion, results).header["labelled"] is True
+    assert made_content(*(lift[k] for k in (0, 2, 1))).header["labelled"] is False
+
+
+def test_a_tension_without_data_colours_nothing(tmp_path):
+    """The scale of the tensions is that of the ropes that have some."""
+    arrays = lifted()
+    arrays["sling_1.tension"] = np.full(81, np.nan)
+    case, results, motion = lift_motion(tmp_path / "lift", arrays)
+    largest = made_content(case, motion, results).header["tension"]["largest"]
+    assert largest == pytest.approx(results["hoist.tension"].max())
+    none = {name: np.full(81, np.nan) if name.endswith("tension") else one for name, one in arrays.items()}
+    case, results, motion = lift_motion(tmp_path / "none", none)
+    assert made_content(case, motion, results).header["tension"] is None
 
 
 def test_a_million_triangles_are_thinned_and_it_is_said(tmp_path, monkeypatch):
@@ -226,6 +247,7 @@ def test_a_page_before_a_run_has_names_and_no_time(tmp_path):
     assert all("fixed" in body for body in header["bodies"])
 
 
+@pytest.mark.slow
 def test_neither_the_command_line_nor_a_simulation_imports_it():
     """Of the modules of a process that has what `simulate` needs, none is of the page or of k3d."""
     code = (

@@ -61,6 +61,7 @@ def sand(picture: bytes) -> np.ndarray:
     return np.asarray(np.abs(pixels - SAND).max(axis=2) < 8)
 
 
+@pytest.mark.slow
 def test_the_bottom_slopes_under_its_line() -> None:
     """A polyline that follows the plane where it lies, and sand that rises to the right as the bottom does."""
     fairlead = ANCHOR + np.array([175.0, 0.0, 70.0])
@@ -94,6 +95,7 @@ def test_a_line_between_two_hulls_is_drawn_to_both() -> None:
     assert drawn.profile.tension[0] == pytest.approx(drawn.catenary.anchor_tension, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_picture_has_a_panel_for_each_line() -> None:
     hawser = mooring("hawser", sections=(LineSection(70.0, 60.0, 5e6),), seabed=None, clumps=())
     lines = [

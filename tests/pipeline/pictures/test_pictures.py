@@ -177,6 +177,7 @@ def test_renderer_draws_where_the_camera_projects(renderer):
     assert expected[drawn[:, 0], drawn[:, 1]].mean() > 0.97
 
 
+@pytest.mark.slow
 def test_pictures_have_their_size_and_show_something(renderer, mesh, surface):
     painter = Painter(renderer, surface, size=(640, 420))
     shape = np.zeros_like(mesh.nodes)

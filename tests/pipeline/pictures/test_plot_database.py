@@ -41,6 +41,7 @@ def panels_with_ink(png, colour):
     ], (height, width)
 
 
+@pytest.mark.slow
 def test_every_hull_has_three_plots(pair):
     plots = database_plots(pair)
     kinds = ("added_mass", "damping", "excitation")
@@ -49,6 +50,7 @@ def test_every_hull_has_three_plots(pair):
         assert png.startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_own_and_coupled_entries_are_drawn_in_all_panels(pair):
     for png in (added_mass_plot(pair, "aft"), damping_plot(pair, "aft")):
         own, size = panels_with_ink(png, (0x1F, 0x5F, 0xA8))
@@ -58,6 +60,7 @@ def test_own_and_coupled_entries_are_drawn_in_all_panels(pair):
         assert size == (616, 1100)
 
 
+@pytest.mark.slow
 def test_headings_are_the_nearest_of_the_database(pair):
     """One curve for each heading that differs: 44 and 45 degrees are the same column."""
     one = excitation_plot(pair, "fore", np.deg2rad([40.0]))

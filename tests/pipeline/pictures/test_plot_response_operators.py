@@ -40,6 +40,7 @@ def picture(png):
     return pixels.shape, float(np.mean(np.ptp(pixels, axis=2) > 40))
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn(operators, tmp_path):
     spectrum = jonswap(2.0, 8.0)
     response = response_statistics(operators, spectrum, 0.0)
@@ -63,6 +64,7 @@ def test_table_has_amplitude_and_phase_of_every_coordinate(operators):
     assert row[header.index("pitch_phase_deg")] == pytest.approx(math.degrees(np.angle(pitch)))
 
 
+@pytest.mark.slow
 def test_report_writes_table_summary_and_a_picture_of_each_hull(operators, tmp_path):
     response = response_statistics(operators, jonswap(2.0, 8.0), 0.0)
     files = write_rao_report(

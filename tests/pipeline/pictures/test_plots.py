@@ -112,6 +112,7 @@ def test_units_are_written_with_a_readable_prefix(unit, largest, expected):
     assert (pytest.approx(divisor, rel=1e-12), text) == expected
 
 
+@pytest.mark.slow
 def test_plots_are_drawn():
     sine = np.sin(2.0 * np.pi * 60.0 * TIMES)
     curves = [Series("x", 1e-3 * sine), Series("y & $ <b>", 2e-3 * sine**2), Series("z", 0.0 * sine)]

@@ -137,6 +137,7 @@ def table_rows(text, first):
     return [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
 
 
+@pytest.mark.slow
 def test_the_report_tells_impulses_and_what_its_forces_are(case, out, tmp_path):
     files = write_report(case, tmp_path / "report", out)
     text = (tmp_path / "report" / "report.md").read_text()
@@ -168,6 +169,7 @@ def test_the_report_tells_impulses_and_what_its_forces_are(case, out, tmp_path):
     assert {"collision_landing.png", "collision_fender.png", "collision_soft.png"} <= names
 
 
+@pytest.mark.slow
 def test_the_report_has_the_surfaces(case, out, tmp_path):
     write_report(case, tmp_path / "report", out)
     text = (tmp_path / "report" / "report.md").read_text()
@@ -179,6 +181,7 @@ def test_the_report_has_the_surfaces(case, out, tmp_path):
     assert table_rows(text, "skin")[1][6] == "round"
 
 
+@pytest.mark.slow
 def test_each_collision_is_pictured_at_its_largest_impact_or_at_the_times_asked_for(
     case, out, drawing, tmp_path
 ):

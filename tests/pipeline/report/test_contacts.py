@@ -98,6 +98,7 @@ def table_row(text, first):
     return [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
 
 
+@pytest.mark.slow
 def test_the_report_says_what_happened_at_each_contact(rigid, out, tmp_path):
     files = write_report(rigid, tmp_path / "report", out)
     text = (tmp_path / "report" / "report.md").read_text()
@@ -113,6 +114,7 @@ def test_the_report_says_what_happened_at_each_contact(rigid, out, tmp_path):
     assert "contact_bead_gap.png" not in names
 
 
+@pytest.mark.slow
 def test_the_picture_is_of_the_largest_force(rigid, out, drawing, tmp_path):
     files = write_report(rigid, tmp_path / "report", out)
     assert "contacts.png" in {path.name for path in files}
@@ -120,6 +122,7 @@ def test_the_picture_is_of_the_largest_force(rigid, out, drawing, tmp_path):
     assert "The scene at 500 ms, largest normal force: landing, 250 N, true to scale." in text
 
 
+@pytest.mark.slow
 def test_of_impacts_alone_the_largest_is_pictured_and_the_impulse_plotted(rigid, out, drawing, tmp_path):
     with h5py.File(OutputFolder(out).results, "r+") as file:
         file["channels/landing.normal_force"][:] = 0.0

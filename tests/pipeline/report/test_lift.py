@@ -90,6 +90,7 @@ def tables(section):
     return {item.header[0]: item for item in section.items if isinstance(item, Table)}
 
 
+@pytest.mark.slow
 def test_what_hangs_on_the_hook_and_in_the_slings(lift):
     """Slings to (-3, -2), (0, 2), (3, -2), 6 m below: half of 30 kN on the middle one, a quarter on the others."""
     results, (section,) = lift

@@ -182,6 +182,7 @@ def drawn(monkeypatch):
         pytest.skip(str(error))
 
 
+@pytest.mark.slow
 def test_whole_report(case, tmp_path, drawn):
     out = tmp_path / "out"
     stages, reduced = write_bodies(out)
@@ -232,6 +233,7 @@ def test_whole_report(case, tmp_path, drawn):
     assert "<b>" not in markdown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stage", ["nothing", "mesh", "modes"])
 def test_missing_stages_leave_the_rest(case, tmp_path, drawn, stage):
     out = tmp_path / "out"
@@ -250,6 +252,7 @@ def test_missing_stages_leave_the_rest(case, tmp_path, drawn, stage):
     assert "not run" in text
 
 
+@pytest.mark.slow
 def test_report_goes_on_where_nothing_can_be_drawn(case, tmp_path, monkeypatch):
     def refuse():
         raise picture_render.RenderingUnavailableError("install libegl1")
@@ -276,6 +279,7 @@ def test_diverged_history_is_shown_up_to_its_last_finite_value(case, tmp_path, m
     assert "energy.png" in files
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("records", [0, 1, 301])
 def test_a_run_that_stopped_by_itself_is_the_verdict(case, tmp_path, monkeypatch, records):
     monkeypatch.setattr(report, "_renderer", lambda: (None, ""))
@@ -307,6 +311,7 @@ def test_a_run_that_stopped_without_any_file_is_the_verdict(case, tmp_path, monk
     assert '<p class="verdict open">Stopped: interrupted.' in files["report.html"].read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("fast", "warned"), [(95.0, False), (1095.0, True)])
 def test_frequencies_that_the_records_cannot_resolve_are_called_false(
     case, tmp_path, monkeypatch, fast, warned
@@ -520,6 +525,7 @@ duration = "1 s"
 """
 
 
+@pytest.mark.slow
 def test_a_scene_of_rigid_bodies_only(tmp_path):
     folder = tmp_path / "links"
     folder.mkdir()

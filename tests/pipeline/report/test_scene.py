@@ -115,6 +115,7 @@ def test_stored_frame_has_the_stress_of_the_one_that_was_simulated(case, out):
     np.testing.assert_allclose(start.axial_stress, 2.1e7, rtol=1e-9)  # pre-stressed by 1e-4
 
 
+@pytest.mark.slow
 def test_end_and_largest_recorded_stress_are_pictured_or_the_times_asked_for(case, out, drawing, tmp_path):
     files = write_report(case, tmp_path / "report", out)
     assert {"scene_1.png", "scene_2.png"} <= {path.name for path in files}

@@ -64,6 +64,7 @@ def test_significant_range_of_a_gaussian_sea_is_four_deviations_within_the_known
     assert 0.91 < np.mean(ratios) < 0.98
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["likelihood", "moments"])
 def test_gumbel_fit_finds_the_distribution_within_its_stated_errors(method):
     mode, scale, n, trials = 12.0, 0.8, 20, 2000

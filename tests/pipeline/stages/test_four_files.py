@@ -103,6 +103,7 @@ def written(tmp_path, small_case):
     return folder
 
 
+@pytest.mark.slow
 def test_what_the_reader_found_in_the_files_is_said(written, capsys):
     case = load_case(written)
     run_case(case, log=Log())

@@ -28,6 +28,7 @@ def report(tmp_path_factory):
     )
 
 
+@pytest.mark.slow
 def test_figures_of_a_box(report):
     document = json.loads(report.files[0].read_text(encoding="utf-8"))
     figures = document["figures"]

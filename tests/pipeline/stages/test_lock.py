@@ -20,6 +20,7 @@ HOLD = (
 )
 
 
+@pytest.mark.slow
 def test_the_second_run_is_told_who_holds_the_folder(tmp_path):
     with subprocess.Popen([sys.executable, "-c", HOLD, str(tmp_path)], stdout=subprocess.PIPE) as holder:
         try:

@@ -105,6 +105,7 @@ def refuse(folder: Path, log: Log, *overrides: str) -> InputError:
     return caught.value
 
 
+@pytest.mark.slow
 def test_what_was_computed_is_kept_and_told(folder: Path, solved: list[float]) -> None:
     log = Heard()
     error = refuse(folder, log)
@@ -137,6 +138,7 @@ def test_what_was_computed_is_kept_and_told(folder: Path, solved: list[float]) -
     assert "leave_out" in texts
 
 
+@pytest.mark.slow
 def test_the_same_again_is_told_without_computing(folder: Path, solved: list[float]) -> None:
     first = refuse(folder, Log(quiet=True))
     solved.clear()
@@ -145,6 +147,7 @@ def test_the_same_again_is_told_without_computing(folder: Path, solved: list[flo
     assert (again.problem, again.expected) == (first.problem, first.expected)
 
 
+@pytest.mark.slow
 def test_the_other_frequencies_are_taken_from_what_was_kept(folder: Path, solved: list[float]) -> None:
     refuse(folder, Log(quiet=True))
     solved.clear()
@@ -170,6 +173,7 @@ def test_the_other_frequencies_are_taken_from_what_was_kept(folder: Path, solved
     assert len(solved) == 10
 
 
+@pytest.mark.slow
 def test_a_range_above_or_below_is_proposed_where_it_ends(folder: Path, solved: list[float]) -> None:
     error = refuse(
         folder, Log(quiet=True), "databases.water.compute.frequencies={first = 0.4, last = 0.7, count = 4}"
@@ -185,6 +189,7 @@ def test_a_range_above_or_below_is_proposed_where_it_ends(folder: Path, solved: 
     np.testing.assert_allclose(stored.omega, [0.4, 0.5, 0.6], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_what_is_tolerated_is_repaired_and_told(folder: Path, solved: list[float]) -> None:
     refuse(folder, Log(quiet=True))
     solved.clear()

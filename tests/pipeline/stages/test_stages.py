@@ -63,6 +63,7 @@ def test_the_beam_rings_at_the_frequencies_of_its_reduced_body(small_case):
     assert abs(details["energy_drift"]) < 1e-9
 
 
+@pytest.mark.slow
 def test_unchanged_stages_are_skipped_and_changed_ones_are_not(small_case):
     short = "simulate.duration=1 ms"
     run(small_case, short)
@@ -185,6 +186,7 @@ def test_statistics_of_channels(small_case):
     assert quantities.number("modes.beam.orthogonality") < 1e-12
 
 
+@pytest.mark.slow
 def test_a_second_look_imports_no_heavy_library(small_case):
     run(small_case, "simulate.duration=1 ms")
     code = (

@@ -62,6 +62,7 @@ def results(folder: Path) -> Results:
     return load_results(case, case.output_folder)
 
 
+@pytest.mark.slow
 def test_words_are_taken_and_logged_and_taken_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run that is told something, killed and gone on with, and one that is made anew, end as it did."""
     folder = prepared(tmp_path / "whole")

@@ -237,6 +237,7 @@ def elastic_forces(kind: Any) -> None:
     add_elastic_forces(kind, 0, kind.position, kind.external_force, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["green-lagrange", "exact", "curved"])
 def test_forces_in_one_pass_are_those_of_independent_elements(shape: str) -> None:
     rng = np.random.default_rng(5)

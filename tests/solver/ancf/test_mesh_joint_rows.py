@@ -373,6 +373,7 @@ def model() -> Model:
     return model
 
 
+@pytest.mark.slow
 def test_markers_move_as_their_jacobians_say(model: Model) -> None:
     """Points, tangents, triads and slopes of turned bodies, two and more of a kind; rates and windows of velocities."""
     seen = 0
@@ -506,6 +507,7 @@ def test_edges_are_independent_rows_that_start_closed(model: Model, name: str, c
             np.testing.assert_allclose(model.residual(f"{name}.{node}"), 0.0, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_targets_of_accelerations_are_second_derivatives(model: Model, seed: int) -> None:
     """For integrators that work with accelerations: what the rows would do if no node accelerated."""

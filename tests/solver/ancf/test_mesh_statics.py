@@ -252,6 +252,7 @@ def leaning(load: float) -> tuple[list[FrameBody], list[Any], list[Ball]]:
     return bodies, [force], [joint]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [0.5, 0.99, 1.5])
 def test_a_toggle_stands_below_its_limit_load_and_snaps_through_above(part: float) -> None:
     layout, report = settled(*leaning(part * LIMIT))
@@ -287,6 +288,7 @@ def test_a_small_load_on_a_thin_plate_is_balanced_to_the_rounding_of_its_forces(
     assert -coordinates(layout, strip)[tip, 0, 2].mean() == pytest.approx(deflection, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("thickness", "load"), [(0.1, 60.0), (0.02, 1.0), (0.02, 1e-3), (5e-3, 4e-4), (1e-3, 6e-7), (1e-3, 6e-9)]
 )

@@ -380,6 +380,7 @@ def test_points_follow_rows_that_have_pushed_before(name: str) -> None:
     np.testing.assert_allclose(work.velocity[9:], work.velocity[:3], rtol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["frame", pytest.param("shell", marks=slow)])
 def test_control_points_make_the_shape_of_the_mesh(name: str) -> None:
     """At the midpoint and at the carried state, everywhere on the mesh."""

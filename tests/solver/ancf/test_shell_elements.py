@@ -180,6 +180,7 @@ def test_both_in_one_pass_adds_the_same_forces(body: ShellBody) -> None:
     np.testing.assert_allclose(taken(kind.external_force), -3.0 * forces, rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_kernels_agree_with_the_oracle(body: ShellBody) -> None:
     kind, q, oracle = pack([body], swaps=2), deformed(body), Element(body, 0)
     own = body.elements[0]

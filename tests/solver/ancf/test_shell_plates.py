@@ -21,6 +21,7 @@ DEFLECTIONS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("support", "nu", "n"), list(DEFLECTIONS))
 def test_plates_stretch_as_they_bend(support: str, nu: float, n: int) -> None:
     mesh = rectangle(10.0, 10.0, n, n)

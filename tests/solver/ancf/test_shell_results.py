@@ -26,6 +26,7 @@ def record(body: ShellBody, coordinates: np.ndarray) -> dict[str, np.ndarray]:
     return {name: row[a:b].reshape(-1, 3) for name, a, b in zip(columns, ends[:-1], ends[1:], strict=True)}
 
 
+@pytest.mark.slow
 def test_section_forces_of_constant_strain_and_curvature() -> None:
     body = shell(rectangle(1.3, 0.8, 1, 1), ShellSection(0.02, 1.0, 1e9, 0.3))
     q = start_coordinates(body)

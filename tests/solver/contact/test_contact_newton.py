@@ -59,6 +59,7 @@ def candidates_of_one(problem):
                 yield p
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["solve", "solve_rows"])
 def test_one_contact_against_enumeration(form):
     states = set()

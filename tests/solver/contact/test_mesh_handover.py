@@ -98,6 +98,7 @@ def touched():
     return meshes, contacts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", [1.0, -1.0])
 def test_a_contact_goes_on_with_the_neighbour_beyond_its_border(touched, turned):
     """On the side it was on, whichever side was found."""

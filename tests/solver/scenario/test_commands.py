@@ -547,6 +547,7 @@ def test_a_part_of_the_weight() -> None:
 # what is refused
 
 HELD = Winch(brake=1e6)
+RATED = Winch(np.array([0.0]), np.array([0.0]), fastest=0.5)
 SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
 
 
@@ -561,6 +562,10 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
         (told(WinchTension("rope", 3e6, 0.1)), {"winch": HELD}, "is a strain of 0.03"),
         (told(WinchTension("rope", 1.2e6, 0.1)), {"winch": HELD}, "the brake of 'rope' slips at 1e+06 N"),
         (told(WinchSpeed("rope", 0.6)), {"winch": SPEEDY, "tension": None}, "at most 0.5 m/s"),
+        (told(WinchSpeed("rope", -0.6)), {"winch": RATED}, "0.6 m/s, and the winch of 'rope' has at most 0.5 m/s"),
+        (told(WinchFollow("rope", "lead", 2.0)), {"winch": RATED, "ropes": [slack_rope("lead")]}, "with any speed"),
+        (told(WinchFollow("rope", "lead", 2.0)), {"winch": RATED, "ropes": [slack_rope("lead", winch=RATED)]},
+         "that of 'lead' leads it with 1 m/s"),
         (told(WinchFollow("rope", "rope")), {}, "follows itself"),
         (told(WinchFollow("rope", "rop")), {}, "'rop' is no rope; did you mean 'rope'"),
         (told(DriveSpeed("slide", 0.1)), {}, "'slide' is no drive"),

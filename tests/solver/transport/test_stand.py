@@ -233,6 +233,7 @@ def test_two_transporters_in_four_groups_have_the_published_frequencies(
     np.testing.assert_allclose(np.sqrt(small_motions(given)) / (2.0 * np.pi), frequencies, atol=6e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma", [0.01, 0.1, 0.6])
 def test_loads_on_rough_roads_with_stops_are_those_of_a_bracketing_search(sigma) -> None:
     """A body that is held, wheels on random lanes: stops, wheels in the air, groups without pressure."""

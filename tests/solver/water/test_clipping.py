@@ -224,6 +224,7 @@ def test_force_is_the_gradient_and_stiffness_its_derivative(seed):
     assert np.allclose(stiffness, -1025.0 * 9.81 * slope, rtol=0.0, atol=1e-9 * np.abs(stiffness).max())
 
 
+@pytest.mark.slow
 def test_no_work_over_a_closed_path():
     """Heave, roll and pitch over a loop without symmetry, corners in and out of the water."""
     points, triangles = lopsided(3)

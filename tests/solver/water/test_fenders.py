@@ -97,6 +97,7 @@ def test_table() -> None:
         assert bench.kind.tangents[0, 4] == pytest.approx(slope, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [{"stiffness": 2e5}, {"compressions": TABLE[0], "forces": TABLE[1]}])
 def test_energy_is_the_work_of_the_force(law: dict[str, Any]) -> None:
     """Along a way on which normal, tip and point all move, with its part without touch."""

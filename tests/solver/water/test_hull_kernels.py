@@ -131,6 +131,7 @@ POSES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("height", "tilt"), POSES)
 @pytest.mark.parametrize("hull", [PLAIN, TANKED, LINEAR])
 def test_force_and_moment_are_the_gradient_of_the_potential(hull: int, height: float, tilt: tuple) -> None:

@@ -177,6 +177,7 @@ def test_righting_arm_of_the_wall_sided_box(barge):
     assert curve.equilibrium == 0.0
 
 
+@pytest.mark.slow
 def test_righting_arm_beyond_the_deck_edge(barge):
     angles = np.radians(np.arange(-80.0, 81.0, 4.0))
     rise = 2.0

@@ -119,6 +119,7 @@ def forces(
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pole", [-0.3 + 1.1j, -2.0 + 0.0j, -0.01 + 6.0j])
 def test_the_first_order_hold_is_exact(pole: complex) -> None:
     """Against quadrature, and for short steps against the first terms of the series."""
@@ -139,6 +140,7 @@ def test_the_first_order_hold_is_exact(pole: complex) -> None:
     assert abs(b / h - 0.5 - pole * h / 6.0) < 1e-13
 
 
+@pytest.mark.slow
 def test_recursion_against_quadrature_over_uneven_steps() -> None:
     steps = np.array([0.1, 0.1, 0.37, 0.02, 1.3, 0.1])
     begin, end = jumping(len(steps))
@@ -164,6 +166,7 @@ def test_recursion_against_quadrature_over_uneven_steps() -> None:
         np.testing.assert_allclose(now[k], quadrature(times[k + 1], k, 1.0), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_direct_and_recursive_memory_are_the_same() -> None:
     """Of a kernel that is a sum of exponentials, with velocities that jump, and longer than the ring."""
     count, h = 900, 0.1
@@ -252,6 +255,7 @@ def hemisphere_kernel() -> RetardationKernel:
 MASS, STIFFNESS = 261800.0 + 130876.8, 770389.1
 
 
+@pytest.mark.slow
 def test_decay_of_a_sphere_against_another_program() -> None:
     """Reference: linear Cummins equation with WAMIT's damping, here Hulme's; 2 mm of 1 m are asked for."""
     reference = np.loadtxt(MARINE / "sphere_decay_linear_cummins.csv", delimiter=",", skiprows=2)

@@ -29,6 +29,7 @@ def test_regular_wave_is_the_closed_form_in_finite_depth():
     assert train.repeat_period == period
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{}, {"amplitudes": "rayleigh"}, {"bins": "equal"}])
 def test_variance_of_sampled_elevations_is_that_of_the_sea(options):
     times = np.arange(0.0, 1200.0, 0.6)

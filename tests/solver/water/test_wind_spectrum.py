@@ -69,6 +69,7 @@ def test_the_variance_of_records_is_that_of_the_spectrum():
     assert error < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("low", "high"), [(0.004, 0.02), (0.02, 0.1), (0.1, 0.5)])
 def test_records_have_the_variance_of_the_spectrum_in_each_band(low, high):
     t = 0.5 * np.arange(7200)
