@@ -92,7 +92,7 @@ def pack_transporters(
     ]
     vehicles: list[tuple[Any, ...]] = []
     groups: list[tuple[Any, ...]] = []
-    bogies: list[tuple[int, int, float]] = []
+    bogies: list[tuple[Any, int, float]] = []
     pumps: list[tuple[float, float]] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
