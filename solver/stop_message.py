@@ -143,7 +143,7 @@ def _where_off_road(layout: Layout) -> str:
         happened = "meets a step that it cannot climb" if state.failure == WALL else "has no deck below it"
         return (
             f": bogie {number - int(vehicle.first_bogie) + 1} {happened}, at station {state.station:.6g} m and offset "
-            f"{state.offset:.6g} m of deck {int(state.deck) + 1}"
+            f"{state.offset:.6g} m of deck {layout.deck_names[int(state.deck)]!r}"
         )
     return ""
 

@@ -51,6 +51,15 @@ PATH_COLUMN = 8
 NEAR, AROUND = 0.02, 8
 """Part of the extent of a mesh within which a place counts as below it; or the distance of that neighbour of a node."""
 
+LONGEST = 1.0
+"""Stroke that no bogie has [m]: those of transporters are 0.6 to 0.7 m from stop to stop."""
+
+FAR_TOO_MUCH = 2.0
+"""Loads over the weight that are taken for those of groups."""
+
+LEAST_RISE = 0.5
+"""Cosine of the angle of the normal of a deck to the vertical: steeper ones carry no wheels."""
+
 ALIKE = 1e-3
 """Difference of heights of decks, and widths of overlaps, that are none [m]."""
 
@@ -92,7 +101,7 @@ def pack_transporters(
     ]
     vehicles: list[tuple[Any, ...]] = []
     groups: list[tuple[Any, ...]] = []
-    bogies: list[tuple[Any, int, float]] = []
+    bogies: list[tuple[Any, ...]] = []
     pumps: list[tuple[float, float]] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
@@ -107,6 +116,7 @@ def pack_transporters(
         for deck in decks:
             deck.check_radius(transporter.wheel_radius)
     all_places = [Places(transporter, scene) for transporter in scene.transporters]
+    _refuse_overturned(decks, all_places[0])
     _refuse_overlaps(decks, all_places[0])
     on_decks = [
         [places.on_decks(number, decks, corners) for number in range(len(places.points))]
@@ -291,6 +301,19 @@ def _refuse_soft_decks(scene: Scene) -> None:
             )
 
 
+def _refuse_overturned(decks: Sequence[Deck], places: Places) -> None:
+    """Refuse decks on whose other side wheels would stand."""
+    for deck in decks:
+        up = (places.frame(deck.body, deck.origin).axes @ deck.axes().T)[:, 2]
+        if up[2] < LEAST_RISE:
+            raise InputError(
+                f"{np.asarray(deck.normal).tolist()} points {'down' if up[2] < 0.0 else 'sideways'} at the start",
+                source=deck.name,
+                key="normal",
+                expected="the direction away from the ground, to the side on which wheels stand",
+            )
+
+
 def _refuse_overlaps(decks: Sequence[Deck], places: Places) -> None:
     """Refuse decks of two bodies that lie over each other at one height, where none is the uppermost."""
     frames = []
@@ -422,11 +445,11 @@ class Places:
                 key="groups",
                 expected="decks below all wheels, or another start",
             )
-        low, high = self.transporter.stops
+        low, high = np.clip(self.transporter.stops, -LONGEST, LONGEST)
         if not low <= lift <= high:
             raise InputError(
                 f"bogie {number + 1} is drawn {abs(lift):.4g} m {'below' if lift > 0.0 else 'above'} deck "
-                f"{decks[found].name!r}, more than its stroke",
+                f"{decks[found].name!r}, more than {'any' if self.transporter.stroke_limits is None else 'its'} stroke",
                 source=self.transporter.name,
                 key="groups",
                 expected="places of the wheels on the road at the start",
@@ -489,11 +512,12 @@ def _stand(party: Sequence[Places], gravity: float) -> Stand:
     for own, place, about in parts:
         d = place - centre
         inertia += about + own * (d @ d * np.eye(3) - np.outer(d, d))
-    oil, counts, middles = [], [], []
+    names, oil, counts, middles = [], [], [], []
     for places in party:
         begin = 0
         for of_group in places.transporter.groups:
             end = begin + len(of_group.bogies)
+            names.append(of_group.name if len(party) == 1 else f"{places.transporter.name}.{of_group.name}")
             oil.append(of_group.oil_stiffness)
             counts.append(end - begin)
             middles.append(places.world[begin:end].mean(axis=0))
@@ -506,6 +530,7 @@ def _stand(party: Sequence[Places], gravity: float) -> Stand:
         mass * gravity,
         mass,
         first.level @ inertia @ first.level.T,
+        tuple(names),
     )
 
 
@@ -551,6 +576,13 @@ def _start_loads(party: Sequence[Places], gravity: NDArray[np.float64]) -> list[
                 expected="a 'load' of all, or none",
             )
         told = even_loads(stand)
+    elif told @ stand.counts > FAR_TOO_MUCH * stand.weight:
+        raise InputError(
+            f"groups push with {told @ stand.counts:.6g} N in all on what weighs {stand.weight:.6g} N",
+            source=name,
+            key="load",
+            expected="the force of a single bogie of the group, or none: then they carry the weight",
+        )
     if not accepted:
         refuse_unstable(_on_tyres(stand, party, told))
     return np.split(told, parts)

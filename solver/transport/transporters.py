@@ -201,7 +201,7 @@ class Transporter:
     """Bogies, by the groups that share their oil."""
     direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
     """Where it goes, in the axes of the body: roll and pitch are about it and about what lies across it."""
-    wheel_radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)]
+    wheel_radius: Annotated[float, Quantity("length", minimum=0.0, maximum=5.0, closed=True)]
     """[m]; 0 of a point that follows the road."""
     tyre_stiffness: Annotated[float, Positive("stiffness")]
     """Of all tyres of a bogie [N/m]."""
@@ -830,7 +830,7 @@ def _stand(
     deck, r
         -1 and 0 if there is none; by how much it lifts the wheel over its place under the body [m].
     station, offset
-        On that deck, or on the last one that was looked at [m].
+        On that deck, or on the one on which it stood before [m].
     """
     at = kind.bogies[i].place
     found, best = -1, NO_ROAD
@@ -845,7 +845,7 @@ def _stand(
             z += ahead * up
         if vehicle.driven:
             x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
-        if found < 0:
+        if d == kind.bogie_state[i].deck and found < 0:
             station, offset = x, y
         if not deck.right <= y <= deck.left:
             continue
