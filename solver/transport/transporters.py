@@ -513,7 +513,7 @@ class BogieState(Record):
         On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
         rate by which every r of its group grows [N s/m], and by the force of its cylinder.
     predicted, last_rate, last_mean
-        Of a row of its own: rate as predicted [m/s], and scratch of the iteration.
+        How fast its decks rise against its place, as predicted [m/s]; of a row of its own, scratch of the iteration.
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
@@ -957,6 +957,7 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
         if bogie.left_share > 0.0:
             other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
             up += bogie.left_share * (other - up)
+        bogie.predicted = -up
         bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
         start += r0
@@ -1110,10 +1111,9 @@ def set_transporter_targets(
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
-            up = bogie.road / step - bogie.growth
-            bogie.predicted, bogie.last_rate, bogie.last_mean = -up, -up, bogie.mean
+            bogie.last_rate, bogie.last_mean = bogie.predicted, bogie.mean
             bogie.weight = 1.0 if group.rows > 1 else bogie.mean / mean if mean > 0.0 else 1.0
-            state.predicted -= bogie.weight * up
+            state.predicted += bogie.weight * bogie.predicted
         _write_row(kind, g, work, system)
         state.rounds = 0
         if group.rows > 1:
