@@ -461,7 +461,7 @@ class BogieState(Record):
         On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
         rate by which every r of its group grows [N s/m], and by the force of its cylinder.
     predicted, last_rate, last_mean
-        Of a row of its own: rate as predicted [m/s], and scratch of the iteration.
+        Rate of r without the road, as predicted [m/s]; scratch of the iteration of a row of its own.
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
@@ -796,12 +796,11 @@ def _go_over(kind: Transporters, g: int, i: int, deck: int) -> None:
 
 
 @kernel(internal=True)
-def _rises(kind: Transporters, i: int, work: Workspace) -> float:
-    """How fast the place of a bogie moves up from the decks that carry it [m/s]."""
-    bogie, at = kind.bogie_state[i], kind.bogies[i].place
-    up = _place_rates(work, kind.decks[bogie.deck], at)[2]
+def _rises(kind: Transporters, i: int, up: float, work: Workspace) -> float:
+    """How fast the place of a bogie moves up from the decks that carry it, `up` from that on which it stands [m/s]."""
+    bogie = kind.bogie_state[i]
     if bogie.left_share > 0.0:
-        other = _place_rates(work, kind.decks[bogie.left_deck], at)[2]
+        other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
         up += bogie.left_share * (other - up)
     return up
 
@@ -825,7 +824,8 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
             _stop(kind, g, i, WALL, x1, y1, work)
         bogie.rolled = abs(x1 - x0) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
-        up = _rises(kind, i, work)
+        up = _rises(kind, i, up, work)
+        bogie.predicted = -up
         bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
         start += r0
@@ -953,10 +953,9 @@ def set_transporter_targets(
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
-            up = _rises(kind, i, work)
-            bogie.predicted, bogie.last_rate, bogie.last_mean = -up, -up, bogie.mean
+            bogie.last_rate, bogie.last_mean = bogie.predicted, bogie.mean
             bogie.weight = 1.0 if group.rows > 1 else bogie.mean / mean if mean > 0.0 else 1.0
-            state.predicted -= bogie.weight * up
+            state.predicted += bogie.weight * bogie.predicted
         _write_row(kind, g, work, system)
         state.rounds = 0
         if group.rows > 1:
