@@ -513,7 +513,7 @@ class BogieState(Record):
         On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
         rate by which every r of its group grows [N s/m], and by the force of its cylinder.
     predicted, last_rate, last_mean
-        How fast its decks rise against its place, as predicted [m/s]; of a row of its own, scratch of the iteration.
+        Rate of r without the road, as predicted [m/s]; scratch of the iteration of a row of its own.
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
@@ -938,6 +938,16 @@ def _go_over(kind: Transporters, g: int, i: int, deck: int) -> None:
 
 
 @kernel(internal=True)
+def _rises(kind: Transporters, i: int, up: float, work: Workspace) -> float:
+    """How fast the place of a bogie moves up from the decks that carry it, `up` from that on which it stands [m/s]."""
+    bogie = kind.bogie_state[i]
+    if bogie.left_share > 0.0:
+        other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
+        up += bogie.left_share * (other - up)
+    return up
+
+
+@kernel(internal=True)
 def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspace) -> None:
     """Where the road is under the wheels of a group at the start and at the end of a step, from its middle."""
     group, state = kind.groups[g], kind.group_state[g]
@@ -954,9 +964,7 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
             _stop(kind, g, i, WALL, x1, y1, work)
         bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
-        if bogie.left_share > 0.0:
-            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
-            up += bogie.left_share * (other - up)
+        up = _rises(kind, i, up, work)
         bogie.predicted = -up
         bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
