@@ -59,8 +59,8 @@ class Layout:
         Meaning of the columns of a record.
     column_count
         Length of a record.
-    body_names, block_names, line_names
-        Names by number of the body, of the block of rows and of the mooring line, for messages.
+    body_names, block_names, line_names, deck_names
+        Names by number of the body, of the block of rows, of the mooring line and of the deck, for messages.
     notes
         What the user should know of the scene.
     director
@@ -79,6 +79,7 @@ class Layout:
     body_names: tuple[str, ...]
     block_names: tuple[str, ...]
     line_names: tuple[str, ...] = ()
+    deck_names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     director: Any = None
     controllers: Any = None
@@ -242,6 +243,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         block_names=made.block_names,
         notes=tuple(notes),
         line_names=() if made.sea is None else made.sea.line_names,
+        deck_names=tuple(deck.name for deck in scene.decks),
         director=director,
         controllers=controllers,
     )

@@ -17,7 +17,7 @@ from heavylift.solver.scene.channels import Channel, add_channels
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
-from heavylift.solver.scene.sea import FloatingBody, Hull, Sea
+from heavylift.solver.scene.sea import FloatingBody, Hull, Sea, Tank
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 from heavylift.solver.scene.wind_loads import CurrentProfile
 from heavylift.solver.water.hulls.checks import check_sea
@@ -79,10 +79,27 @@ def float_bodies(scene: Scene) -> Scene:
                 key="hull",
                 expected=f"one of {', '.join(hulls)}" if hulls else "a hull in the scene",
             )
+        _refuse_outside(tank, hulls[tank.hull].hull.restoring)
     if hulls:
         _check_gravity(scene, sea)
     others = tuple(body for body in scene.bodies if body.name not in hulls)
     return replace(scene, bodies=(*others, *hulls.values()))
+
+
+def _refuse_outside(tank: Tank, surface: Any) -> None:
+    """Refuse a rectangular tank that is beside its hull."""
+    points = getattr(surface, "points", None)
+    if points is None or tank.floor is None or tank.size is None:
+        return
+    for axis, word in enumerate(("before or behind", "beside")):
+        low, high = points[:, axis].min(), points[:, axis].max()
+        if not low <= tank.floor[axis] <= high:
+            raise InputError(
+                f"the middle of its floor is {word} the hull: {'xy'[axis]} of that is {low:.6g} to {high:.6g} m",
+                source=tank.name,
+                key="floor",
+                expected="a place in the hull, in the coordinates of its geometry (are the units right?)",
+            )
 
 
 def _floating_bodies(bodies: tuple[AnyBody, ...], sea: Sea) -> dict[str, FloatingBody]:

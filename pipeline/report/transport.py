@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from heavylift.pipeline.pictures.path_plan import Stand, path_plan
 from heavylift.pipeline.report.document import Figure, Section, Table
+from heavylift.pipeline.results.model_io import read_header
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
+    from heavylift.pipeline.results.storage import OutputFolder
 
 __all__ = ["transport_section"]
 
@@ -23,7 +26,9 @@ _STANDS = 12
 """Times at which a vehicle is drawn on its path."""
 
 
-def transport_section(case: Case, results: Results | None, album: Album) -> list[Section]:
+def transport_section(
+    case: Case, stages: OutputFolder, results: Results | None, album: Album
+) -> list[Section]:
     """Tipping angles of all transporters, and a plan of each path."""
     if results is None or not case.transporters or not len(results.time):
         return []
@@ -39,7 +44,7 @@ def transport_section(case: Case, results: Results | None, album: Album) -> list
     for transporter in case.transporters:
         if not transporter.legs:
             continue
-        content = path_plan(*_stands(case, transporter, results), title=f"path of {transporter.name}")
+        content = path_plan(*_stands(case, stages, transporter, results), title=f"path of {transporter.name}")
         caption = (
             f"Plan of {transporter.name}: way of the middle of its bogies, and its wheels as they are steered at times "
             "evenly apart."
@@ -48,13 +53,17 @@ def transport_section(case: Case, results: Results | None, album: Album) -> list
     return [Section("Transporters", tuple(items))] if items else []
 
 
-def _stands(case: Case, transporter: Any, results: Results) -> tuple[NDArray[np.float64], list[Stand]]:
+def _stands(
+    case: Case, stages: OutputFolder, transporter: Any, results: Results
+) -> tuple[NDArray[np.float64], list[Stand]]:
     """Way of the middle of the bogies in the plan [m], and the vehicle at some times."""
     from scipy.spatial.transform import Rotation
 
     body: Any = case.bodies[transporter.body]
     points = np.vstack([np.asarray(group.bogies, dtype=np.float64) for group in transporter.groups])
-    if getattr(body.frame, "origin", "") == "centre_of_mass":
+    if body.type == "flexible":
+        points = points - np.array(json.loads(read_header(stages.reduced(transporter.body))["frame_origin"]))
+    elif getattr(body.frame, "origin", "") == "centre_of_mass":
         points = points - np.asarray(body.centre_of_mass, dtype=np.float64)
     position = results[f"{transporter.body}.position"]
     turn = Rotation.from_quat(results[f"{transporter.body}.orientation"][:, [1, 2, 3, 0]])

@@ -366,11 +366,13 @@ class _Search:
         else:
             moment = force[firsts[worst] + 3 : firsts[worst] + 6]
             left = f"a moment of {float(np.linalg.norm(moment)):.4g} N m on {name!r}"
+        rolls = any("bogie_state" in kind._fields for kind in rows.layout.joints)
         return InputError(
             f"no static equilibrium found after {self.iterations} iterations: nothing holds {left}",
             source="simulation",
             key="start",
-            expected="joints, springs or ropes that carry all loads, or a start nearer to the equilibrium",
+            expected="joints, springs or ropes that carry all loads, "
+            f"{'a path or a guide of what rolls on a deck, ' * rolls}or a start nearer to the equilibrium",
         )
 
 
@@ -429,7 +431,10 @@ def _is_positive(K: Any, G: Any, shift: float) -> bool:
 
 
 def _solver(K: Any, G: Any, damping: float) -> Any:
-    """A function that solves the damped system for a force; the joints stay closed to first order."""
+    """A function that solves the damped system for a force; the joints stay closed to first order.
+
+    What it finds is no number if the system is singular to the last digit: then more damping is asked for.
+    """
     from scipy.sparse import block_array, eye_array
     from scipy.sparse.linalg import splu
 
@@ -439,7 +444,10 @@ def _solver(K: Any, G: Any, damping: float) -> Any:
         size = float(np.abs(A.diagonal()).max())
         soft = 1e-11 * size * eye_array(rows, format="csc")
         A = block_array([[A, -size * G.T], [size * G, soft]], format="csc")
-    solve = splu(A).solve
+    try:
+        solve = splu(A).solve
+    except RuntimeError:  # exactly singular
+        return lambda _: np.full(count, np.nan)
 
     def along(force: NDArray[np.float64]) -> NDArray[np.float64]:
         return solve(np.concatenate([np.ravel(force), np.zeros(rows)]))[:count]

@@ -16,6 +16,7 @@ from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.joined import joined_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
@@ -50,6 +51,15 @@ PATH_COLUMN = 8
 
 NEAR, AROUND = 0.02, 8
 """Part of the extent of a mesh within which a place counts as below it; or the distance of that neighbour of a node."""
+
+LONGEST = 1.0
+"""Stroke that no bogie has [m]: those of transporters are 0.6 to 0.7 m from stop to stop."""
+
+FAR_TOO_MUCH = 2.0
+"""Loads over the weight that are taken for those of groups."""
+
+LEAST_RISE = 0.5
+"""Cosine of the angle of the normal of a deck to the vertical: steeper ones carry no wheels."""
 
 ALIKE = 1e-3
 """Difference of heights of decks, and widths of overlaps, that are none [m]."""
@@ -92,7 +102,7 @@ def pack_transporters(
     ]
     vehicles: list[tuple[Any, ...]] = []
     groups: list[tuple[Any, ...]] = []
-    bogies: list[tuple[int, int, float]] = []
+    bogies: list[tuple[Any, ...]] = []
     pumps: list[tuple[float, float]] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
@@ -107,6 +117,7 @@ def pack_transporters(
         for deck in decks:
             deck.check_radius(transporter.wheel_radius)
     all_places = [Places(transporter, scene) for transporter in scene.transporters]
+    _refuse_overturned(decks, all_places[0])
     _refuse_overlaps(decks, all_places[0])
     on_decks = [
         [places.on_decks(number, decks, corners) for number in range(len(places.points))]
@@ -136,6 +147,7 @@ def pack_transporters(
         ends = list(dict.fromkeys(attachment(name) for name in held))
         scale = sum(scales(name)[0] for name in held)
         first_bogie = len(bogies)
+        counts_of = [len(group.bogies) for group in transporter.groups]
         vehicles.append(
             (
                 len(groups),
@@ -156,8 +168,11 @@ def pack_transporters(
                 transporter.travel_speed is not None,
                 transporter.travel_speed or 0.0,
                 float(places.world[:, 2].mean()),
+                float(np.repeat(loads, counts_of).mean()) or np.inf,
+                *_levelling(transporter, column),
             )
         )
+        level = (places.world - places.world.mean(axis=0)) @ places.level.T
         stands_on += [deck for deck, _, _ in of_vehicle]
         starts += [place for _, _, place in of_vehicle]
         lifts = [lift for _, lift, _ in of_vehicle]
@@ -197,6 +212,7 @@ def pack_transporters(
                     group.constant_force,
                     group.relief_force,
                     count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0,
+                    *level[len(bogies) - first_bogie :][:count, :2].mean(axis=0).tolist(),
                 )
             )
             if load >= group.relief_force:
@@ -232,7 +248,7 @@ def pack_transporters(
         if transporter.legs:
             block = free_block
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
-            share = np.repeat(loads, [len(group.bogies) for group in transporter.groups])
+            share = np.repeat(loads, counts_of)
             at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
@@ -260,6 +276,17 @@ def pack_transporters(
     return [kind, *paths.kinds(of_bogies)], blocks
 
 
+def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:
+    """What a vehicle keeps of its levelling: as `VehicleData`."""
+    said = transporter.levelling
+    if said is None:
+        return False, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
+    last = column + channel_width(transporter.CHANNELS[:-1], transporter.components)
+    return (
+        True, said.period, 1.0 / said.time_constant, said.speed, said.dead_angle, said.roll, said.pitch, last,
+    )  # fmt: skip
+
+
 def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:
     """Markers of origin and axes."""
     origin = np.asarray(deck.origin, dtype=np.float64)
@@ -277,6 +304,19 @@ def _refuse_soft_decks(scene: Scene) -> None:
                 source=deck.name,
                 key="body",
                 expected="a rigid body, or 'ground'",
+            )
+
+
+def _refuse_overturned(decks: Sequence[Deck], places: Places) -> None:
+    """Refuse decks on whose other side wheels would stand."""
+    for deck in decks:
+        up = (places.frame(deck.body, deck.origin).axes @ deck.axes().T)[:, 2]
+        if up[2] < LEAST_RISE:
+            raise InputError(
+                f"{np.asarray(deck.normal).tolist()} points {'down' if up[2] < 0.0 else 'sideways'} at the start",
+                source=deck.name,
+                key="normal",
+                expected="the direction away from the ground, to the side on which wheels stand",
             )
 
 
@@ -411,11 +451,11 @@ class Places:
                 key="groups",
                 expected="decks below all wheels, or another start",
             )
-        low, high = self.transporter.stops
+        low, high = np.clip(self.transporter.stops, -LONGEST, LONGEST)
         if not low <= lift <= high:
             raise InputError(
                 f"bogie {number + 1} is drawn {abs(lift):.4g} m {'below' if lift > 0.0 else 'above'} deck "
-                f"{decks[found].name!r}, more than its stroke",
+                f"{decks[found].name!r}, more than {'any' if self.transporter.stroke_limits is None else 'its'} stroke",
                 source=self.transporter.name,
                 key="groups",
                 expected="places of the wheels on the road at the start",
@@ -478,11 +518,12 @@ def _stand(party: Sequence[Places], gravity: float) -> Stand:
     for own, place, about in parts:
         d = place - centre
         inertia += about + own * (d @ d * np.eye(3) - np.outer(d, d))
-    oil, counts, middles = [], [], []
+    names, oil, counts, middles = [], [], [], []
     for places in party:
         begin = 0
         for of_group in places.transporter.groups:
             end = begin + len(of_group.bogies)
+            names.append(of_group.name if len(party) == 1 else f"{places.transporter.name}.{of_group.name}")
             oil.append(of_group.oil_stiffness)
             counts.append(end - begin)
             middles.append(places.world[begin:end].mean(axis=0))
@@ -495,6 +536,7 @@ def _stand(party: Sequence[Places], gravity: float) -> Stand:
         mass * gravity,
         mass,
         first.level @ inertia @ first.level.T,
+        tuple(names),
     )
 
 
@@ -540,6 +582,13 @@ def _start_loads(party: Sequence[Places], gravity: NDArray[np.float64]) -> list[
                 expected="a 'load' of all, or none",
             )
         told = even_loads(stand)
+    elif told @ stand.counts > FAR_TOO_MUCH * stand.weight:
+        raise InputError(
+            f"groups push with {told @ stand.counts:.6g} N in all on what weighs {stand.weight:.6g} N",
+            source=name,
+            key="load",
+            expected="the force of a single bogie of the group, or none: then they carry the weight",
+        )
     if not accepted:
         refuse_unstable(_on_tyres(stand, party, told))
     return np.split(told, parts)

@@ -53,6 +53,8 @@ class Stand:
         [N].
     mass, inertia
         [kg]; about the centre of mass in these axes [kg m2], shape (3, 3).
+    groups
+        Names, for messages.
     """
 
     name: str
@@ -62,6 +64,11 @@ class Stand:
     weight: float
     mass: float
     inertia: NDArray[np.float64]
+    groups: tuple[str, ...] = ()
+
+    def named(self, number: int) -> str:
+        """Name or number of a group."""
+        return repr(self.groups[number]) if self.groups else str(number + 1)
 
     @property
     def height(self) -> float:
@@ -108,7 +115,7 @@ def even_loads(stand: Stand) -> NDArray[np.float64]:
     loads: NDArray[np.float64] = mean + change
     if loads.min() < 0.0:
         raise InputError(
-            f"group {int(np.argmin(loads)) + 1} would have to pull with {-loads.min():.6g} N a bogie",
+            f"group {stand.named(int(np.argmin(loads)))} would have to pull with {-loads.min():.6g} N a bogie",
             source=stand.name,
             key="groups",
             expected="groups about the centre of mass: it would tip over",

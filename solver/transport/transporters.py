@@ -19,6 +19,10 @@ is that of the mean load, and a deviation of the row from its prediction is shar
 of r is carried over the step as an elongation of a rope is: where all loads are equal, of oil that is linear, the force
 is the discrete gradient of the stored energy ``p^2 / 2 kappa + sum f^2 / 2 k`` and no step gains any.
 
+Levelling looks at roll a and pitch b of the vehicle every now and then and lifts group k, whose middle is at (x_k, y_k)
+from that of all, with the speed ``s (b x_k - a y_k) / T`` until it looks again; s <= 1 keeps all of them within what
+their pumps can do. Where errors are within the dead angle they count as none.
+
 Pipes and rubber so answer to what the bogies of a group do apart from each other by its prediction alone. A body with
 modes moves apart in ways that no step resolves, which this would drive: where such a body has dampers, every bogie has
 a row of its own, and the group only their common force.
@@ -67,12 +71,13 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
     "GROUPS_A_BLOCK",
+    "JOLT",
     "WALL",
     "BogieData",
     "BogieState",
@@ -87,8 +92,13 @@ __all__ = [
 ]
 
 OFF_ROAD = int(Outcome.OFF_ROAD)
-LEFT, WALL = 1, 2
-"""Why a wheel stopped the run: there is no road below it, or a step that it cannot meet."""
+STEP_TOO_LARGE = int(Outcome.STEP_TOO_LARGE)
+LEFT, WALL, JOLT = 1, 2, 3
+"""Why a wheel stopped the run: there is no road below it, a step that it cannot meet, or one that throws it up."""
+
+LARGEST_JOLT = 10.0
+"""Load of a wheel in the mean of a step, beyond that before, over that at rest: what is thrown up by more within a step
+is thrown anywhere, since how it meets the road is not seen."""
 
 HANDOVER_WAY, HANDOVER_TIME = 0.05, 0.5
 """Way over the radius of a wheel, or time [s] if that is over sooner, in which a load goes over to another body."""
@@ -184,6 +194,7 @@ class Transporter:
             "at rest, over what its brakes hold, largest since the last record",
             None,
         ),
+        ChannelKind("levelled", "length", "by which levelling has lifted the bogies of each group", None),
     )
     """What it records, in the order of its columns."""
 
@@ -194,7 +205,7 @@ class Transporter:
     """Bogies, by the groups that share their oil."""
     direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
     """Where it goes, in the axes of the body: roll and pitch are about it and about what lies across it."""
-    wheel_radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)]
+    wheel_radius: Annotated[float, Quantity("length", minimum=0.0, maximum=5.0, closed=True)]
     """[m]; 0 of a point that follows the road."""
     tyre_stiffness: Annotated[float, Positive("stiffness")]
     """Of all tyres of a bogie [N/m]."""
@@ -223,6 +234,8 @@ class Transporter:
     """Largest steering angle of a bogie to both sides [rad]."""
     drive: Drive | None = None
     """Motors and brakes; with a path."""
+    levelling: Levelling | None = None
+    """What keeps it level; it stays as it is pumped if absent."""
     accept_unstable: bool = False
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
 
@@ -240,6 +253,10 @@ class Transporter:
         if said.drive is not None and not said.legs:
             raise InputError(
                 "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
+            )
+        if said.levelling is not None and any(group.constant_force for group in said.groups):
+            raise InputError(
+                "'levelling' of constant forces", key="levelling", expected="groups of oil or gas"
             )
 
     @property
@@ -262,6 +279,7 @@ class Transporter:
             "steering": wheels,
             "rolling_speed": wheels,
             "group_force": tuple(group.name for group in self.groups),
+            "levelled": tuple(group.name for group in self.groups) if self.levelling else (),
             "wheel_load": bogies,
             "road_under": bogies,
             "stroke_of": bogies,
@@ -310,6 +328,11 @@ class VehicleData(Record):
         Whether its wheels travel by themselves, and how fast [m/s].
     start_height
         Mean height of the places of its bogies at the start, along z of the world [m].
+    rest
+        Mean load of its bogies at the start [N].
+    levels, period, rate, fastest, dead, roll, pitch, levelled
+        Whether it has levelling; time between looks [s], 1/T [1/s], largest speed [m/s], dead angle, angles that are
+        kept [rad], and the first record column of what was lifted.
     """
 
     first_group: int
@@ -330,11 +353,21 @@ class VehicleData(Record):
     driven: bool
     speed: float
     start_height: float
+    rest: float
+    levels: bool
+    period: float
+    rate: float
+    fastest: float
+    dead: float
+    roll: float
+    pitch: float
+    levelled: int
 
 
 class VehicleState(Record):
-    """Extremes of the loads and strokes of a transporter."""
+    """Looks of levelling so far; extremes of the loads and strokes of a transporter."""
 
+    looks: int
     loads_high: Extremes
     loads_low: Extremes
     strokes_high: Extremes
@@ -368,6 +401,8 @@ class GroupData(Record):
         Force of a cylinder at which oil is lost [N].
     leak
         Rate of the sum of strokes by oil that leaks, over the force of a cylinder [m/(N s)].
+    ahead, aside
+        Middle of its bogies from that of all, along and to the left [m].
     """
 
     vehicle: int
@@ -386,6 +421,8 @@ class GroupData(Record):
     constant: bool
     relief: float
     leak: float
+    ahead: float
+    aside: float
 
 
 class GroupState(Record):
@@ -399,6 +436,8 @@ class GroupState(Record):
         Carried sum of r [m].
     oil, next_oil
         Sum of lifts by the pump at the start and at the end of the step [m].
+    levelled, since, pumping
+        Sum of lifts by levelling at its last look [m], when that was [s], and the rate of the sum since [m/s].
     strokes
         Sum of strokes that makes the force of the start [m]: that of the start, and what oil was lost since.
     drift
@@ -422,6 +461,9 @@ class GroupState(Record):
     lift: float
     oil: float
     next_oil: float
+    levelled: float
+    since: float
+    pumping: float
     strokes: float
     drift: float
     force: float
@@ -475,7 +517,7 @@ class BogieState(Record):
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
-        Why and where it stopped the run.
+        Why and where it stopped the run; of a jolt how large it is, over the load at rest.
     """
 
     stroke: float
@@ -706,7 +748,14 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
 
 @kernel(internal=True)
 def _oil_in(kind: Transporters, g: int, time: float) -> float:
-    """Sum of the lifts that the pump of a group has made at a time [m]."""
+    """Sum of the lifts that pump and levelling of a group have made at a time [m]."""
+    state = kind.group_state[g]
+    return _planned(kind, g, time) + state.levelled + state.pumping * (time - state.since)
+
+
+@kernel(internal=True)
+def _planned(kind: Transporters, g: int, time: float) -> float:
+    """Sum of the lifts by the plan of a pump [m]."""
     first, count = kind.groups[g].first_pump, kind.groups[g].pumps
     if count == 0:
         return 0.0
@@ -717,6 +766,39 @@ def _oil_in(kind: Transporters, g: int, time: float) -> float:
         if time < b.time:
             return a.lift + (b.lift - a.lift) * (time - a.time) / (b.time - a.time)
     return kind.pumps[first + count - 1].lift
+
+
+@kernel(internal=True)
+def _tilt(vehicle: VehicleData, work: Workspace) -> tuple[float, float]:
+    """Roll and pitch of a vehicle [rad]."""
+    x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
+    return math.atan2(y[2], z[2]), -math.asin(min(max(x[2], -1.0), 1.0))
+
+
+@kernel(internal=True)
+def _level(kind: Transporters, v: int, time: float, work: Workspace) -> None:
+    """Look at a vehicle if it is time, and tell its pumps how fast until the next look."""
+    vehicle, state = kind.vehicles[v], kind.vehicle_state[v]
+    first, last = vehicle.first_group, vehicle.first_group + vehicle.groups
+    count = math.floor(time / vehicle.period + 1e-9)
+    if not vehicle.levels or kind.group_state[first].fresh or count < state.looks:
+        return
+    state.looks = count + 1
+    roll, pitch = _tilt(vehicle, work)
+    roll, pitch = roll - vehicle.roll, pitch - vehicle.pitch
+    roll = roll if abs(roll) > vehicle.dead else 0.0
+    pitch = pitch if abs(pitch) > vehicle.dead else 0.0
+    most = 0.0
+    for g in range(first, last):
+        group, carried = kind.groups[g], kind.group_state[g]
+        carried.levelled += carried.pumping * (time - carried.since)
+        carried.since = time
+        speed = vehicle.rate * (pitch * group.ahead - roll * group.aside)
+        carried.pumping = group.count * speed
+        most = max(most, abs(speed))
+    if most > vehicle.fastest:
+        for g in range(first, last):
+            kind.group_state[g].pumping *= vehicle.fastest / most
 
 
 # ---- wheels on decks ----
@@ -803,7 +885,7 @@ def _roll(
     up
         Rate of the height of that place over the deck at the end [m/s].
     moved, station, offset
-        Way along, and place at the end, on that deck; or on the last one that was looked at [m].
+        Way along, and place at the end, on that deck; or on the one on which it stood before [m].
     """
     at = kind.bogies[i].place
     first, found = -1, -1
@@ -818,10 +900,11 @@ def _roll(
             x0 = kind.starts[i, 2 * d] + vehicle.speed * time
             x1 = kind.starts[i, 2 * d] + vehicle.speed * (time + h)
             y0 = y1 = kind.starts[i, 2 * d + 1]
-        if first < 0:
-            begin = x0
-        if found < 0:
-            station, offset = x1, y1
+        if d == kind.bogie_state[i].deck:
+            if first < 0:
+                begin = x0
+            if found < 0:
+                station, offset = x1, y1
         height = _height(kind, d, vehicle, x0, y0)
         lift = height - (z - 0.5 * h * up)
         if height > NO_ROAD and (first < 0 or lift > before):
@@ -1012,6 +1095,9 @@ def set_transporter_targets(
     kind: Transporters, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Road and loads as predicted, with them the shares of the row; at the end of a step what holds there."""
+    if not at_midpoint:
+        for v in range(kind.vehicles.shape[0]):
+            _level(kind, v, time, work)
     for g in range(kind.groups.shape[0]):
         group, state = kind.groups[g], kind.group_state[g]
         if not at_midpoint:
@@ -1119,6 +1205,10 @@ def update_transporters(
         grown = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
+            if not abs(bogie.mean - bogie.load) <= LARGEST_JOLT * vehicle.rest:
+                bogie.failure, bogie.station = JOLT, abs(bogie.mean - bogie.load) / vehicle.rest
+                work.status.outcome = STEP_TOO_LARGE
+                work.status.block = group.block
             grown += bogie.extra
             state.road_work += bogie.mean * bogie.road
             moved = bogie.end_stroke - bogie.stroke
@@ -1203,9 +1293,7 @@ def _record_pose(kind: Transporters, vehicle: VehicleData, work: Workspace, row:
     for i in range(vehicle.first_bogie, vehicle.first_bogie + vehicle.bogies):
         height += place(work, kind.bogies[i].place)[2]
     row[vehicle.column] = height / vehicle.bogies - vehicle.start_height
-    x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
-    row[vehicle.column + 1] = math.atan2(y[2], z[2])
-    row[vehicle.column + 2] = -math.asin(min(max(x[2], -1.0), 1.0))
+    row[vehicle.column + 1], row[vehicle.column + 2] = _tilt(vehicle, work)
 
 
 @implement(record_joints, Transporters)
@@ -1228,6 +1316,9 @@ def record_transporters(
         for g in range(vehicle.first_group, vehicle.first_group + vehicle.groups):
             group, carried = kind.groups[g], kind.group_state[g]
             row[c + 8 + g - vehicle.first_group] = carried.force
+            if vehicle.levels:
+                lifted = carried.levelled + carried.pumping * (time - carried.since)
+                row[vehicle.levelled + g - vehicle.first_group] = lifted / group.count
             load = 0.0
             for i in range(group.first, group.first + group.count):
                 bogie = kind.bogie_state[i]

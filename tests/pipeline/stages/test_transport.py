@@ -86,6 +86,43 @@ name="fl" """
     np.testing.assert_allclose(total, total[0], atol=1e-5 * np.abs(parts[1]).max())
 
 
+FLEXIBLE = """[bodies.block]
+type = "flexible"
+material = { young_modulus = "30 GPa", poisson_ratio = 0.2, density = "2400 kg/m^3" }
+frame = { motion = "free", origin = "centre_of_mass" }
+initial = { position = [-10, 0, 5] }
+
+[bodies.block.geometry]
+type = "blocks"
+add = [{ name = "slab", from = [-4.2, -1.8, 1.5], to = [4.2, 1.8, 3.5] }]
+
+[bodies.block.mesh]
+element = "hex8"
+divisions = { x = [6], y = [2], z = [2] }
+
+[bodies.block.modes]
+count = 3
+"""
+
+
+@pytest.mark.slow
+def test_a_flexible_body_on_a_path_has_its_report(tmp_path) -> None:
+    """Its frame is at its centre of mass, which nobody told: 145.2 t on twelve bogies, path and wheels are drawn."""
+    begin, end = TEXT.index("[bodies.block]"), TEXT.index("[[surfaces]]")
+    joint, transporter = TEXT.index("[[joints]]"), TEXT.index("[[transporters]]")
+    report = run(
+        tmp_path,
+        (TEXT[begin:end], FLEXIBLE + "\n"),
+        (TEXT[joint:transporter], ""),
+        ("wheel_radius = 0.37", 'wheel_radius = 0.37\nlegs = [{ points = [[2, 0]], speed = "0.2 m/s" }]'),
+        ('duration = "40 s"', 'duration = "4 s"'),
+    )
+    assert report.outcome is Outcome.COMPLETED
+    assert (tmp_path / "out" / "report" / "path_spmt.png").is_file()
+    load = 2400.0 * 8.4 * 3.6 * 2.0 * 9.81 / 12
+    np.testing.assert_allclose(load_results(tmp_path)["spmt.wheel_load"][0], load, rtol=1e-6)
+
+
 @pytest.mark.slow
 def test_a_vehicle_that_drives_off_its_deck_ends_the_run(tmp_path) -> None:
     """With the bogie, the station and the time."""
@@ -103,6 +140,11 @@ def test_a_vehicle_that_drives_off_its_deck_ends_the_run(tmp_path) -> None:
             "load_limit: 141428 N on each bogie of group 'fl'",
         ),
         ("stations = [-25, 25]", "stations = [-5, 25]", "transporters.0.*no deck is below bogie 1"),
+        (
+            "[[decks]]",
+            '[[tanks]]\nname = "peak"\nhull = "barge"\nfloor = [40, 0, -2]\nsize = [8, 8, 4]\nmass = 0\n\n[[decks]]',
+            r"tanks\.0\.floor: the middle of its floor is before or behind the hull: x of that is -25 to 25 m",
+        ),
         (
             "wheel_radius = 0.37",
             "wheel_radius = 0.37\nbogie_mass = 108",

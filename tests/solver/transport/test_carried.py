@@ -166,3 +166,27 @@ def test_places_that_no_body_is_above_and_decks_that_bend_are_refused() -> None:
     barge = FlexibleBody("barge", cloud(3.0).reduced())
     with pytest.raises(InputError, match="it is on body 'barge', which deforms"):
         Simulation(scene(vehicle(), (yard(body="barge"),), bodies=(barge, block())), step=5e-3)
+
+
+def test_places_and_loads_that_cannot_be_meant_are_refused() -> None:
+    """Wheels drawn at the body instead of on the road; the load of a group, or of all bogies, as that of a bogie."""
+    raised = block(position=np.array([0.0, 0.0, 1.49]))
+    with pytest.raises(InputError, match=r"bogie 1 is drawn 1\.49 m above deck 'yard', more than any stroke"):
+        Simulation(scene(vehicle(), body=raised), step=5e-3)
+    groups = tuple(replace(group, load=3.0 * LOAD) for group in groups_of(4))
+    with pytest.raises(
+        InputError, match=r"groups push with 5\.09\d+e\+06 N in all on what weighs 1\.69\d+e\+06 N"
+    ):
+        Simulation(scene(vehicle(groups=groups)), step=5e-3)
+
+
+def test_a_wheel_that_leaves_the_road_is_told_with_the_deck_on_which_it_stood() -> None:
+    """Of two, and the place on it."""
+    decks = (
+        yard(stations=np.array([-30.0, 4.0])),
+        replace(yard(stations=np.array([40.0, 50.0])), name="far", origin=np.array([-3.0, 0.0, 0.0])),
+    )
+    run = Simulation(scene(vehicle(travel_speed=1.0), decks), step=5e-3)
+    run.advance(400)
+    assert run.outcome is Outcome.OFF_ROAD
+    assert "bogie 1 has no deck below it, at station 4.005 m and offset 0.725 m of deck 'yard'" in run.message
