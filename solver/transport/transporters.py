@@ -900,16 +900,8 @@ def _roll(
             x0 = kind.starts[i, 2 * d] + vehicle.speed * time
             x1 = kind.starts[i, 2 * d] + vehicle.speed * (time + h)
             y0 = y1 = kind.starts[i, 2 * d + 1]
-<<<<<<< HEAD
         if d == kind.bogie_state[i].deck and found < 0:
             station, offset = x1, y1
-=======
-        if d == kind.bogie_state[i].deck:
-            if first < 0:
-                begin = x0
-            if found < 0:
-                station, offset = x1, y1
->>>>>>> offload
         height = _height(kind, d, vehicle, x0, y0)
         lift = height - (z - 0.5 * h * up)
         if height > NO_ROAD and (first < 0 or lift > before):
@@ -920,11 +912,7 @@ def _roll(
             found, after, rises, moved, station, offset = d, lift, up, x1 - x0, x1, y1
     before = before if first >= 0 else 0.0
     after = after if found >= 0 else 0.0
-<<<<<<< HEAD
     return found, before, after, rises, moved, station, offset
-=======
-    return found, before, after, rises, station - begin, station, offset
->>>>>>> offload
 
 
 @kernel(internal=True)
