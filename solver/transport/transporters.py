@@ -938,16 +938,6 @@ def _go_over(kind: Transporters, g: int, i: int, deck: int) -> None:
 
 
 @kernel(internal=True)
-def _rises(kind: Transporters, i: int, up: float, work: Workspace) -> float:
-    """How fast the place of a bogie moves up from the decks that carry it, `up` from that on which it stands [m/s]."""
-    bogie = kind.bogie_state[i]
-    if bogie.left_share > 0.0:
-        other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
-        up += bogie.left_share * (other - up)
-    return up
-
-
-@kernel(internal=True)
 def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspace) -> None:
     """Where the road is under the wheels of a group at the start and at the end of a step, from its middle."""
     group, state = kind.groups[g], kind.group_state[g]
@@ -964,7 +954,9 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
             _stop(kind, g, i, WALL, x1, y1, work)
         bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
-        up = _rises(kind, i, up, work)
+        if bogie.left_share > 0.0:
+            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
+            up += bogie.left_share * (other - up)
         bogie.predicted = -up
         bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
