@@ -29,6 +29,7 @@ from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.scene.scene import Gravity, Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
+    drive_warning,
     energy_remedy,
     force_warning,
     hull_warning,
@@ -511,7 +512,7 @@ class Simulation:
     def warning(self) -> str:
         """What the user should know of a run that went well otherwise; empty if nothing."""
         layout = self._layout
-        seen = (force_warning, mesh_warning, hull_warning, contact_warning)
+        seen = (force_warning, mesh_warning, hull_warning, contact_warning, drive_warning)
         steps = step_warning(layout, self._watch.floor)
         found = "; ".join(filter(None, [self._watch.warning, steps, *(look(layout) for look in seen)]))
         if found:

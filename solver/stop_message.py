@@ -12,6 +12,7 @@ from heavylift.solver.layout import Layout
 
 __all__ = [
     "contact_warning",
+    "drive_warning",
     "energy_remedy",
     "force_warning",
     "hull_warning",
@@ -67,6 +68,10 @@ def stop_message(layout: Layout, when: str) -> str:
             part, reason, remedy = parted
     if outcome is Outcome.OFF_ROAD:
         reason = _where_off_road(layout)
+    jolt = _jolt(layout) if outcome is Outcome.STEP_TOO_LARGE else ""
+    if jolt:
+        part, reason = "transporter", jolt
+        remedy = "a smaller step, softer oil or tyres, lower speed, or a ramp"
     of_mesh = status.block < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
         remedy, part = "a smaller step", "body"
@@ -107,6 +112,22 @@ def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
                 reason = f": positions have left the elongation that makes its force, by {state['drift']:.3g}{unit}"
                 return word, reason, "a smaller step: a third of a period of what hangs on it is too long"
     return "", "", ""
+
+
+def _jolt(layout: Layout) -> str:
+    """Which bogie is thrown up within a step; empty if none is."""
+    from heavylift.solver.transport.transporters import JOLT
+
+    for kind in layout.joints:
+        if "bogie_state" not in kind._fields or "vehicles" not in kind._fields:
+            continue
+        for number in np.flatnonzero(kind.bogie_state["failure"] == JOLT):
+            vehicle = next(v for v in kind.vehicles if v.first_bogie <= number < v.first_bogie + v.bogies)
+            return (
+                f": the load of bogie {number - int(vehicle.first_bogie) + 1} changes by "
+                f"{kind.bogie_state[number].station:.3g} times that at rest within a step"
+            )
+    return ""
 
 
 def _where_off_road(layout: Layout) -> str:
@@ -227,6 +248,39 @@ def force_warning(layout: Layout) -> str:
                     f" t = {found['time']:.6g} s where its elongation and the rates of the steps say"
                     f" {found['expected']:.6g}: take a smaller step"
                 )
+    return "; ".join(parts)
+
+
+BEYOND = 1.0 + 1e-6
+"""Share of what wheels, drives and brakes can do from which on it is told that they could not."""
+
+
+def drive_warning(layout: Layout) -> str:
+    """Transporters that are driven, or held, by more than wheels, motors and brakes can, as a sentence; empty if none.
+
+    Parameters
+    ----------
+    layout
+        Packed scene after a run. Paths are followed whatever it takes, so nothing else would tell.
+    """
+    parts = []
+    for kind in layout.joints:
+        if "plan_state" not in kind._fields:
+            continue
+        for path, state in zip(kind.table, kind.state, strict=True):
+            told = (
+                (state.most_traction, "times the friction that a driven bogie has: its wheels would slip"),
+                (state.most_power, "times the force of its drives at their speed"),
+                (state.most_brake, "times the force of its brakes at rest"),
+            )
+            words = [
+                f"up to {most.value:.3g} {what} (at t = {most.time:.6g} s)"
+                for most, what in told
+                if most.value > BEYOND
+            ]
+            if words:
+                name = layout.block_names[int(path.block)]
+                parts.append(f"{name!r} follows its path, and needs {', '.join(words)}")
     return "; ".join(parts)
 
 

@@ -139,6 +139,20 @@ tolerance = { absolute = "0.02 m" }
 source = "capacity.csv: the end of the barge stands above the quay where pumps cannot follow"
 
 [[check]]
+id = "edge_max_lag"
+quantity = "channel.edge.position.z.max"
+reference = "1.7006 m"
+tolerance = { absolute = "3 mm" }
+source = "quasi_static.py: the same with pumps that lag by 20 s and the stages of the plan"
+
+[[check]]
+id = "edge_min_lag"
+quantity = "channel.edge.position.z.min"
+reference = "1.4877 m"
+tolerance = { absolute = "2 mm" }
+source = "quasi_static.py: the plan begins at once, the pumps do not"
+
+[[check]]
 id = "edge_min"
 quantity = "channel.edge.position.z.min"
 reference = "1.5 m"

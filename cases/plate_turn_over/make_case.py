@@ -1,4 +1,4 @@
-"""Writes case.toml, edge_share.csv and block_share.csv: moves of winches and trolleys, closed form of the shares.
+"""Writes case.toml, steel.toml, thin.toml and tables: moves of winches and trolleys, closed form of the shares.
 
     python make_case.py
 
@@ -14,24 +14,25 @@ moves go from rest to rest: the published scenario says nothing of speeds.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
 
-ANGLES = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0])
-SPEEDS = (0.3, 0.3, 0.3, 0.3, 0.3, 0.1, 0.01)  # of the upper hooks [m/s]
 RAMP, HOLD = (
     12.0,
     3.0,
 )  # s: to these speeds, about a period of the hooks, so that they do not swing; between moves
 UPPER, LOWER = 15.0, 7.5  # m, lugs of the plate from its centre of mass
-TOGETHER, TOGETHER_SPEED = 15.0, 0.6  # m, m/s: all hooks at first
+TOGETHER_SPEED = 0.6  # m/s: all hooks at first
 LINES = (-4.0, -2.0, 0.0, 2.0, 4.0)  # m, of a block loader
+INSIDE = (-5.0, -2.5, 0.0, 2.5, 5.0)  # m, of that inside of the shells: nodes of their meshes
+RIMS = 1.0  # t
 FIRST = 2.0  # s, begin of the first move
 PAID_OUT, PAID_OUT_SPEED = 1.0, 0.1  # of the lower hook, once the plate is upright
 CROWN = 62.0  # m, height of the axes of the crowns
-DURATION = 300.0
+DURATION, SHELL_DURATION = 300.0, 200.0
 
 BLOCK_ARM, BLOCK_HEIGHT = 15.0, 3.0  # m, lugs of the rigid block
 BLOCK_ANGLES = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0, 75.0])
@@ -57,19 +58,38 @@ def duration(distance, speed, ramp):
     return distance / min(speed, distance / ramp) + ramp
 
 
-def plate_moves():
-    """Moves (start, distance, speed) of upper and lower hooks, and the times of th = ANGLES at rest."""
-    start = FIRST
-    upper, lower = [(start, TOGETHER, TOGETHER_SPEED)], [(start, TOGETHER, TOGETHER_SPEED)]
-    start += duration(TOGETHER, TOGETHER_SPEED, RAMP) + HOLD
-    rests = [start - 0.5 * HOLD]
-    for step, speed in zip(np.diff(np.sin(ANGLES)), SPEEDS, strict=True):
-        upper.append((start, UPPER * step, speed))
-        lower.append((start, -LOWER * step, speed * LOWER / UPPER))
-        start += duration(UPPER * step, speed, RAMP) + HOLD
-        rests.append(start - 0.5 * HOLD)
-    lower.append((start, -PAID_OUT, PAID_OUT_SPEED))
-    return upper, lower, np.round(np.array(rests) * 2.0) / 2.0  # times that are recorded
+class TurnOver(NamedTuple):
+    """A plate is hoisted by `together` [m], and turned by hooks to `angles` [deg], at `speeds` of the upper ones."""
+
+    together: float
+    angles: tuple[float, ...]
+    speeds: tuple[float, ...]
+    level: float = 0.0  # m: the lower hook is hoisted so much more at first, since its ropes stretch more
+
+    def moves(self):
+        """Moves (start, distance, speed) of upper and lower hooks, and the times of the angles at rest."""
+        start = FIRST
+        upper = [(start, self.together, TOGETHER_SPEED)]
+        lower = [(start, self.together + self.level, TOGETHER_SPEED)]
+        start += duration(self.together, TOGETHER_SPEED, RAMP) + HOLD
+        rests = [start - 0.5 * HOLD]
+        for step, speed in zip(np.diff(np.sin(np.deg2rad(self.angles))), self.speeds, strict=True):
+            upper.append((start, UPPER * step, speed))
+            lower.append((start, -LOWER * step, speed * LOWER / UPPER))
+            start += duration(UPPER * step, speed, RAMP) + HOLD
+            rests.append(start - 0.5 * HOLD)
+        lower.append((start, -PAID_OUT, PAID_OUT_SPEED))
+        return upper, lower, np.round(np.array(rests) * 2.0) / 2.0  # times that are recorded
+
+    def angle(self, t):
+        """Angle of the plate at the times t [rad]."""
+        upper, lower, _ = self.moves()
+        turned = way(t, upper[1:]) - way(t, lower[1:-1])
+        return np.arcsin(np.clip(turned / (UPPER + LOWER), 0.0, 1.0))
+
+
+RIGID = TurnOver(15.0, (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0), (0.3, 0.3, 0.3, 0.3, 0.3, 0.1, 0.01))
+SHELL = TurnOver(3.0, (0.0, 30.0, 60.0, 75.0, 85.0, 90.0), (0.4, 0.4, 0.2, 0.1, 0.01), 0.033)
 
 
 def way(t, moves):
@@ -77,15 +97,8 @@ def way(t, moves):
     return sum(np.sign(d) * trapezoid(t, start, abs(d), speed, RAMP) for start, d, speed in moves)
 
 
-def plate_angle(t):
-    """Angle of the plate at the times t [rad]."""
-    upper, lower, _ = plate_moves()
-    return np.arcsin(np.clip((way(t, upper) - way(t, lower[:-1])) / (UPPER + LOWER), 0.0, 1.0))
-
-
 def thin_plate():
     """The plate as a rigid body without thickness, on three hooks with a block loader each."""
-    upper, lower, _ = plate_moves()
     text = """
 [bodies.plate]
 type = "rigid"
@@ -103,18 +116,81 @@ name = "plate_angle"
 between = ["ground", "plate"]
 points = [[0, 0, 0], [0, 0, 0]]
 """
-    text += trolley("upper", UPPER, 0.0, plate_angle)
-    text += trolley("lower", -LOWER, 0.0, plate_angle)
+    return text + gantry(RIGID, "plate", "plate", [(-LOWER, d) for d in LINES], LOADER)
+
+
+def gantry(turn, edge, inside, lugs, model):
+    """Trolleys, hooks and block loaders that turn a plate over: lugs at its edge, and inside of it."""
+    upper, lower, _ = turn.moves()
+    text = trolley("upper", UPPER, 0.0, turn.angle)
+    text += trolley("lower", -LOWER, 0.0, turn.angle)
     for number, side in enumerate((-5.0, 5.0), start=1):
         text += falls(f"edge_{number}", "upper", side, 16.0, upper)
-        text += loader(f"loader_{number}", "plate", f"edge_{number}", [(UPPER, side + d) for d in LINES])
+        text += loader(f"loader_{number}", edge, f"edge_{number}", [(UPPER, side + d) for d in LINES], model)
     text += falls("inner", "lower", 0.0, 16.0, lower)
-    text += loader("loader_3", "plate", "inner", [(-LOWER, d) for d in LINES])
-    return text
+    return text + loader("loader_3", inside, "inner", lugs, model)
 
 
-def hanging(name, y, thickness, density):
+PLATES = {
+    "steel": ("42.46 mm", "7850 kg/m^3", "42.46 mm of steel"),
+    "thin": ("5 mm", "66666.7 kg/m^3", "5 mm with the density that makes 200 t"),
+}
+ELEMENTS = (6, 4)
+
+
+def shell(name):
+    """The plate as a shell in rigid rims, turned over."""
+    thickness, density, _ = PLATES[name]
+    text = f"""
+[bodies.plate]
+type = "shell"
+geometry = {{ type = "rectangle", size = ["30 m", "20 m"], elements = [{ELEMENTS[0]}, {ELEMENTS[1]}] }}
+section = {{ thickness = "{thickness}", density = "{density}", young_modulus = "210 GPa", poisson_ratio = 0.3 }}
+damping = {{ stiffness = "20 ms" }}
+initial = {{ position = ["-15 m", "-10 m", 0] }}
+
+# a beam along the upper edge, and a rail along each side
+[bodies.rims]
+type = "rigid"
+mass = "{RIMS:g} t"
+inertia = ["60 t m^2", "100 t m^2", "160 t m^2"]
+frame = {{ motion = "free" }}
+
+[[surfaces]]
+name = "beam_sides"
+body = "rims"
+shape = {{ type = "box", size = ["0.5 m", "20 m", "0.5 m"] }}
+at = ["15 m", 0, 0]
+
+[[joints]]
+name = "beam"
+type = "edge_hinge"
+between = ["plate", "rims"]
+edge = "x_max"
+
+# the edges at the sides are held across the rail all along, and slide in it
+[[repeat]]
+count = {2 * ELEMENTS[0]}
+
+[[repeat.joints]]
+name = "rail_{{i}}"
+type = "cylindrical"
+between = ["rims", "plate"]
+at = ["{{-15 + {30.0 / ELEMENTS[0]:g}*(i // 2)}} m", "{{-10 + 20*(i % 2)}} m", 0]
+axis = [1, 0, 0]
+
+[[relative_motions]]
+name = "plate_angle"
+between = ["ground", "rims"]
+points = [[0, 0, 0], [0, 0, 0]]
+"""
+    lugs = [(15.0 - LOWER, 10.0 + d) for d in INSIDE]
+    return text + gantry(SHELL, "rims", "plate", lugs, MASSLESS)
+
+
+def hanging(name, y):
     """The plate as a shell that hangs upright on its clamped edge."""
+    thickness, density, _ = PLATES[name]
     return f"""
 [bodies.{name}]
 type = "shell"
@@ -196,7 +272,15 @@ def moves_toml(moves):
     return "[\n" + "\n".join(rows) + "\n]"
 
 
-def loader(name, plate, hook, lugs):
+LOADER = """pulley = { mass = "800 kg" }
+travel = { up = "2 m", down = "2 m", damping = "500 kN s/m" }
+"""
+MASSLESS = """model = "massless"
+travel = { up = "2 m", down = "2 m" }
+"""
+
+
+def loader(name, plate, hook, lugs, model):
     """An equalizer with five lines."""
     lines = "\n".join(f'    {{ body = "{plate}", point = ["{x} m", "{y} m", 0] }},' for x, y in lugs)
     return f"""
@@ -207,9 +291,7 @@ along = [0, 1, 0]
 sheave_radius = "0.5 m"
 part_length = "2.5 m"
 beam = {{ mass = "10 t" }}
-pulley = {{ mass = "800 kg" }}
-travel = {{ up = "2 m", down = "2 m", damping = "500 kN s/m" }}
-rope = {{ axial_stiffness = "600 MN", damping = "100 kN s/m" }}
+{model}rope = {{ axial_stiffness = "600 MN", damping = "100 kN s/m" }}
 line = {{ axial_stiffness = "300 MN", damping = "100 kN s/m" }}
 lines = [
 {lines}
@@ -405,24 +487,110 @@ source = "energy balance with the work of winches and trolleys, and what ropes a
 """.replace("DURATION", f"{DURATION:g}")
 
 
+SHELL_HEAD = """title = "A plate of 200 t (WORDS) is turned over on three block loaders, as a shell in rigid rims"
+sources = [
+    "Integrated simulation ... (2018), section 4.3.1: plate of 30 x 20 m and 200 t, three block loaders, gantry crane",
+    "balance of forces and moments: make_case.py, which writes this file",
+]
+
+[gravity]
+acceleration = [0, 0, "-9.81 m/s^2"]
+"""
+
+
+def shell_end(name):
+    """What is computed and checked of a shell."""
+    share = "ratio(sum(loader_[12]_rope.tension), sum(loader_?_rope.tension))"
+    at_rest = SHELL.moves()[2]
+    thickness = float(PLATES[name][0].removesuffix(" mm"))
+    density = float(PLATES[name][1].removesuffix(" kg/m^3"))
+    text = f"""
+[simulate]
+start = "equilibrium"
+step = "20 ms"
+output_interval = "0.5 s"
+duration = "{SHELL_DURATION:g} s"
+
+[report]
+channels = [
+    "plate_angle.tilt", "plate.von_mises", "loader_?_rope.tension", "{share}",
+]
+
+[[check]]
+id = "edge_share"
+quantity = "channel.{share}.mean"
+reference = 0.3333333
+tolerance = {{ relative = 5e-3 }}
+until = "{at_rest[0]:g} s"
+source = "a_l/(a_u + a_l) = 1/3: moments about the centre of mass of plate and rims, while it lies"
+
+[[check]]
+id = "upright"
+quantity = "channel.{share}.end"
+reference = 1.0
+tolerance = {{ absolute = 1e-12 }}
+source = "the inner loader is slack"
+
+[[check]]
+id = "plate_angle"
+quantity = "channel.plate_angle.tilt.end"
+reference = "90 deg"
+tolerance = {{ absolute = "0.5 deg" }}
+source = "hangs on lugs in its plane"
+"""
+    for row in (
+        2,
+        3,
+        4,
+    ):  # away from the beam and from the free edge; the elements of a row follow each other
+        above = (row + 0.5) * 30.0 / ELEMENTS[0]
+        force = density * thickness * 1e-3 * 9.81 * above
+        text += f"""
+[[check]]
+id = "membrane_stress_{row + 1}"
+quantity = "channel.plate.membrane_force.{row * ELEMENTS[1] + 1}.xx.end"
+reference = "{force:.8g} N/m"
+tolerance = {{ relative = 0.02 }}
+source = "weight of the {above:g} m below: {force / thickness * 1e-3:.4g} MPa; 200 t g/(20 m t) for all 30 m"
+"""
+    return (
+        text
+        + """
+[[check]]
+id = "energy_drift"
+quantity = "drift.energy"
+reference = 0.0
+tolerance = { absolute = 1e-6 }
+source = "energy balance with the work of winches and trolleys, and what ropes and plate damp"
+"""
+    )
+
+
 def references():
     """Times and shares of the edge hooks of the plate and of the upper fall of the block, by file."""
-    rests = plate_moves()[2][:5]
+    rests = RIGID.moves()[2][:5]
     edge = np.column_stack([np.concatenate([[0.0], rests]), np.full(6, LOWER / (UPPER + LOWER))])
     shares = 0.5 + BLOCK_HEIGHT * np.tan(BLOCK_ANGLES) / (2.0 * BLOCK_ARM)
     return {"edge_share.csv": edge, "block_share.csv": np.column_stack([block_moves()[2], shares])}
 
 
+def shell_case(name):
+    """A file of one of the shells."""
+    return SHELL_HEAD.replace("WORDS", PLATES[name][2]) + shell(name) + shell_end(name)
+
+
 def main() -> None:
-    """Write the case and both tables."""
+    """Write the cases and both tables."""
+    for name in PLATES:
+        (HERE / f"{name}.toml").write_text(shell_case(name), encoding="utf-8")
     text = HEAD + thin_plate()
     text += "\n# --- the rigid block: lugs 3 m above its centre of mass, two falls" + block()
     text += (
         "\n# --- the plate upright, as shells: 42.46 mm of steel, and 5 mm with the density that makes 200 t"
     )
-    text += hanging("steel", 60.0, "42.46 mm", "7850 kg/m^3")
-    text += hanging("thin", 90.0, "5 mm", "66666.7 kg/m^3") + CHECKS
-    rests = plate_moves()[2][:5]
+    text += hanging("steel", 60.0)
+    text += hanging("thin", 90.0) + CHECKS
+    rests = RIGID.moves()[2][:5]
     text = text.replace("EDGE", f"{rests[-1]:.9g}").replace("BLOCK", f"{block_moves()[2][-1]:.9g}")
     (HERE / "case.toml").write_text(text, encoding="utf-8")
     for name, table in references().items():

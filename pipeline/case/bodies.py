@@ -75,7 +75,7 @@ class RigidInitialSection(Section):
     position: LengthVector | None = None
     """World position of the frame origin [m]; by default where the geometry was drawn."""
     orientation: AxisAngle | None = None
-    """Rotation from world to body axes; none by default."""
+    """Rotation that turns the axes of the world into those of the body, as a vector on it turns; none by default."""
     velocity: VelocityVector | None = None
     """World velocity of the frame origin [m/s]; free frames only."""
     angular_velocity: AngularVelocityVector | None = None

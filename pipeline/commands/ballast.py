@@ -145,8 +145,10 @@ def _without(found: SeaCase, loading: Loading) -> Loading:
                 expected=f"one of {', '.join(loading.bodies) or 'none'}",
             )
         place = body.position + rotation_matrix(body.orientation) @ body.centre_of_mass - hull.position
-        mass -= body.mass
-        moment = moment - body.mass * (rotation_matrix(hull.orientation).T @ place)
+        whole = body.mass, rotation_matrix(hull.orientation).T @ place
+        counted, centre = loading.parts.get(name, whole)
+        mass -= counted
+        moment = moment - counted * centre
     left = tuple(one for one in loading.bodies if one not in section.apart)
     return replace(loading, mass=mass, centre=moment / mass, bodies=left)
 

@@ -10,6 +10,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.loading import Loading, scene_loading
 from heavylift.pipeline.commands.scene import choose_hulls, load_sea_case
+from heavylift.solver.forces.line_bearing import LineBearing
 from heavylift.solver.scene.sea import LinearRestoring
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ def hydrostatics_command(
             entry: dict[str, Any] = {
                 "hull": hull.body,
                 "carries": list(loading.bodies),
+                "parts": {name: mass for name, (mass, _) in loading.parts.items()},
                 "left_out": list(loading.left_out),
                 "tanks": [{"name": tank.name, "mass": tank.mass} for tank in tanks],
             }
@@ -196,7 +198,7 @@ _UNITS = {
 def _ropes(scene: Scene, group: set[str]) -> list[str]:
     """Ropes and springs between these bodies and others."""
     found = []
-    for one in (*scene.ropes, *scene.forces):
+    for one in (*scene.ropes, *(force for force in scene.forces if not isinstance(force, LineBearing))):
         path = getattr(one, "path", None)
         sides = (
             {stop.body for stop in path}
@@ -212,7 +214,8 @@ def _words(entry: dict[str, Any]) -> list[str]:
     """What was counted and what was not."""
     lines = []
     if entry["carries"]:
-        lines.append(f"  carries: {', '.join(entry['carries'])}")
+        parts = {name: f" ({mass * 1e-3:.6g} t of it)" for name, mass in entry["parts"].items()}
+        lines.append(f"  carries: {', '.join(name + parts.get(name, '') for name in entry['carries'])}")
     if entry["tanks"]:
         tanks = ", ".join(f"{tank['name']} {tank['mass'] * 1e-3:.6g} t" for tank in entry["tanks"])
         lines.append(f"  tanks: {tanks}")

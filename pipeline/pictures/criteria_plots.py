@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from heavylift.pipeline.pictures.plots import (
     figure_png,
     plain_text,
     plot_figure,
+    shade,
     tidy_axes,
 )
 from heavylift.pipeline.results.signals import envelope, scaled_unit
@@ -25,18 +26,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Band", "crane_plot", "tension_plot", "utilisation_plot"]
+__all__ = ["crane_plot", "tension_plot", "utilisation_plot"]
 
 _LIMIT = "#b8322a"
 _FEW = 8  # curves with names of their own
-
-
-class Band(NamedTuple):
-    """A phase of an operation: from when to when [s], and its name."""
-
-    begin: float
-    end: float
-    name: str
 
 
 def crane_plot(
@@ -103,7 +96,7 @@ def utilisation_plot(
     histories: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]],
     *,
     title: str,
-    bands: Sequence[Band] = (),
+    bands: Sequence[tuple[str, float, float]] = (),
 ) -> bytes:
     """What criteria use of their limits over time, the limit at 100 %, phases as bands.
 
@@ -114,7 +107,7 @@ def utilisation_plot(
     title
         Heading.
     bands
-        Phases of the operation.
+        Phases of the operation: name, begin and end [s].
     """
     figure = plot_figure(4.4 + 0.22 * min(len(histories), _FEW))
     axes = figure.subplots()
@@ -134,7 +127,7 @@ def utilisation_plot(
     axes.set_xlim(begin / unit.divisor, max(end, begin + 1e-12) / unit.divisor)
     peaks = [100.0 * float(np.nanmax(u[np.isfinite(u)], initial=0.0)) for _, u in histories.values()]
     axes.set_ylim(0.0, min(max(115.0, 1.15 * max(peaks)), 400.0))
-    _draw_bands(axes, bands, unit.divisor)
+    shade(axes, bands, unit.divisor)
     tidy_axes(axes)
     axes.set_xlabel(f"time [{unit.text}]", color=INK)
     axes.set_ylabel("used of the limit [%]", color=INK)
@@ -156,7 +149,7 @@ def tension_plot(
     tensions: Mapping[str, NDArray[np.float64]],
     *,
     title: str,
-    bands: Sequence[Band] = (),
+    bands: Sequence[tuple[str, float, float]] = (),
 ) -> bytes:
     """Tensions of several ropes, the band between the smallest and the largest one, and their mean.
 
@@ -169,7 +162,7 @@ def tension_plot(
     title
         Heading.
     bands
-        Phases of the operation.
+        Phases of the operation: name, begin and end [s].
     """
     figure = plot_figure(4.1)
     axes = figure.subplots()
@@ -193,7 +186,7 @@ def tension_plot(
     axes.plot(t, values.mean(axis=0) / scale.divisor, color=INK, lw=1.2, ls=(0, (4, 2)), label="mean")
     axes.set_xlim(t[0], max(t[-1], t[0] + 1e-12))
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    _draw_bands(axes, bands, unit.divisor)
+    shade(axes, bands, unit.divisor)
     tidy_axes(axes)
     axes.set_xlabel(f"time [{unit.text}]", color=INK)
     axes.set_ylabel(f"tension [{scale.text}]", color=INK)
@@ -208,23 +201,3 @@ def tension_plot(
     )
     add_title(figure, title)
     return few_colours(figure_png(figure))
-
-
-def _draw_bands(axes: Any, bands: Sequence[Band], divisor: float) -> None:
-    """Every second phase shaded, with its name at the top."""
-    for number, band in enumerate(bands):
-        begin, end = band.begin / divisor, band.end / divisor
-        if number % 2:
-            axes.axvspan(begin, end, color=GREY, alpha=0.10, lw=0, zorder=0)
-        axes.annotate(
-            plain_text(band.name),
-            (0.5 * (begin + end), 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, -3),
-            textcoords="offset points",
-            fontsize=8,
-            color=GREY,
-            ha="center",
-            va="top",
-            clip_on=True,
-        )

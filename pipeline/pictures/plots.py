@@ -38,6 +38,7 @@ __all__ = [
     "plot_figure",
     "plot_series",
     "plot_study",
+    "shade",
     "spectrum_plot",
     "tidy_axes",
 ]
@@ -65,6 +66,7 @@ def few_colours(png: bytes) -> bytes:
 
 _DPI = 110
 _WIDTH = 10.0
+_LETTER, _HANDLE = 0.085, 0.55  # width of a letter, and of a line with its space, in a legend [in]
 INK = "#1d2733"
 GREY = "#66707c"
 _FAR = 2.0  # an energy is shifted that never comes nearer to zero than this many times the largest change of any,
@@ -129,7 +131,7 @@ def history_plot(
             number += 1
         tidy_axes(axes)
         axes.set_xlim(times[0] / time_unit.divisor, max(times[-1], times[0] + 1e-12) / time_unit.divisor)
-        _shade(axes, bands, time_unit.divisor, named=axes is panels[-1])
+        shade(axes, bands, time_unit.divisor, named=axes is panels[-1])
         if stacked and rows > 1:
             axes.set_ylabel(f"{plain_text(group[0].label)}\n[{_unit(own.text)}]", color=INK, fontsize=9)
             axes.yaxis.set_major_locator(_few_ticks())
@@ -373,7 +375,9 @@ def tidy_axes(axes: Any) -> None:
         spine.set_color("#9aa4ae")
 
 
-def _shade(axes: Any, bands: Sequence[tuple[str, float, float]], divisor: float, *, named: bool) -> None:
+def shade(
+    axes: Any, bands: Sequence[tuple[str, float, float]], divisor: float, *, named: bool = True
+) -> None:
     """Shade every other part of the time; names stand upright in those that are wide enough."""
     low, high = axes.get_xlim()
     for number, (name, begin, end) in enumerate(bands):
@@ -400,11 +404,12 @@ def _few_ticks() -> Any:
 
 
 def add_legend(axes: Any) -> None:
-    """Legend above the axes, at the right: never over a curve."""
+    """Legend above the axes, at the right: never over a curve, and in as many rows as its words need."""
+    labels = axes.get_legend_handles_labels()[1]
     axes.legend(
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        ncols=8,
+        ncols=max(1, min(8, int(_WIDTH / (_HANDLE + _LETTER * max(map(len, labels), default=0))))),
         frameon=False,
         fontsize=9.5,
         labelcolor=INK,

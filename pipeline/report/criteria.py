@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import csv
 import math
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.criteria import CraneCriterion
-from heavylift.pipeline.checks.criteria import PHASE, crane_points, evaluate_criteria, phase_words
+from heavylift.pipeline.checks.criteria import crane_points, evaluate_criteria
 from heavylift.pipeline.checks.quantities import Quantities
-from heavylift.pipeline.pictures.criteria_plots import Band, crane_plot, tension_plot, utilisation_plot
+from heavylift.pipeline.pictures.criteria_plots import crane_plot, tension_plot, utilisation_plot
 from heavylift.pipeline.report.document import Figure, Section, Table, Text
+from heavylift.pipeline.report.operation import phase_bands
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.pipeline.results.storage import replacing, write_json
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
 
@@ -34,7 +35,6 @@ __all__ = [
     "criteria_section",
     "criterion_cells",
     "governing_words",
-    "phase_bands",
     "result_words",
     "used_words",
     "write_criteria",
@@ -111,10 +111,11 @@ def criterion_cells(result: CriterionResult) -> tuple[str, str, str]:
     return value, f"{ {'<=': '≤', '>=': '≥', '>': '>'}[result.side] } {limit}", margin
 
 
-def used_words(result: CriterionResult) -> str:
+def used_words(result: CriterionResult | CheckResult) -> str:
     """Utilisation in percent; empty where there is none."""
     used = result.utilisation
-    return "" if used is None else "> 999 %" if used > 9.99 else f"{100.0 * used:.1f} %"
+    # zero has no sign, also if it is what rounding leaves of an angle
+    return "" if used is None else "> 999 %" if used > 9.99 else f"{round(100.0 * used, 1) + 0.0:.1f} %"
 
 
 def governing_words(result: CriterionResult) -> str:
@@ -164,19 +165,6 @@ def criteria_section(
     return [Section("Criteria", tuple(items))]
 
 
-def phase_bands(case: Case, results: Results) -> list[Band]:
-    """Phases of the operation, if the run has recorded them."""
-    if PHASE not in results or len(results.time) < 2:
-        return []
-    numbers = results[PHASE].reshape(len(results.time), -1)[:, 0]
-    starts = [0, *(np.flatnonzero(np.diff(numbers)) + 1), len(numbers) - 1]
-    return [
-        Band(float(results.time[a]), float(results.time[b]), phase_words(case, float(numbers[a])))
-        for a, b in pairwise(starts)
-        if b > a
-    ]
-
-
 def _charts(
     case: Case, out: Path, results: Results, found: Sequence[CriterionResult], album: Album
 ) -> list[Text | Table | Figure]:
@@ -187,7 +175,7 @@ def _charts(
         loads = [one for one in found if one.name == criterion.name and one.unit == "N"]
         if isinstance(criterion, CraneCriterion) and loads:
             items.append(_crane_figure(case, quantities, criterion, loads[0], album))
-    bands = phase_bands(case, results)
+    bands = phase_bands(results)
     histories: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
     for result in sorted(found, key=lambda one: -(one.utilisation or 0.0)):
         if result.history is not None and len(histories) < _CURVES:

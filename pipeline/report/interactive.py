@@ -132,7 +132,7 @@ def _check(case: Case, results: Results, one: CheckResult) -> Judged:
     if one.has_limits:
         side, limit = one.governing
         limit_words = f"{'≤' if side == 'maximum' else '≥'} {_scaled(limit, one, limit)}"
-        used = "" if one.utilisation is None else f"{100.0 * one.utilisation:.1f} %"
+        used = used_words(one)
     else:
         assert one.error is not None
         assert one.tolerance is not None

@@ -14,7 +14,12 @@ from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableErr
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.collisions import collision_sections, surface_sections
 from heavylift.pipeline.report.contacts import contact_sections
-from heavylift.pipeline.report.criteria import criteria_results, criteria_section, write_criteria
+from heavylift.pipeline.report.criteria import (
+    criteria_results,
+    criteria_section,
+    used_words,
+    write_criteria,
+)
 from heavylift.pipeline.report.document import (
     Album,
     Document,
@@ -321,7 +326,7 @@ def _limit_row(check: CheckResult) -> tuple[str, ...]:
         f"{check.value:.6g}",
         f"{'≤' if side == 'maximum' else '≥'} {limit:.6g}",
         _unit(check),
-        "–" if check.utilisation is None else f"{100.0 * check.utilisation:.1f} %",
+        used_words(check) or "–",
         f"{check.margin:.4g}",
         check.where or "–",
         _source(check, check.seen) or "–",

@@ -288,9 +288,22 @@ def memory_digest(case: Case, section: DatabaseSection) -> str:
 
 
 def _joined(case: Case, name: str) -> dict[str, Any]:
-    """What joints hold on a hull, which floats as deep as its weight says; meshes of frames and shells do not count."""
+    """What joints hold on a hull, which floats as deep as its weight says; meshes of frames and shells do not count.
+
+    Of what lies on something with a line bearing also where: it is carried in part.
+    """
     found: dict[str, Any] = {}
-    for other in sorted(joined_to_hull(case, name)[0] - {name}):
+    group = joined_to_hull(case, name)[0]
+    lying = [one for one in case.forces if one.type == "line_bearing" and group & set(one.between)]
+    members = set(group)
+    for one in lying:  # a part of it is carried elsewhere, or here
+        members |= {one.between[1]} & set(case.bodies)
+        held = [joint for joint in case.joints if one.between[1] in joint.between]
+        found[one.name] = {
+            "points": [one.between, one.points],
+            "joints": [joint.model_dump(mode="json", include={"between", "at", "points"}) for joint in held],
+        }
+    for other in sorted(members - {name}):
         body = case.bodies[other]
         if body.type == "rigid":
             found[other] = body.model_dump(mode="json", exclude={"inertia"})

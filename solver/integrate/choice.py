@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -110,7 +111,8 @@ def _law(scene: Scene) -> str:
         return f"contact {first.name!r} opens and closes"
     if scene.transporters:
         return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
-    bearings = [force.name for force in scene.forces if getattr(force, "WORD", "") == "line_bearing"]
+    forces: Iterable[Any] = scene.forces
+    bearings = [force.name for force in forces if getattr(force, "WORD", "") == "line_bearing"]
     if bearings:
         return f"line bearing {bearings[0]!r} opens and closes"
     for joint in scene.joints:

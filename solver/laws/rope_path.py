@@ -32,6 +32,12 @@ START_WRAP = math.pi * (1.0 - 1e-6)
 
 NEWTON_STEPS = 12
 
+NEARLY_PARALLEL = 0.9
+"""Cosine between the axes of two pulleys above which their tangent is sought from that of parallel axes."""
+
+SMALL_TURN = 1e-3
+"""Angle [rad] below which three terms of a series have all digits."""
+
 Vector = tuple[float, float, float]
 
 
@@ -83,22 +89,53 @@ def _tangent(place: RopePlace, q: Vector, sense: float) -> Vector:
 @kernel(internal=True)
 def _turned(e: Vector, t: Vector, angle: float) -> Vector:
     """The unit vector turned towards its tangent."""
-    c, s = math.cos(angle), math.sin(angle)
+    if abs(angle) < SMALL_TURN:
+        x = angle * angle
+        c, s = 1.0 - x * (0.5 - x / 24.0), angle * (1.0 - x * (1.0 - 0.05 * x) / 6.0)
+    else:
+        c, s = math.cos(angle), math.sin(angle)
     return c * e[0] + s * t[0], c * e[1] + s * t[1], c * e[2] + s * t[2]
+
+
+@kernel(internal=True)
+def _parallel_tangents(a: RopePlace, b: RopePlace, sense: float) -> tuple[Vector, Vector]:
+    """Unit vectors to both ends of the straight part between pulleys whose axes are parallel, or nearly so.
+
+    With parallel axes both are the same or, of pulleys that turn against each other (sense -1), opposite. Zero where
+    the pulleys are too near for that: a search for rest may come through such places.
+    """
+    n, r1, r2 = _axis(a), a.radius, b.radius
+    d = _sum(_centre(b), -1.0, _centre(a))
+    d = _sum(d, -dot(d, n), n)
+    square, gap = dot(d, d), r1 - sense * r2
+    if square <= max(r1 * r1 + r2 * r2, gap * gap):
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    distance = math.sqrt(square)
+    u = (d[0] / distance, d[1] / distance, d[2] / distance)
+    v = cross(n, u)
+    c = gap / distance
+    s = math.sqrt(1.0 - c * c)
+    e = c * u[0] - s * v[0], c * u[1] - s * v[1], c * u[2] - s * v[2]
+    q = _sum(e, -dot(e, _axis(b)), _axis(b))
+    size = sense / math.sqrt(dot(q, q))
+    return e, (size * q[0], size * q[1], size * q[2])
 
 
 @kernel(internal=True)
 def _straight(a: RopePlace, b: RopePlace) -> tuple[Vector, Vector]:
     """Unit vectors to both ends of the straight part from a to b; zero at eyes."""
     e1 = e2 = (0.0, 0.0, 0.0)
-    r1, r2 = a.radius, b.radius
-    if r1 > 0.0:
-        e1 = _tangent(a, _centre(b), 1.0)
-    if r2 > 0.0:
-        e2 = _tangent(b, _sum(_centre(a), r1, e1), -1.0)
+    r1, r2, n1, n2 = a.radius, b.radius, _axis(a), _axis(b)
+    along = dot(n1, n2)
+    if r1 > 0.0 and r2 > 0.0 and abs(along) > NEARLY_PARALLEL:
+        e1, e2 = _parallel_tangents(a, b, 1.0 if along > 0.0 else -1.0)
+    if dot(e1, e1) == 0.0:
+        if r1 > 0.0:
+            e1 = _tangent(a, _centre(b), 1.0)
+        if r2 > 0.0:
+            e2 = _tangent(b, _sum(_centre(a), r1, e1), -1.0)
     if r1 == 0.0 or r2 == 0.0:
         return e1, e2
-    n1, n2 = _axis(a), _axis(b)
     for _ in range(NEWTON_STEPS):
         D = _sum(_sum(_sum(_centre(b), -1.0, _centre(a)), r2, e2), -r1, e1)
         t1, t2 = (

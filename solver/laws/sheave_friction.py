@@ -87,8 +87,8 @@ FITTED, FREED, PUSHED = range(3)
 SAME_FLOW = 1e-10
 """Change of flows, relative to the largest, that counts as none."""
 
-STUCK = 1e-10
-"""Excess of a ratio of tensions up to which a sheave sticks."""
+STUCK = 3e-10
+"""Excess of a ratio of tensions up to which a sheave sticks: more than what rounding makes of one at its bound."""
 
 SHARING, HOLDING = 1e-5, 1e-3
 """Compliance of a sheave that sticks, and of each of a rope that stands still, relative to that of the rope.
@@ -464,9 +464,10 @@ def set_sheaved_targets(
             state.stops = False
             if rope.fresh or rope.stretched <= rope.rest:
                 continue
-            state.stops = (
-                state.branch * state.speed <= 0.0
-            )  # records ask as well, and must leave the state as it is
+            # what counts as no flow stops: else sheaves at their bounds change their states in each step at rest;
+            # records ask as well, and must leave the state as it is
+            least = SMALL * chain.largest * _creep(kind, i, s, step, system)
+            state.stops = state.branch * state.speed <= least
             if state.stops:
                 softness = END * _held_softness(kind, i, s, step, system)
                 _stick(kind, i, s, rope.hauling, softness, 0.0, system)
@@ -487,8 +488,8 @@ def _find_tensions(kind: SheavedRopes, i: int, mean: float) -> float:
         for s in range(chain.first, chain.first + chain.count):
             state, p = kind.sheave_state[s], kind.sheaves[s].place
             if state.acting == 0:
-                bound = (1.0 - kind.sheaves[s].efficiency) * max(kind.tension[p - 1], kind.tension[p])
-                if abs(state.force) > (1.0 + STUCK) * max(bound, 0.0) or mean <= 0.0:
+                bound = (1.0 - kind.sheaves[s].efficiency + STUCK) * max(kind.tension[p - 1], kind.tension[p])
+                if abs(state.force) > max(bound, 0.0) or mean <= 0.0:
                     state.acting = 1 if state.force > 0.0 else -1
                     again = True
         if not again:

@@ -12,7 +12,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, Positive, Quantity, Shape
 from heavylift.solver.scene.descriptions import Family, check_table, named, no_rows
 
-__all__ = ["TRANSPORT", "BogieGroup", "Bump", "Drive", "OilPump", "PathLeg"]
+__all__ = ["TRANSPORT", "BogieGroup", "Bump", "Drive", "Levelling", "OilPump", "PathLeg"]
 
 TRANSPORT: Family[Any] = Family("table", "heavylift.solver.transport", typed=False)
 """Decks and transporters, by the lists of a case file in which they stand."""
@@ -57,6 +57,25 @@ class OilPump:
     def check(said: Any) -> None:
         """A lift a time."""
         check_table("times", said.times, "lifts", said.lifts)
+
+
+@TRANSPORT.part
+@dataclass(frozen=True)
+class Levelling:
+    """Pumps that keep a vehicle level: they look at its tilt every now and then, and lift and lower its groups."""
+
+    speed: Annotated[float, Positive("velocity")]
+    """At which a pump lifts the bogies of a group at most [m/s]: its flow over the area of all their cylinders."""
+    time_constant: Annotated[float, Positive("time")] = 5.0
+    """In which a tilt is to fall to ``1/e`` [s]; it is faster as the vehicle leans more than its groups."""
+    period: Annotated[float, Positive("time")] = 0.1
+    """Between two looks [s], at the ends of steps; speeds stay in between."""
+    dead_angle: Annotated[float, Quantity("angle", minimum=0.0, closed=True)] = 0.0
+    """Tilts that are left alone [rad]."""
+    roll: Annotated[float, Quantity("angle")] = 0.0
+    """That is kept [rad]: rise of the left side."""
+    pitch: Annotated[float, Quantity("angle")] = 0.0
+    """That is kept [rad]: dip of the front."""
 
 
 @TRANSPORT.part

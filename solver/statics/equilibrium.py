@@ -431,7 +431,10 @@ def _is_positive(K: Any, G: Any, shift: float) -> bool:
 
 
 def _solver(K: Any, G: Any, damping: float) -> Any:
-    """A function that solves the damped system for a force; the joints stay closed to first order."""
+    """A function that solves the damped system for a force; the joints stay closed to first order.
+
+    What it finds is no number if the system is singular to the last digit: then more damping is asked for.
+    """
     from scipy.sparse import block_array, eye_array
     from scipy.sparse.linalg import splu
 
@@ -441,7 +444,10 @@ def _solver(K: Any, G: Any, damping: float) -> Any:
         size = float(np.abs(A.diagonal()).max())
         soft = 1e-11 * size * eye_array(rows, format="csc")
         A = block_array([[A, -size * G.T], [size * G, soft]], format="csc")
-    solve = splu(A).solve
+    try:
+        solve = splu(A).solve
+    except RuntimeError:  # exactly singular
+        return lambda _: np.full(count, np.nan)
 
     def along(force: NDArray[np.float64]) -> NDArray[np.float64]:
         return solve(np.concatenate([np.ravel(force), np.zeros(rows)]))[:count]

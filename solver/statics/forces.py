@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.interface import FORCES
+from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
-__all__ = ["ON_ONE_BODY", "STEP", "OneSided", "StaticForces"]
+__all__ = ["STEP", "OneSided", "StaticForces", "act_between"]
 
 STEP = 1e-9
 """Of time [s], for which laws write targets and softness: winches and dampers do nothing in it."""
@@ -20,13 +22,19 @@ STEP = 1e-9
 DIFFERENCE = 1e-5
 """Displacement of the difference quotients, relative to the size of the scene, or in radians."""
 
-ON_ONE_BODY = frozenset({"UniformGravity", "PointForces", "FluidLoads"}) | frozenset(
-    {"Leads", "RelativeMotions", "StepCounts", "Director"}
-)
-"""Kinds of forces that do not act between bodies, or do not act."""
+ON_ONE_BODY = frozenset({"UniformGravity", "PointForces", "FluidLoads", "Director"})
+"""Kinds of forces that do not act between bodies, or do not act, beside what only watches."""
 
 AS_SAID = 1e-6
 """Relative difference up to which the force of a row is that of its one-sided spring."""
+
+
+def act_between(forces: Iterable[Any]) -> bool:
+    """Whether some kinds of forces act between bodies. Measures, as loads of hooks, only watch."""
+    return any(
+        type(kind).__name__ not in ON_ONE_BODY and not type(kind).__module__.startswith(MEASURES.package)
+        for kind in forces
+    )
 
 
 @dataclass(frozen=True)
@@ -241,7 +249,7 @@ class StaticForces:
         rows = self.rows
         own = [first + np.arange(width) for first, width in zip(self._firsts, self._widths, strict=True)]
         self._joined: set[int] = set()
-        if not ON_ONE_BODY.issuperset(type(kind).__name__ for kind in rows.layout.forces):
+        if act_between(rows.layout.forces):
             for kind in rows.layout.bodies:
                 loaded = kind.markers["body"][kind.markers["level"] == FORCES]
                 self._joined |= {int(kind.table["number"][body]) for body in loaded}

@@ -28,7 +28,7 @@ from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matr
 from heavylift.solver.integrate.loop import evaluate_loads
 from heavylift.solver.interface import FORCES
 from heavylift.solver.start.rows import StartRows
-from heavylift.solver.statics.forces import ON_ONE_BODY, STEP
+from heavylift.solver.statics.forces import STEP, act_between
 from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
 __all__ = ["MeshSystem"]
@@ -478,7 +478,7 @@ class _Together:
         acts = ~on_mesh[dof] | np.isin(pair, pair[rows.entries() != 0.0])
         entries = np.flatnonzero(acts)
         loads = block_count + unit
-        if not ON_ONE_BODY.issuperset(type(kind).__name__ for kind in system.layout.forces):
+        if act_between(system.layout.forces):
             loads[:] = block_count  # one edge of all loads
         of_unit: list[set[int]] = [set() for _ in range(unit_count)]
         for number, own in zip(unit[dof[entries]], block[entries], strict=True):

@@ -16,6 +16,7 @@ from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.joined import joined_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
@@ -24,6 +25,7 @@ from heavylift.solver.transport.path_packing import PathPacking
 from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
+    GROUPS_A_BLOCK,
     BogieData,
     BogieState,
     DeckData,
@@ -107,7 +109,7 @@ def pack_transporters(
     stands_on: list[int] = []
     strokes: list[float] = []
     blocks: list[LawBlock] = []
-    block = first_block
+    block = free_block = first_block
     paths = PathPacking(scene, book)
     gravity = _gravity(scene)
     for transporter in scene.transporters:
@@ -145,6 +147,7 @@ def pack_transporters(
         ends = list(dict.fromkeys(attachment(name) for name in held))
         scale = sum(scales(name)[0] for name in held)
         first_bogie = len(bogies)
+        counts_of = [len(group.bogies) for group in transporter.groups]
         vehicles.append(
             (
                 len(groups),
@@ -165,32 +168,42 @@ def pack_transporters(
                 transporter.travel_speed is not None,
                 transporter.travel_speed or 0.0,
                 float(places.world[:, 2].mean()),
+                float(np.repeat(loads, counts_of).mean()) or np.inf,
+                *_levelling(transporter, column),
             )
         )
+        level = (places.world - places.world.mean(axis=0)) @ places.level.T
         stands_on += [deck for deck, _, _ in of_vehicle]
         starts += [place for _, _, place in of_vehicle]
         lifts = [lift for _, lift, _ in of_vehicle]
-        for group, load in zip(transporter.groups, loads, strict=True):
+        # see `heavylift.solver.transport.transporters`
+        apart = isinstance(places.body, FlexibleBody) and (
+            transporter.line_damping + transporter.tyre_damping > 0.0
+        )
+        law = LawBlock(transporter.name, tuple(ends), scale)
+        for number, (group, load) in enumerate(zip(transporter.groups, loads, strict=True)):
             count = len(group.bogies)
+            row_count, lane = (count, 0) if apart else (1, number % GROUPS_A_BLOCK)
+            if lane == 0:
+                shared = min(len(transporter.groups) - number, GROUPS_A_BLOCK)
+                laws = [law] * count if apart else [replace(law, rows=shared)]
+                block, free_block = free_block, free_block + len(laws) * law.block_count
+                blocks += laws
             rows = (
                 []
                 if group.pump is None
                 else list(zip(group.pump.times, count * group.pump.lifts, strict=True))
             )
-            # see `heavylift.solver.transport.transporters`
-            apart = isinstance(places.body, FlexibleBody) and (
-                transporter.line_damping + transporter.tyre_damping > 0.0
-            )
-            row_count = count if apart else 1
             groups.append(
                 (
                     len(vehicles) - 1,
                     len(bogies),
                     count,
                     block,
+                    lane,
                     len(ends),
                     row_count,
-                    max(1, (len(ends) + 1) // 2),
+                    law.block_count,
                     group.oil_stiffness / count,
                     group.gas_length * count,
                     load,
@@ -199,6 +212,7 @@ def pack_transporters(
                     group.constant_force,
                     group.relief_force,
                     count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0,
+                    *level[len(bogies) - first_bogie :][:count, :2].mean(axis=0).tolist(),
                 )
             )
             if load >= group.relief_force:
@@ -220,7 +234,6 @@ def pack_transporters(
             # with the loads of the start every tyre is as it is drawn, and the stroke is what the road lifts
             strokes.append(sum(lifts[own]) + (float(np.interp(0.0, *np.transpose(rows))) if rows else 0.0))
             side = 2 * block + ends.index(attachment(transporter.body))
-            law = LawBlock(transporter.name, tuple(ends), scale)
             step = 2 * law.block_count if row_count > 1 else 0
             bogies += [
                 (places.pack(book, point), side + step * i, load)
@@ -232,21 +245,20 @@ def pack_transporters(
                     for deck in decks
                 ]
             )
-            blocks += [law] * row_count
-            block += row_count * law.block_count
         if transporter.legs:
+            block = free_block
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
-            share = np.repeat(loads, [len(group.bogies) for group in transporter.groups])
+            share = np.repeat(loads, counts_of)
             at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
             blocks.append(LawBlock(transporter.name, tuple(ends), scale, compliance=0.0, rows=3))
-            block += blocks[-1].block_count
+            free_block += blocks[-1].block_count
         else:
             paths.skip(len(places.points))
     state, of_bogies = records(GroupState, len(groups)), records(BogieState, len(bogies))
     state["fresh"] = True
-    state["force"], state["strokes"] = [group[9] for group in groups], strokes
+    state["force"], state["strokes"] = [group[10] for group in groups], strokes
     of_bogies["deck"], of_bogies["weight"] = stands_on, 1.0
     kind = Transporters(
         records(DeckData, made_decks),
@@ -262,6 +274,17 @@ def pack_transporters(
         of_bogies,
     )
     return [kind, *paths.kinds(of_bogies)], blocks
+
+
+def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:
+    """What a vehicle keeps of its levelling: as `VehicleData`."""
+    said = transporter.levelling
+    if said is None:
+        return False, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
+    last = column + channel_width(transporter.CHANNELS[:-1], transporter.components)
+    return (
+        True, said.period, 1.0 / said.time_constant, said.speed, said.dead_angle, said.roll, said.pitch, last,
+    )  # fmt: skip
 
 
 def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:

@@ -46,7 +46,7 @@ from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place
 from heavylift.solver.transport.transporters import BogieState
 
-__all__ = ["DriveData", "PathBogie", "PathData", "PathPlan", "PathState", "Paths", "PlanState"]
+__all__ = ["DriveData", "Largest", "PathBogie", "PathData", "PathPlan", "PathState", "Paths", "PlanState"]
 
 LEAST_LOAD = 1e-3
 """Of the force of a bogie: less load on the road counts as this, so what is in the air is used a thousandfold."""
@@ -97,6 +97,13 @@ class PathData(Record):
     driven: int
 
 
+class Largest(Record):
+    """Largest value so far, and when [s]."""
+
+    value: float
+    time: float
+
+
 class PathState(Record):
     """What a path carries.
 
@@ -112,6 +119,10 @@ class PathState(Record):
         Force of a driven bogie in the middle of the last step [N], and shares of what it can do at most.
     forces, tractions, powers, brakes
         Their extremes.
+    time
+        At the end of the step [s].
+    most_traction, most_power, most_brake
+        Largest shares of the run, and when.
     """
 
     yaw: float
@@ -129,6 +140,10 @@ class PathState(Record):
     tractions: Extremes
     powers: Extremes
     brakes: Extremes
+    time: float
+    most_traction: Largest
+    most_power: Largest
+    most_brake: Largest
 
 
 class PathPlan(Record):
@@ -354,7 +369,7 @@ def set_path_targets(
             after, _ = _way(kind, path, time + step)
             there, _ = _pose(kind, path, after)
             state.yaw, state.step, state.moved = 0.5 * (here[2] + there[2]), step, after - before
-            state.way = after
+            state.way, state.time = after, time + step
             part = -math.expm1(-step / path.delay)
             ahead, a, b, c = 0.0, 0.0, 0.0, 0.0
             for j in range(path.first_plan, path.first_plan + path.plans):
@@ -464,6 +479,15 @@ def watch_paths(kind: Paths, work: Workspace, system: RowArrays) -> None:
         note_value(state.tractions, interval, state.traction)
         note_value(state.powers, interval, state.power)
         note_value(state.brakes, interval, state.brake)
+        _keep_largest(state.most_traction, state.traction, state.time)
+        _keep_largest(state.most_power, state.power, state.time)
+        _keep_largest(state.most_brake, state.brake, state.time)
+
+
+@kernel(inline=True, internal=True)
+def _keep_largest(largest: Largest, value: float, time: float) -> None:
+    if value > largest.value:
+        largest.value, largest.time = value, time
 
 
 @implement(record_joints, Paths)

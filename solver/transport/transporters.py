@@ -19,6 +19,10 @@ is that of the mean load, and a deviation of the row from its prediction is shar
 of r is carried over the step as an elongation of a rope is: where all loads are equal, of oil that is linear, the force
 is the discrete gradient of the stored energy ``p^2 / 2 kappa + sum f^2 / 2 k`` and no step gains any.
 
+Levelling looks at roll a and pitch b of the vehicle every now and then and lifts group k, whose middle is at (x_k, y_k)
+from that of all, with the speed ``s (b x_k - a y_k) / T`` until it looks again; s <= 1 keeps all of them within what
+their pumps can do. Where errors are within the dead angle they count as none.
+
 Pipes and rubber so answer to what the bogies of a group do apart from each other by its prediction alone. A body with
 modes moves apart in ways that no step resolves, which this would drive: where such a body has dampers, every bogie has
 a row of its own, and the group only their common force.
@@ -64,14 +68,16 @@ from heavylift.solver.joints.row_writing import (
     vector,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.rows import RETURN, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, PathLeg
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
 
 __all__ = [
+    "GROUPS_A_BLOCK",
+    "JOLT",
     "WALL",
     "BogieData",
     "BogieState",
@@ -86,14 +92,22 @@ __all__ = [
 ]
 
 OFF_ROAD = int(Outcome.OFF_ROAD)
-LEFT, WALL = 1, 2
-"""Why a wheel stopped the run: there is no road below it, or a step that it cannot meet."""
+STEP_TOO_LARGE = int(Outcome.STEP_TOO_LARGE)
+LEFT, WALL, JOLT = 1, 2, 3
+"""Why a wheel stopped the run: there is no road below it, a step that it cannot meet, or one that throws it up."""
+
+LARGEST_JOLT = 10.0
+"""Load of a wheel in the mean of a step, beyond that before, over that at rest: what is thrown up by more within a step
+is thrown anywhere, since how it meets the road is not seen."""
 
 HANDOVER_WAY, HANDOVER_TIME = 0.05, 0.5
 """Way over the radius of a wheel, or time [s] if that is over sooner, in which a load goes over to another body."""
 
 GAS_EXPONENT = 1.4
 """Of the gas of an accumulator, adiabatic."""
+
+GROUPS_A_BLOCK = 4
+"""Rows of groups of one vehicle in a block of the system: they are on the same bodies."""
 
 ROUNDS = 100
 """Of the iteration for a pressure; brackets halve, so it ends before."""
@@ -113,8 +127,8 @@ DRIVE_CHANNELS = (
 )
 """Of a transporter with a path, and with a drive."""
 
-NEGLIGIBLE = 1e-15
-"""Relative change of a pressure that ends its iteration."""
+NEGLIGIBLE = 4e-15
+"""Relative change of a pressure that ends its iteration: what the sum over a group is rounded by."""
 
 
 def _forward() -> NDArray[np.float64]:
@@ -180,6 +194,7 @@ class Transporter:
             "at rest, over what its brakes hold, largest since the last record",
             None,
         ),
+        ChannelKind("levelled", "length", "by which levelling has lifted the bogies of each group", None),
     )
     """What it records, in the order of its columns."""
 
@@ -219,6 +234,8 @@ class Transporter:
     """Largest steering angle of a bogie to both sides [rad]."""
     drive: Drive | None = None
     """Motors and brakes; with a path."""
+    levelling: Levelling | None = None
+    """What keeps it level; it stays as it is pumped if absent."""
     accept_unstable: bool = False
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
 
@@ -236,6 +253,10 @@ class Transporter:
         if said.drive is not None and not said.legs:
             raise InputError(
                 "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
+            )
+        if said.levelling is not None and any(group.constant_force for group in said.groups):
+            raise InputError(
+                "'levelling' of constant forces", key="levelling", expected="groups of oil or gas"
             )
 
     @property
@@ -258,6 +279,7 @@ class Transporter:
             "steering": wheels,
             "rolling_speed": wheels,
             "group_force": tuple(group.name for group in self.groups),
+            "levelled": tuple(group.name for group in self.groups) if self.levelling else (),
             "wheel_load": bogies,
             "road_under": bogies,
             "stroke_of": bogies,
@@ -306,6 +328,11 @@ class VehicleData(Record):
         Whether its wheels travel by themselves, and how fast [m/s].
     start_height
         Mean height of the places of its bogies at the start, along z of the world [m].
+    rest
+        Mean load of its bogies at the start [N].
+    levels, period, rate, fastest, dead, roll, pitch, levelled
+        Whether it has levelling; time between looks [s], 1/T [1/s], largest speed [m/s], dead angle, angles that are
+        kept [rad], and the first record column of what was lifted.
     """
 
     first_group: int
@@ -326,11 +353,21 @@ class VehicleData(Record):
     driven: bool
     speed: float
     start_height: float
+    rest: float
+    levels: bool
+    period: float
+    rate: float
+    fastest: float
+    dead: float
+    roll: float
+    pitch: float
+    levelled: int
 
 
 class VehicleState(Record):
-    """Extremes of the loads and strokes of a transporter."""
+    """Looks of levelling so far; extremes of the loads and strokes of a transporter."""
 
+    looks: int
     loads_high: Extremes
     loads_low: Extremes
     strokes_high: Extremes
@@ -346,7 +383,7 @@ class GroupData(Record):
         Its transporter.
     first, count
         Its bogies.
-    block, attachments
+    block, lane, attachments
         Of its row, or of the first of its rows.
     rows, apart
         1, or one a bogie; blocks from one to the next.
@@ -364,12 +401,15 @@ class GroupData(Record):
         Force of a cylinder at which oil is lost [N].
     leak
         Rate of the sum of strokes by oil that leaks, over the force of a cylinder [m/(N s)].
+    ahead, aside
+        Middle of its bogies from that of all, along and to the left [m].
     """
 
     vehicle: int
     first: int
     count: int
     block: int
+    lane: int
     attachments: int
     rows: int
     apart: int
@@ -381,6 +421,8 @@ class GroupData(Record):
     constant: bool
     relief: float
     leak: float
+    ahead: float
+    aside: float
 
 
 class GroupState(Record):
@@ -394,12 +436,17 @@ class GroupState(Record):
         Carried sum of r [m].
     oil, next_oil
         Sum of lifts by the pump at the start and at the end of the step [m].
+    levelled, since, pumping
+        Sum of lifts by levelling at its last look [m], when that was [s], and the rate of the sum since [m/s].
     strokes
         Sum of strokes that makes the force of the start [m]: that of the start, and what oil was lost since.
     drift
         Of the sum of r from the geometry [m].
     force
         Of a cylinder [N].
+    fitted, follows
+        `extra` for which `force` was found last [m/s], and by how much the force grows with it [N s/m]; of a group with
+        one row.
     predicted, body_rate
         As predicted: rate of the row, and of the sum of r without the road [m/s].
     road
@@ -414,9 +461,14 @@ class GroupState(Record):
     lift: float
     oil: float
     next_oil: float
+    levelled: float
+    since: float
+    pumping: float
     strokes: float
     drift: float
     force: float
+    fitted: float
+    follows: float
     predicted: float
     body_rate: float
     road: float
@@ -461,11 +513,11 @@ class BogieState(Record):
         On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
         rate by which every r of its group grows [N s/m], and by the force of its cylinder.
     predicted, last_rate, last_mean
-        Rate of r without the road, as predicted [m/s]; scratch of the iteration of a row of its own.
+        Of a row of its own: rate as predicted [m/s], and scratch of the iteration.
     end_stroke
         Stroke at the end of the step [m].
     failure, station, offset
-        Why and where it stopped the run.
+        Why and where it stopped the run; of a jolt how large it is, over the load at rest.
     """
 
     stroke: float
@@ -556,9 +608,16 @@ def _closed_force(group: GroupData, grown: float) -> tuple[float, float]:
     return (force, group.stiffness) if force > 0.0 else (0.0, 0.0)
 
 
-@kernel(internal=True)
+@kernel(inline=True, internal=True)
+def _relaxed(vehicle: VehicleData, h: float) -> float:
+    """Share of the way to its aim that a damped stroke goes in a step; 1 without pipes, or at an instant."""
+    damping = vehicle.pipe + vehicle.rubber
+    return -math.expm1(-h * vehicle.tyre / damping) if damping > 0.0 and h > 0.0 else 1.0
+
+
+@kernel(inline=True, internal=True)
 def _bogie(
-    vehicle: VehicleData, r: float, growth: float, stroke: float, p: float, h: float
+    vehicle: VehicleData, r: float, growth: float, stroke: float, p: float, h: float, gone: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """A bogie in a step.
 
@@ -574,6 +633,8 @@ def _bogie(
         Force of its cylinder [N].
     h
         Step [s]; 0 for what holds at an instant, without pipe.
+    gone
+        `_relaxed` of the step.
 
     Returns
     -------
@@ -594,7 +655,7 @@ def _bogie(
             return max(load, 0.0), vehicle.low, vehicle.low, 0.0, 0.0, (k if load > 0.0 else 0.0), 0.0
         return p, s, s, 1.0, -1.0 / k, 0.0, 1.0
     delay, lag = (pipe + c) / k, pipe / k
-    gone, mean_left = -math.expm1(-h / delay), -math.expm1(-h / delay) * delay / h
+    mean_left = gone * delay / h
     aim = r - p / k
     off = stroke - aim + (0.5 * h + lag) * growth
     s = aim - lag * growth + off * mean_left
@@ -637,20 +698,29 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
     group, state = kind.groups[g], kind.group_state[g]
     vehicle = kind.vehicles[group.vehicle]
     n = group.count
+    gone = _relaxed(vehicle, h)
     off = -state.drift / n
     oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
     low, high = 0.0, math.inf
-    p = max(state.force, 0.0)
+    extra = kind.bogie_state[group.first].extra
+    p = max(state.force + state.follows * (extra - state.fitted), 0.0)
+    sum_load = by_p = falls = by_r = follows = stiffness = 0.0
     for _ in range(ROUNDS):
-        total, falls = 0.0, 0.0
+        total = sum_load = by_p = falls = by_r = follows = 0.0
         for i in range(group.first, group.first + n):
             bogie = kind.bogie_state[i]
             tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
-            _, s, _, _, stroke_p, _, _ = _bogie(
-                vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h
+            load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
+                vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h, gone
             )
+            bogie.mean, bogie.end_stroke = load, end
+            bogie.slope, bogie.load_p = load_r, load_p
             total += s
+            sum_load += load
+            by_p += load_p
             falls += stroke_p
+            by_r += load_r
+            follows += stroke_r
         force, stiffness = _oil_force(group, total + oil - state.strokes)
         miss = force - p
         if abs(miss) <= NEGLIGIBLE * (p + force):
@@ -663,27 +733,12 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
         if not low <= after <= high:
             after = 0.5 * (low + high) if high < math.inf else 2.0 * low + 1.0
         if abs(after - p) <= NEGLIGIBLE * p:
-            p = after
             break
         p = after
-    total = sum_load = by_p = falls = by_r = follows = 0.0
-    for i in range(group.first, group.first + n):
-        bogie = kind.bogie_state[i]
-        tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
-        load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
-            vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h
-        )
-        bogie.mean, bogie.end_stroke = load, end
-        bogie.slope, bogie.load_p = load_r, load_p
-        total += s
-        sum_load += load
-        by_p += load_p
-        falls += stroke_p
-        by_r += load_r
-        follows += stroke_r
-    _, stiffness = _oil_force(group, total + oil - state.strokes)
     p_r = stiffness * follows / (1.0 - stiffness * falls)
-    if group.rows > 1:
+    if group.rows == 1:
+        state.fitted, state.follows = extra, 0.5 * h * p_r
+    else:
         for i in range(group.first, group.first + n):
             bogie = kind.bogie_state[i]
             bogie.slope = 0.5 * h * (bogie.slope + bogie.load_p * p_r)
@@ -693,7 +748,14 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
 
 @kernel(internal=True)
 def _oil_in(kind: Transporters, g: int, time: float) -> float:
-    """Sum of the lifts that the pump of a group has made at a time [m]."""
+    """Sum of the lifts that pump and levelling of a group have made at a time [m]."""
+    state = kind.group_state[g]
+    return _planned(kind, g, time) + state.levelled + state.pumping * (time - state.since)
+
+
+@kernel(internal=True)
+def _planned(kind: Transporters, g: int, time: float) -> float:
+    """Sum of the lifts by the plan of a pump [m]."""
     first, count = kind.groups[g].first_pump, kind.groups[g].pumps
     if count == 0:
         return 0.0
@@ -704,6 +766,39 @@ def _oil_in(kind: Transporters, g: int, time: float) -> float:
         if time < b.time:
             return a.lift + (b.lift - a.lift) * (time - a.time) / (b.time - a.time)
     return kind.pumps[first + count - 1].lift
+
+
+@kernel(internal=True)
+def _tilt(vehicle: VehicleData, work: Workspace) -> tuple[float, float]:
+    """Roll and pitch of a vehicle [rad]."""
+    x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
+    return math.atan2(y[2], z[2]), -math.asin(min(max(x[2], -1.0), 1.0))
+
+
+@kernel(internal=True)
+def _level(kind: Transporters, v: int, time: float, work: Workspace) -> None:
+    """Look at a vehicle if it is time, and tell its pumps how fast until the next look."""
+    vehicle, state = kind.vehicles[v], kind.vehicle_state[v]
+    first, last = vehicle.first_group, vehicle.first_group + vehicle.groups
+    count = math.floor(time / vehicle.period + 1e-9)
+    if not vehicle.levels or kind.group_state[first].fresh or count < state.looks:
+        return
+    state.looks = count + 1
+    roll, pitch = _tilt(vehicle, work)
+    roll, pitch = roll - vehicle.roll, pitch - vehicle.pitch
+    roll = roll if abs(roll) > vehicle.dead else 0.0
+    pitch = pitch if abs(pitch) > vehicle.dead else 0.0
+    most = 0.0
+    for g in range(first, last):
+        group, carried = kind.groups[g], kind.group_state[g]
+        carried.levelled += carried.pumping * (time - carried.since)
+        carried.since = time
+        speed = vehicle.rate * (pitch * group.ahead - roll * group.aside)
+        carried.pumping = group.count * speed
+        most = max(most, abs(speed))
+    if most > vehicle.fastest:
+        for g in range(first, last):
+            kind.group_state[g].pumping *= vehicle.fastest / most
 
 
 # ---- wheels on decks ----
@@ -728,18 +823,25 @@ def _place_rates(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
     )
 
 
+@kernel(inline=True, internal=True)
+def _height(kind: Transporters, d: int, vehicle: VehicleData, x: float, y: float) -> float:
+    """Height of a wheel at a place on a deck [m]; `NO_ROAD` where there is none."""
+    deck = kind.decks[d]
+    if not deck.right <= y <= deck.left:
+        return NO_ROAD
+    return dilated_height(kind.corners, deck.first, deck.count, vehicle.radius, x)
+
+
 @kernel(internal=True)
 def _stand(
-    kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, ahead: float, travelled: float
-) -> tuple[int, float, float, float]:
-    """Uppermost deck under a wheel.
+    kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, travelled: float
+) -> tuple[int, float, float]:
+    """Uppermost deck under a wheel now.
 
     Parameters
     ----------
     kind, work, i, vehicle
         Wheel and its transporter.
-    ahead
-        Time from that of the markers, along their velocities [s].
     travelled
         Way of wheels that travel by themselves [m].
 
@@ -747,30 +849,70 @@ def _stand(
     -------
     deck, r
         -1 and 0 if there is none; by how much it lifts the wheel over its place under the body [m].
-    station, offset
-        On that deck, or on the one on which it stood before [m].
+    height
+        Of the road for the wheel over that of the deck [m].
     """
     at = kind.bogies[i].place
-    found, best = -1, NO_ROAD
-    station = offset = 0.0
+    found, best, above = -1, NO_ROAD, 0.0
+    for d in range(kind.decks.shape[0]):
+        x, y, z = _places(work, kind.decks[d], at)
+        if vehicle.driven:
+            x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
+        height = _height(kind, d, vehicle, x, y)
+        if height > NO_ROAD and (found < 0 or height - z > best):
+            found, best, above = d, height - z, height
+    return found, (best if found >= 0 else 0.0), above
+
+
+@kernel(internal=True)
+def _roll(
+    kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, time: float, h: float
+) -> tuple[int, float, float, float, float, float, float]:
+    """Uppermost decks under a wheel at both ends of a step, from its middle along the velocities there.
+
+    Parameters
+    ----------
+    kind, work, i, vehicle
+        Wheel and its transporter.
+    time, h
+        At which the step begins, and its length [s].
+
+    Returns
+    -------
+    deck, before, after
+        At the end, -1 if there is none; by how much it and that at the start lift the wheel over its place under the
+        body [m], 0 where there is none.
+    up
+        Rate of the height of that place over the deck at the end [m/s].
+    moved, station, offset
+        Way along, and place at the end, on that deck; or on the one on which it stood before [m].
+    """
+    at = kind.bogies[i].place
+    first, found = -1, -1
+    before, after = NO_ROAD, NO_ROAD
+    rises = moved = station = offset = 0.0
     for d in range(kind.decks.shape[0]):
         deck = kind.decks[d]
         x, y, z = _places(work, deck, at)
-        if ahead != 0.0:
-            along, across, up = _place_rates(work, deck, at)
-            x += ahead * along
-            y += ahead * across
-            z += ahead * up
+        along, across, up = _place_rates(work, deck, at)
+        x0, x1, y0, y1 = x - 0.5 * h * along, x + 0.5 * h * along, y - 0.5 * h * across, y + 0.5 * h * across
         if vehicle.driven:
-            x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
+            x0 = kind.starts[i, 2 * d] + vehicle.speed * time
+            x1 = kind.starts[i, 2 * d] + vehicle.speed * (time + h)
+            y0 = y1 = kind.starts[i, 2 * d + 1]
         if d == kind.bogie_state[i].deck and found < 0:
-            station, offset = x, y
-        if not deck.right <= y <= deck.left:
-            continue
-        height = dilated_height(kind.corners, deck.first, deck.count, vehicle.radius, x)
-        if height > NO_ROAD and (found < 0 or height - z > best):
-            found, best, station, offset = d, height - z, x, y
-    return found, (best if found >= 0 else 0.0), station, offset
+            station, offset = x1, y1
+        height = _height(kind, d, vehicle, x0, y0)
+        lift = height - (z - 0.5 * h * up)
+        if height > NO_ROAD and (first < 0 or lift > before):
+            first, before = d, lift
+        height = _height(kind, d, vehicle, x1, y1)
+        lift = height - (z + 0.5 * h * up)
+        if height > NO_ROAD and (found < 0 or lift > after):
+            found, after, rises, moved, station, offset = d, lift, up, x1 - x0, x1, y1
+    before = before if first >= 0 else 0.0
+    after = after if found >= 0 else 0.0
+    return found, before, after, rises, moved, station, offset
 
 
 @kernel(internal=True)
@@ -796,16 +938,6 @@ def _go_over(kind: Transporters, g: int, i: int, deck: int) -> None:
 
 
 @kernel(internal=True)
-def _rises(kind: Transporters, i: int, up: float, work: Workspace) -> float:
-    """How fast the place of a bogie moves up from the decks that carry it, `up` from that on which it stands [m/s]."""
-    bogie = kind.bogie_state[i]
-    if bogie.left_share > 0.0:
-        other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
-        up += bogie.left_share * (other - up)
-    return up
-
-
-@kernel(internal=True)
 def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspace) -> None:
     """Where the road is under the wheels of a group at the start and at the end of a step, from its middle."""
     group, state = kind.groups[g], kind.group_state[g]
@@ -813,19 +945,18 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
     start = state.road = state.body_rate = 0.0
     for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
-        _, r0, x0, _ = _stand(kind, work, i, vehicle, -0.5 * h, vehicle.speed * time)
-        deck, r1, x1, y1 = _stand(kind, work, i, vehicle, 0.5 * h, vehicle.speed * (time + h))
+        deck, r0, r1, up, moved, x1, y1 = _roll(kind, work, i, vehicle, time, h)
         if deck < 0:
             _stop(kind, g, i, LEFT, x1, y1, work)
             continue
-        _, _, up = _place_rates(work, kind.decks[deck], kind.bogies[i].place)
         # decks that move differently are level where a wheel goes over, not at the same rate
-        if abs(r1 - r0 + h * up) > (STEEPEST + 0.5) * abs(x1 - x0) + 0.02 * vehicle.radius + 1e-6:
+        if abs(r1 - r0 + h * up) > (STEEPEST + 0.5) * abs(moved) + 0.02 * vehicle.radius + 1e-6:
             _stop(kind, g, i, WALL, x1, y1, work)
-        bogie.rolled = abs(x1 - x0) if deck == bogie.deck else 0.0
+        bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
-        up = _rises(kind, i, up, work)
-        bogie.predicted = -up
+        if bogie.left_share > 0.0:
+            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
+            up += bogie.left_share * (other - up)
         bogie.road = r1 - r0 + h * up
         bogie.middle, bogie.growth = 0.5 * (r0 + r1), (r1 - r0) / h
         start += r0
@@ -844,11 +975,10 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
     total = 0.0
     for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
-        deck, r, _, _ = _stand(kind, work, i, vehicle, 0.0, vehicle.speed * time)
+        deck, r, height = _stand(kind, work, i, vehicle, vehicle.speed * time)
         if deck >= 0:
             _go_over(kind, g, i, deck)
-            bogie.middle = r
-            bogie.height = r + _places(work, kind.decks[deck], kind.bogies[i].place)[2]
+            bogie.middle, bogie.height = r, height
         total += bogie.middle
     if state.fresh:
         state.lift = total
@@ -856,6 +986,7 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
     state.oil = _oil_in(kind, g, time)
     if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
         _put_extra(kind, g, 0.0)
+        state.follows = 0.0
         _fit_group(kind, g, 0.0)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
@@ -888,35 +1019,56 @@ def _block(group: GroupData, i: int) -> int:
 @kernel(internal=True)
 def _write_row(kind: Transporters, g: int, work: Workspace, system: RowArrays) -> None:
     """``sum w_i d/dt ( - n . (p_i - o) )`` on the sides of the body and of the decks."""
-    group, lanes = kind.groups[g], system.lanes
+    group, lanes, lane = kind.groups[g], system.lanes, kind.groups[g].lane
     for row in range(group.rows):
         first = 2 * (group.block + group.apart * row)
         for side in range(first, first + group.attachments):
-            panel = system.attachments[side].panel
+            panel = system.attachments[side].panel + lane
             for k in range(system.attachments[side].width):
                 system.panels[panel + k * lanes] = 0.0
-    for i in range(group.first, group.first + group.count):
-        bogie = kind.bogie_state[i]
-        w, left = bogie.weight, bogie.left_share
-        _add_deck(kind, g, i, bogie.deck, w - w * left, work, system)
-        if left > 0.0:
-            _add_deck(kind, g, i, bogie.left_deck, w * left, work, system)
+    for d in range(kind.decks.shape[0]):
+        n, o = vector(work, kind.decks[d].z), vector(work, kind.decks[d].origin)
+        shares, a, b, c = 0.0, 0.0, 0.0, 0.0
+        for i in range(group.first, group.first + group.count):
+            bogie, w = kind.bogie_state[i], kind.bogie_state[i].weight
+            if bogie.deck == d:
+                w -= w * bogie.left_share
+            elif bogie.left_deck == d:
+                w *= bogie.left_share
+            else:
+                continue
+            if w == 0.0:
+                continue
+            at = kind.bogies[i].place
+            add_place_row(system, kind.bogies[i].side, lane, work, at, (-w * n[0], -w * n[1], -w * n[2]))
+            p = minus(place(work, at), o)
+            shares, a, b, c = shares + w, a + w * p[0], b + w * p[1], c + w * p[2]
+            if group.rows > 1:
+                _add_deck(kind, g, d, _block(group, i), shares, (a, b, c), work, system)
+                shares, a, b, c = 0.0, 0.0, 0.0, 0.0
+        if shares > 0.0:
+            _add_deck(kind, g, d, group.block, shares, (a, b, c), work, system)
 
 
 @kernel(internal=True)
 def _add_deck(
-    kind: Transporters, g: int, i: int, d: int, w: float, work: Workspace, system: RowArrays
+    kind: Transporters,
+    g: int,
+    d: int,
+    block: int,
+    w: float,
+    arms: Vector,
+    work: Workspace,
+    system: RowArrays,
 ) -> None:
-    """Add a bogie on a deck to the row of its group, or to its own."""
-    bogie, deck = kind.bogies[i], kind.decks[d]
+    """Add what stands on a deck to a row: weights and weighted arms from its origin, summed."""
+    deck, lane, side = kind.decks[d], kind.groups[g].lane, kind.deck_sides[g, d]
+    if side < 0:
+        return
+    side += 2 * (block - kind.groups[g].block)
     n = vector(work, deck.z)
-    add_place_row(system, bogie.side, 0, work, bogie.place, (-w * n[0], -w * n[1], -w * n[2]))
-    side = kind.deck_sides[g, d]
-    if side >= 0:
-        side += 2 * (_block(kind.groups[g], i) - kind.groups[g].block)
-        a = minus(place(work, bogie.place), vector(work, deck.origin))
-        add_direction_row(system, side, 0, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
-        add_direction_row(system, side, 0, work, deck.z, (-w * a[0], -w * a[1], -w * a[2]))
+    add_direction_row(system, side, lane, work, deck.origin, (w * n[0], w * n[1], w * n[2]))
+    add_direction_row(system, side, lane, work, deck.z, (-arms[0], -arms[1], -arms[2]))
 
 
 @implement(fill_rows, Transporters)
@@ -930,7 +1082,8 @@ def fill_transporter_rows(
         _write_row(kind, g, work, system)
         if with_residual:
             for row in range(group.rows):
-                put_residual(system, group.block + group.apart * row, kind.group_state[g].drift / group.rows)
+                residual = system.rows[group.block + group.apart * row].residual
+                residual[group.lane] = kind.group_state[g].drift / group.rows
 
 
 @implement(set_targets, Transporters)
@@ -939,6 +1092,9 @@ def set_transporter_targets(
     kind: Transporters, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Road and loads as predicted, with them the shares of the row; at the end of a step what holds there."""
+    if not at_midpoint:
+        for v in range(kind.vehicles.shape[0]):
+            _level(kind, v, time, work)
     for g in range(kind.groups.shape[0]):
         group, state = kind.groups[g], kind.group_state[g]
         if not at_midpoint:
@@ -949,21 +1105,23 @@ def set_transporter_targets(
         _look_ahead(kind, g, time, step, work)
         state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
         _put_extra(kind, g, 0.0)
+        state.follows = 0.0
         _, mean, slope = _fit_group(kind, g, step)
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
-            bogie.last_rate, bogie.last_mean = bogie.predicted, bogie.mean
+            up = bogie.road / step - bogie.growth
+            bogie.predicted, bogie.last_rate, bogie.last_mean = -up, -up, bogie.mean
             bogie.weight = 1.0 if group.rows > 1 else bogie.mean / mean if mean > 0.0 else 1.0
-            state.predicted += bogie.weight * bogie.predicted
+            state.predicted -= bogie.weight * up
         _write_row(kind, g, work, system)
         state.rounds = 0
         if group.rows > 1:
             for i in range(group.first, group.first + group.count):
                 bogie = kind.bogie_state[i]
-                put_law(system, _block(group, i), step, bogie.predicted, bogie.mean, bogie.slope)
+                put_row_law(system, _block(group, i), 0, step, bogie.predicted, bogie.mean, bogie.slope)
             continue
-        put_law(system, group.block, step, state.predicted, mean, slope / group.count)
+        put_row_law(system, group.block, group.lane, step, state.predicted, mean, slope / group.count)
         state.last_rate, state.last_force = state.predicted, mean
 
 
@@ -971,7 +1129,7 @@ def set_transporter_targets(
 def _rate(group: GroupData, row: int, work: Workspace, system: RowArrays) -> float:
     """Rate of a row of a group in the middle of the step [m/s]."""
     first = 2 * (group.block + group.apart * row)
-    return row_rate(system, first, first + group.attachments, work.velocity)
+    return rate_of_row(system, first, first + group.attachments, group.lane, work.velocity)
 
 
 @kernel(internal=True)
@@ -1019,13 +1177,13 @@ def relinearise_transporters(
                 if state.rounds > PLAIN_ROUNDS:
                     slope = _chord(slope, u, bogie.mean, bogie.last_rate, bogie.last_mean)
                 bogie.last_rate, bogie.last_mean = u, bogie.mean
-                fit_law(system, _block(group, i), step, u, bogie.mean, slope, work)
+                fit_row_law(system, _block(group, i), 0, step, u, bogie.mean, slope, work)
             continue
         slope /= group.count
         if state.rounds > PLAIN_ROUNDS:
             slope = _chord(slope, u, mean, state.last_rate, state.last_force)
         state.last_rate, state.last_force = u, mean
-        fit_law(system, group.block, step, u, mean, slope, work)
+        fit_row_law(system, group.block, group.lane, step, u, mean, slope, work)
 
 
 @implement(update_rows, Transporters)
@@ -1037,11 +1195,17 @@ def update_transporters(
     for g in range(kind.groups.shape[0]):
         group, state = kind.groups[g], kind.group_state[g]
         vehicle = kind.vehicles[group.vehicle]
-        _find_extra(kind, g, work, system)
-        p, _, _ = _fit_group(kind, g, step)
+        u = _find_extra(kind, g, work, system)
+        if group.rows > 1 or u != state.last_rate:  # else it was fitted to that last
+            _fit_group(kind, g, step)
+        p = state.force
         grown = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
+            if not abs(bogie.mean - bogie.load) <= LARGEST_JOLT * vehicle.rest:
+                bogie.failure, bogie.station = JOLT, abs(bogie.mean - bogie.load) / vehicle.rest
+                work.status.outcome = STEP_TOO_LARGE
+                work.status.block = group.block
             grown += bogie.extra
             state.road_work += bogie.mean * bogie.road
             moved = bogie.end_stroke - bogie.stroke
@@ -1126,9 +1290,7 @@ def _record_pose(kind: Transporters, vehicle: VehicleData, work: Workspace, row:
     for i in range(vehicle.first_bogie, vehicle.first_bogie + vehicle.bogies):
         height += place(work, kind.bogies[i].place)[2]
     row[vehicle.column] = height / vehicle.bogies - vehicle.start_height
-    x, y, z = vector(work, vehicle.x), vector(work, vehicle.y), vector(work, vehicle.z)
-    row[vehicle.column + 1] = math.atan2(y[2], z[2])
-    row[vehicle.column + 2] = -math.asin(min(max(x[2], -1.0), 1.0))
+    row[vehicle.column + 1], row[vehicle.column + 2] = _tilt(vehicle, work)
 
 
 @implement(record_joints, Transporters)
@@ -1151,6 +1313,9 @@ def record_transporters(
         for g in range(vehicle.first_group, vehicle.first_group + vehicle.groups):
             group, carried = kind.groups[g], kind.group_state[g]
             row[c + 8 + g - vehicle.first_group] = carried.force
+            if vehicle.levels:
+                lifted = carried.levelled + carried.pumping * (time - carried.since)
+                row[vehicle.levelled + g - vehicle.first_group] = lifted / group.count
             load = 0.0
             for i in range(group.first, group.first + group.count):
                 bogie = kind.bogie_state[i]

@@ -19,7 +19,7 @@ from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.scene import Fixed, FlexibleBody, RigidBody, Scene
 from heavylift.solver.statics.equilibrium import find_equilibrium
-from heavylift.solver.statics.forces import StaticForces
+from heavylift.solver.statics.forces import StaticForces, act_between
 
 
 def pendulum(angle: float) -> Scene:
@@ -246,3 +246,17 @@ def test_what_nothing_holds_is_named_with_its_force() -> None:
     body = replace(rod("stone", (0, 0, 0), (1, 0, 0), mass=3.0))
     with pytest.raises(InputError, match=r"nothing holds 29\.43 N on 'stone' along \(0, -1, 0\)"):
         find_equilibrium(rows_of(Scene((body,), (DOWN,))))
+
+
+def test_what_only_watches_acts_between_no_bodies() -> None:
+    """Else no two directions of a scene with shells are displaced together, and its statics cost 15 times as much."""
+    from heavylift.solver.forces.gravity import UniformGravity
+    from heavylift.solver.forces.spring import Springs
+    from heavylift.solver.measures.hook_loads import HookLoads
+    from heavylift.solver.measures.leads import Leads
+    from heavylift.solver.measures.lugs import Lugs
+    from heavylift.solver.measures.rope_groups import RopeGroups
+
+    watching = [kind.__new__(kind) for kind in (UniformGravity, HookLoads, Leads, Lugs, RopeGroups)]
+    assert not act_between(watching)
+    assert act_between([*watching, Springs.__new__(Springs)])

@@ -14,7 +14,15 @@ if TYPE_CHECKING:
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 SCRIPTS = [*sorted(CASES.glob("*/make_reference.py")), CASES / "plate_turn_over" / "make_case.py"]
-SLOW = {"ball_on_beam", "flexible_pendulum", "mbs_a04", "mbs_a05", "mbs_chain", "point_mass_on_beam"}
+SLOW = {
+    "ball_on_beam",
+    "block_offloading",
+    "flexible_pendulum",
+    "mbs_a04",
+    "mbs_a05",
+    "mbs_chain",
+    "point_mass_on_beam",
+}
 BY_OTHERS = {
     "mbs_a04_thin",
     "flexible_pendulum_g50",

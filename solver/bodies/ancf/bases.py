@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,17 @@ class Bases:
             self.bases += [Base(element, values(self.body, element, local, vector)) for vector in vectors]
         return self._known[key]
 
+    def gather(self) -> None:
+        """Let those at one point follow each other: the rows of a joint there are then on neighbouring velocities."""
+        at: dict[Any, list[int]] = {}
+        for key, first in self._known.items():
+            at.setdefault(key[:-1], []).extend(range(first, first + len(key[-1])))
+        order = [base for together in at.values() for base in together]
+        place = {base: i for i, base in enumerate(order)}
+        self.bases = [self.bases[base] for base in order]
+        self.entries = [replace(entry, base=place[entry.base]) for entry in self.entries]
+        self._known = {key: place[first] for key, first in self._known.items()}
+
 
 def plan_bases(body: MeshBody, markers: BodyMarkers) -> Bases:
     """Find the material points of all markers of a body.
@@ -112,6 +123,7 @@ def plan_bases(body: MeshBody, markers: BodyMarkers) -> Bases:
             a, b = (bases.bases[base + i].shape @ coordinates for i in range(2))
             data = np.array([axis @ vector for axis in _triad(a, b)])
         bases.entries.append(MarkerEntry(number, base, kind, data, level))
+    bases.gather()
     return bases
 
 

@@ -64,11 +64,16 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, pane
 
     Notes
     -----
-    Rows are on a few bases of the body, one node's as a rule, so most coordinates of ``G`` are zero: they add nothing
-    and are left out. Without that the rows of n nodes cost n^3.
+    Rows are on a few bases of the body, one node's as a rule, which follow each other: only the part of ``G`` between
+    the first and the last coordinate that is not zero is multiplied. Without that the rows of n nodes cost n^3.
     """
     lanes = system.lanes
     G, half = system.panels, system.panels.shape[0] // 2
+    first, last = 0, width
+    while last > 0 and not _acts(G, panel + (last - 1) * lanes, lanes):
+        last -= 1
+    while first < last and not _acts(G, panel + first * lanes, lanes):
+        first += 1
     rows, block_lanes = len(kind.shape[0]), len(kind.shape[1])
     begin = which * set_size(kind)
     for i in range(kind.base_blocks.shape[0]):
@@ -77,22 +82,20 @@ def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, pane
             continue
         row, column, place = rows * block.later, rows * block.earlier, begin + block.place
         height, length = min(rows, width - row), min(rows, width - column)
-        for c in range(length):
+        for c in range(max(first - column, 0), min(last - column, length)):
             of = panel + (column + c) * lanes
-            if _acts(G, of, lanes):
-                for k in range(height):
-                    value, to = kind.blocks[place + c * block_lanes + k], half + panel + (row + k) * lanes
-                    for r in range(lanes):
-                        G[to + r] -= value * G[of + r]
+            for k in range(height):
+                value, to = kind.blocks[place + c * block_lanes + k], half + panel + (row + k) * lanes
+                for r in range(lanes):
+                    G[to + r] -= value * G[of + r]
         if row == column:
             continue
-        for k in range(height):
+        for k in range(max(first - row, 0), min(last - row, height)):
             of = panel + (row + k) * lanes
-            if _acts(G, of, lanes):
-                for c in range(length):
-                    value, to = kind.blocks[place + c * block_lanes + k], half + panel + (column + c) * lanes
-                    for r in range(lanes):
-                        G[to + r] -= value * G[of + r]
+            for c in range(length):
+                value, to = kind.blocks[place + c * block_lanes + k], half + panel + (column + c) * lanes
+                for r in range(lanes):
+                    G[to + r] -= value * G[of + r]
 
 
 @kernel(internal=True)

@@ -188,3 +188,75 @@ def test_what_hangs_on_ropes_keeps_a_hull_level(folder: Path) -> None:
     hung = "hulls.barge.hanging={mass = 1.2e5, point = [10, 0, 12]}"
     linear = linear_restoring(load_case(folder, [aft, hung, *MESH_ONLY]), "barge", out)
     assert linear.volume == pytest.approx((ALL + 1.2e5) / RHO, rel=1e-9)
+
+
+LINK = """
+[[link_beams]]
+name = "ramp"
+hinged_on = "barge"
+hinge = [20, 0, 2.5]
+rests_on = "RESTS"
+edge = [28, 0, 2.5]
+length = "10 m"
+breadth = "4 m"
+mass = "40 t"
+"""
+
+OTHER = """
+[bodies.other]
+type = "rigid"
+mass = "1000 t"
+inertia = [1e7, 1e7, 1e7]
+frame = { motion = "free" }
+initial = { position = [48, 0, 0] }
+[[surfaces]]
+name = "other_skin"
+body = "other"
+shape = { type = "box", size = [40, 16, 5] }
+[hulls.other]
+surface = "other_skin"
+"""
+
+
+@pytest.mark.parametrize("rests_on", ["ground", "other"])
+def test_a_link_beam_is_carried_by_both_that_it_lies_on(
+    tmp_path: Path, rests_on: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Half at the hinge, half at the bearing: of a plate of 10 m whose shoe is 20 mm lower than its hinge."""
+    link = LINK.replace("RESTS", rests_on)
+    if rests_on == "other":
+        link = OTHER + link.replace("[28, 0, 2.5]", "[-20, 0, 2.5]")
+    text = CASE[: CASE.index("[databases.water]")] + link
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    case = load_case(tmp_path)
+    folder = OutputFolder(tmp_path / "out")
+    run_case(case, stages=("mesh", "modes"))
+    scene = assemble_scene(case, folder)
+    hulls = ["barge", "other"] if rests_on == "other" else ["barge"]
+    for loading in (scene_loading(scene, hulls, "barge"), case_loading(case, "barge", folder)):
+        assert loading.bodies == ("boom", "mast", "ramp_plate")
+        mass, place = loading.parts["ramp_plate"]
+        reach = np.sqrt(100.0 - 0.02**2)
+        assert mass == pytest.approx(20e3, rel=1e-5)
+        np.testing.assert_allclose(place, [20.0, 0.0, 2.5], atol=1e-12)
+        assert loading.mass == pytest.approx(ALL + 20e3)
+        assert loading.centre[0] == pytest.approx(20e3 * 20.0 / (ALL + 20e3), abs=1e-5)
+    if rests_on == "other":
+        for loading in (scene_loading(scene, hulls, "other"), case_loading(case, "other", folder)):
+            mass, place = loading.parts["ramp_plate"]
+            assert mass == pytest.approx(20e3, rel=1e-5)
+            np.testing.assert_allclose(place, [20.0 + reach - 48.0, 0.0, 2.5], atol=1e-4)
+            assert loading.mass == pytest.approx(1020e3)
+    with_water = text + CASE[CASE.index("[databases.water]") :]
+    (tmp_path / "case.toml").write_text(with_water, encoding="utf-8")
+    digests = set()
+    for edge in (["link_beams.0.mass='40 t'"], ["link_beams.0.mass='50 t'"], ["link_beams.0.lip='30 mm'"]):
+        changed = load_case(tmp_path, edge)
+        digests.add(database_digest(changed, changed.databases["water"]))
+    assert len(digests) == 3
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    capsys.readouterr()
+    assert app(["hydrostatics", str(tmp_path), "--json"], result_action="return_value") == 0
+    report = json.loads(capsys.readouterr().out)["hulls"][0]
+    assert report["parts"] == {"ramp_plate": pytest.approx(20e3, rel=1e-5)}
+    assert not any("bearing" in words or "ramp" in words for words in report["left_out"])

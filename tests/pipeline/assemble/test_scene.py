@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline import load_case, run_case
+from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.assemble.finite_elements import check_on_body
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.results.storage import OutputFolder
@@ -133,3 +134,30 @@ def test_a_scene_imports_only_what_it_has(tmp_path):
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
+
+
+def test_an_initial_orientation_turns_what_is_fixed_to_the_body(tmp_path):
+    # a quarter about z takes x of the body to y of the world, as the channel says with its matrix from body to world
+    (tmp_path / "case.toml").write_text(
+        """title = "turned"
+[bodies.box]
+type = "rigid"
+mass = 1
+inertia = [1, 1, 1]
+frame = { motion = "free" }
+initial = { orientation = { axis = [0, 0, 1], angle = "90 deg" } }
+[[sensors]]
+name = "tip"
+body = "box"
+point = [1, 0, 0]
+[simulate]
+step = 0.1
+output_interval = 0.1
+duration = 0.1
+"""
+    )
+    run_case(load_case(tmp_path), stages=("simulate",))
+    found = load_results(tmp_path)
+    np.testing.assert_allclose(found["tip.position"][0], [0.0, 1.0, 0.0], atol=1e-15)
+    R = rotation_matrix(found["box.orientation"][0])
+    np.testing.assert_allclose(R @ [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], atol=1e-15)

@@ -5,6 +5,7 @@ import io
 import numpy as np
 import pytest
 
+from heavylift.pipeline.pictures import plots
 from heavylift.pipeline.pictures.plots import Series, constant_parts, energy_plot, history_plot, spectrum_plot
 from heavylift.pipeline.results.signals import amplitude_spectrum, envelope, scaled_unit, spectrum_peaks
 
@@ -130,6 +131,22 @@ def test_plots_are_drawn():
         assert shape[1] == 1100
         assert shape[0] > 300
         assert ink > (0.002 if number < 4 else 0.0005)
+
+
+@pytest.mark.parametrize("count", [2, 8])
+def test_legends_have_rows_enough_for_their_words(monkeypatch, count):
+    figures = []
+    original = plots.figure_png
+    monkeypatch.setattr(plots, "figure_png", lambda figure: figures.append(figure) or original(figure))
+    curves = [Series(f"floating_crane_hook_{i + 1}", TIMES * i) for i in range(count)]
+    history_plot(TIMES, curves, title="Hook loads", unit="N")
+    (figure,) = figures
+    box = figure.axes[0].get_legend().get_window_extent()
+    title = figure._suptitle.get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+    assert box.y1 <= figure.bbox.y1
+    assert not box.overlaps(title)
 
 
 def test_energies_at_rest_are_left_out_and_the_drift_is_relative(monkeypatch):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vehicles import MASS, OIL, TYRE, G, block, bump, histories, scene, vehicle, yard
+from vehicles import MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.guide import Guide
@@ -295,3 +295,21 @@ def test_a_driven_vehicle_follows_its_guide_over_a_bump() -> None:
     names = ("kinetic", "potential", "elastic", "dissipated")
     total = np.sum([found[f"energy.{name}"] for name in names], axis=0) - found["energy.drive_work"]
     np.testing.assert_allclose(total, total[0], atol=1e-3 * np.ptp(found["energy.drive_work"]))
+
+
+@pytest.mark.parametrize(("stiffness", "step"), [(3e8, 2e-2), (3e10, 2e-3)])
+def test_what_is_thrown_up_within_a_step_stops_the_run(stiffness, step) -> None:
+    """Hard oil and tyres over an edge of 0.2 m: the vehicle ended 0.3 to 50 m up, with a wrong energy at best."""
+    high = Deck(
+        name="high", sides=np.array([-5.0, 5.0]), stations=np.array([4.0, 4.0, 30.0]),
+        heights=np.array([0.0, 0.2, 0.2]),
+    )  # fmt: skip
+    low = yard(stations=np.array([-30.0, 4.0]))
+    transporter = vehicle(
+        groups=groups_of(4, oil=3.0 * stiffness), wheel_radius=R, tyre_stiffness=stiffness, travel_speed=0.5
+    )
+    run, _, found = histories(scene(transporter, (low, high)), step, 17.0)
+    assert run.outcome is Outcome.STEP_TOO_LARGE
+    assert "'spmt': the load of bogie " in run.message
+    assert "times that at rest within a step; try a smaller step, softer oil or tyres" in run.message
+    assert found["spmt.heave"].max() < 0.25

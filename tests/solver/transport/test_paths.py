@@ -300,11 +300,21 @@ def test_brakes_hold_at_rest_what_the_deck_pulls() -> None:
     drive = Drive(bogies=(1, 2), brake_force=40e3)
     legs = (leg([5, 0], pause=100.0),)
     transporter = vehicle(legs=legs, drive=drive, bogie_mass=0.0, tyre_damping=1.5e5, line_damping=2e4)
-    _, _, found = histories(scene(transporter, (deck,), body=body), 1e-2, 20.0, 50)
+    run, _, found = histories(scene(transporter, (deck,), body=body), 1e-2, 20.0, 50)
+    assert "its brakes" not in run.warning
+    assert "would slip" not in run.warning
     held = MASS * G * slope
     assert found["spmt.push_along"][-1] == pytest.approx(held, rel=2e-3)
     assert found["spmt.brake_used_max"][-1] == pytest.approx(0.5 * held / 40e3, rel=5e-3)
     assert found["spmt.drive_used_max"].max() == 0.0
+    weak = replace(transporter, drive=Drive(bogies=(1, 2), brake_force=10e3, friction=0.1))
+    run, _, found = histories(scene(weak, (deck,), body=body), 1e-2, 20.0, 50)
+    assert found["spmt.brake_used_max"][-1] == pytest.approx(0.5 * held / 10e3, rel=5e-3)
+    traction = 0.5 * held / (0.1 * MASS * G / 12.0)
+    assert found["spmt.traction_used_max"][-1] == pytest.approx(traction, rel=0.05)
+    assert "'spmt' follows its path, and needs up to 1.2" in run.warning
+    assert "times the friction that a driven bogie has: its wheels would slip" in run.warning
+    assert f"{found['spmt.brake_used_max'].max():.3g} times the force of its brakes at rest" in run.warning
 
 
 def test_a_wheel_at_an_edge_asks_for_nearly_its_load() -> None:

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vehicles import MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
+from vehicles import HEIGHT, MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.scene import RigidBody, Scene
-from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.scene.transport import BogieGroup, Levelling
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.transport.decks import Deck
 
 LOAD = MASS * G / 12
 
@@ -111,3 +112,89 @@ def test_hard_groups_keep_the_sum_of_their_strokes() -> None:
         np.testing.assert_allclose(strokes[:, first : first + 4].sum(axis=1), 0.0, atol=1e-10)
         loads = found["spmt.wheel_load"][:, first : first + 4]
         np.testing.assert_allclose(loads, np.tile(loads[:, :1], (1, 4)), rtol=1e-12)
+
+
+CANT = np.radians(2.0)
+RISE = 1.45 * np.tan(CANT)
+"""By which the left side of the road is higher, for wheels 1.45 m apart."""
+
+
+def canted(**levelling) -> Scene:
+    """R12 rolls onto a road whose left side rises by 2 degrees within 2 m."""
+    left = Deck(
+        name="left",
+        sides=np.array([0.2, 5.0]),
+        stations=np.array([4.0, 6.0, 60.0]),
+        heights=np.array([1e-6, RISE, RISE]),
+    )
+    transporter = vehicle(
+        bogie_mass=0.0,
+        travel_speed=0.5,
+        line_damping=1e5,
+        tyre_damping=1e5,
+        levelling=Levelling(**({"speed": 9.5e-3, "time_constant": 5.0} | levelling)),
+    )
+    return scene(transporter, (yard(), left))
+
+
+def levelled(times: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """Roll and lift of the front left group of a vehicle always at rest, looked at every 0.1 s."""
+    step, stiffness = 0.1, 12.0 / (1.0 / OIL + 1.0 / TYRE)
+    lean_more = 1.0 / (1.0 - MASS * G * HEIGHT / (stiffness * 0.725**2))
+    dip_more = 1.0 / (1.0 - MASS * G * HEIGHT / (stiffness * 2.1**2))
+    x, y = np.array([2.1, 2.1, -2.1, -2.1]), np.array([0.725, -0.725, 0.725, -0.725])
+    lift, rolls, lifts = np.zeros(4), [], []
+    for time in times:
+        lines = np.array([[3.5, 2.1, 0.7]] * 2 + [[-0.7, -2.1, -3.5]] * 2) + 0.5 * time
+        road = np.interp(lines, [4.0, 6.0], [0.0, RISE]).mean(axis=1) * (y > 0.0)
+        height = road + lift
+        roll = (height @ y) / (y @ y) * lean_more
+        pitch = -(height @ x) / (x @ x) * dip_more
+        rolls.append(roll)
+        lifts.append(lift[0])
+        wanted = (pitch * x - roll * y) / 5.0
+        lift = lift + step * wanted / max(1.0, np.abs(wanted).max() / speed)
+    return np.array(rolls), np.array(lifts)
+
+
+@pytest.mark.parametrize("speed", [9.5e-3, 2e-3])
+def test_levelling_follows_a_cant_of_the_road(speed) -> None:
+    """Against a plain loop of a vehicle that is always at rest; level after five time constants if pumps can."""
+    made = canted(speed=speed)
+    _, times, found = histories(made, 1e-2, 60.0, 10)
+    rolls, lifts = levelled(times, speed)
+    assert np.abs(found["spmt.roll"] - rolls).max() < 0.1 * np.abs(rolls).max()  # it swings at 0.5 Hz
+    assert np.abs(found["spmt.levelled"][:, 0] - lifts).max() < 0.01 * np.abs(lifts).max()
+    rates = np.diff(found["spmt.levelled"], axis=0) / 0.1
+    assert np.abs(rates).max() <= speed * (1.0 + 1e-9)
+    if speed > 5e-3:
+        assert abs(found["spmt.roll"][times > 20.0 + 25.0]).max() < np.radians(0.02)
+        np.testing.assert_allclose(found["spmt.levelled"][-1, 0], -0.5 * RISE, rtol=0.01)
+    else:
+        assert (np.abs(rates).max(axis=1) > 0.999 * speed).sum() > 80
+    drift = balance(found)
+    np.testing.assert_allclose(drift, drift[0], atol=1e-5 * MASS * G * RISE)
+
+
+def test_levelling_leaves_small_tilts_alone_and_goes_on_from_a_checkpoint() -> None:
+    """Within its dead angle nothing is pumped any more; a run that goes on is the same bit for bit."""
+    made = canted(dead_angle=np.radians(0.5))
+    whole, times, found = histories(made, 1e-2, 40.0, 10)
+    last = found["spmt.levelled"][times > 38.0]
+    assert np.ptp(last, axis=0).max() == 0.0
+    assert np.radians(0.2) < abs(found["spmt.roll"][-1]) <= np.radians(0.5)
+    first = Simulation(made, step=1e-2, integrator="dele2", record_every=10)
+    first.advance(1000)
+    second = Simulation(made, step=1e-2, integrator="dele2", record_every=10)
+    second.restore(first.state())
+    _, records = second.advance(3000)
+    column = next(c.column for c in second.channels if c.name == "spmt.levelled")
+    np.testing.assert_array_equal(records[-1, column : column + 4], found["spmt.levelled"][-1])
+    assert whole.outcome.value == 0
+
+
+def test_levelling_needs_oil() -> None:
+    groups = tuple(BogieGroup(group.name, group.bogies, constant_force=True) for group in groups_of(4))
+    made = scene(vehicle(groups=groups, accept_unstable=True, levelling=Levelling(speed=0.01)))
+    with pytest.raises(InputError, match="'levelling' of constant forces"):
+        Simulation(made, step=5e-3)
