@@ -103,7 +103,9 @@ class LineBearing(Between):
             "friction on the line, of both its ends: along the deck and to its left",
             ("along", "across"),
         ),
-        ChannelKind("gap", "length", "height of each end of the line over the plane, below 0 pressed", ENDS),
+        ChannelKind(
+            "lift_off", "length", "height of each end of the line over the plane, below 0 pressed", ENDS
+        ),
         ChannelKind("overlap", "length", "from the border of the deck to the nearer end of the line"),
         ChannelKind("slip_path", "length", "way that each end of the line has slid so far", ENDS),
     )

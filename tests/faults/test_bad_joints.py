@@ -113,7 +113,12 @@ SPRING = (
         ("forces.1.stiffness=-2", "forces.1.stiffness", "-2 is too small", ">= 0 N/m"),
         (f"{SPRING}}}", "forces.1", "neither a stiffness nor a damping", "'stiffness', 'damping'"),
         (f"{SPRING}, elongations=[0], forces=[0]}}", "forces.1", "a table of 1 rows", "2 or more"),
-        ("forces.1.type=spirng", "forces.1", "type = 'spirng'", "'joint_spring', 'motor', 'point', 'spring'"),
+        (
+            "forces.1.type=spirng",
+            "forces.1",
+            "type = 'spirng'",
+            "'joint_spring', 'line_bearing', 'motor', 'point', 'spring'",
+        ),
         ("forces.0.force=[1, 2]", "forces.0.force", "2 entries", "at least 3"),
         ("forces.0.pint=[1, 2, 3]", "forces.0.pint", "does not exist; did you mean 'point'", "a key"),
         ("ropes.0.path=[{body='load', point=[0, 0, 0]}]", "ropes.0.path", "1 entries", "at least 2"),

@@ -226,7 +226,7 @@ def test_descriptions_are_read_without_a_compiler():
         "from heavylift.solver.scene.wind_loads import FLUID_LOADS\n"
         "assert JOINTS.get('screw').__name__ == 'Screw'\n"
         "assert len(JOINTS.words) >= 12\n"
-        "assert FORCES.words == ('joint_spring', 'motor', 'point', 'spring', 'tugger')\n"
+        "assert FORCES.words == ('joint_spring', 'line_bearing', 'motor', 'point', 'spring', 'tugger')\n"
         "assert ROPES.words == ('equalized', 'spring', 'wire')\n"
         "assert MOORINGS.words == ('fenders', 'lines')\n"
         "assert FLUID_LOADS.words == ('coefficients', 'drag')\n"

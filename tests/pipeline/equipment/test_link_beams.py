@@ -198,7 +198,7 @@ def test_end_lifts_off_and_comes_back(tmp_path: Path) -> None:
     assert report.stages[-1].outcome.value == 0
     t = results.time
     for name in ("port", "starboard"):
-        gap, force = results[f"{name}_end.gap"], results[f"{name}_end.force"]
+        gap, force = results[f"{name}_end.lift_off"], results[f"{name}_end.force"]
         free = (t > 2.105) & (t < 2.25)
         fallen = 0.75 * G * (t[free] - 2.0) ** 2
         np.testing.assert_allclose(gap[free], (0.5 - fallen)[:, None] * [1.0, 1.0], atol=6e-3)
