@@ -2,7 +2,8 @@
 
 Each end of the line is a point on the plane with three rows: its height q over the plane, along its normal n, and its
 two ways along the plane. The normal force is that of a spring and damper which pushes only, ``N = k max(0, -q)``, as
-the discrete gradient of its energy over a carried q, so that no step gains energy where it lifts off or comes back.
+the discrete gradient of its energy over a carried q (O. Gonzalez, J. Nonlinear Sci. 6, 1996), so that no step gains
+energy where it lifts off or comes back.
 
 Friction is elastic up to a limit that follows the load: a displacement e of the point against what it sticks to, as
 stiff as the bearing, ``|k e| <= mu N``. In a step the point moves by d along the plane. It sticks until e reaches the
