@@ -10,9 +10,9 @@ The factorisation is ``A = L D L^T`` with unit triangles: G. H. Golub and C. F. 
 Computations", 4th edition, section 4.1.2. It has no square root, serves positive and negative definite
 pivots alike, and the reciprocals of D take the place of the ones on the diagonal of L.
 
-The last two functions are for factors with many blocks. Blocks that stand one after another are one matrix with a
-long inner dimension there: the sum stays in registers, and its target is read and written once. A tile of the target
-is as many columns as there are registers for; of the lanes only those in use.
+`subtract_products` and `subtract_backward_sum` are for factors with many blocks. Blocks that stand one after another
+are one matrix with a long inner dimension there: the sum stays in registers, and its target is read and written once. A
+tile of the target is as many columns as there are registers for; of the lanes only those in use.
 """
 
 # ruff: noqa: ARG001  an intrinsic must take a typing context
@@ -28,6 +28,10 @@ from numba.extending import intrinsic
 from heavylift.numerics.vector_code import INTEGER, VectorCode, vector_code
 
 __all__ = [
+    "LANES_1",
+    "LANES_2",
+    "LANES_4",
+    "LANES_8",
     "add_dot",
     "add_multiple",
     "add_outer_product",
@@ -43,6 +47,7 @@ __all__ = [
     "subtract_backward",
     "subtract_backward_sum",
     "subtract_forward",
+    "subtract_multiples",
     "subtract_products",
     "subtract_rigid_rows",
 ]
@@ -56,6 +61,10 @@ def block_shape(rows: int) -> Shape:
     while lanes < rows:
         lanes *= 2
     return (0,) * rows, (0,) * lanes
+
+
+LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 8))
+"""Block shapes by their lanes: what bodies do with panels is compiled for each of them."""
 
 
 def _block_code(
@@ -337,6 +346,25 @@ def subtract_products(  # type: ignore[no-untyped-def]
                 code.store(sums[key], T, place)
 
     return _block_code(shape, (target, target_at, left, left_at, right, right_at, count), write)
+
+
+@intrinsic
+def subtract_multiples(  # type: ignore[no-untyped-def]
+    typingctx, shape, out, out_at, panel, at, factors, factor_at, spacing, count
+):
+    """``out -= c_0 g_0 + c_1 g_1 + ...`` along the lanes, with `count` rows g of a panel and factors c at a spacing."""
+
+    def write(code: VectorCode, y: Any, G: Any, c: Any, spacing: Any, count: Any) -> None:
+        sums = {0: code.row(y, 0)}
+        with code.loop(count, sums) as (k, present):
+            factor = code.spread(code.number(code.at(c, code.builder.mul(k, spacing)), 0))
+            present[0] = code.multiply_subtract(
+                present[0], code.row(code.line(G, 0, k, code.lanes), 0), factor
+            )
+        code.put_row(sums[0], y, 0)
+
+    arguments = (out, out_at, panel, at, factors, factor_at, spacing, count)
+    return _block_code(shape, arguments, write, places=(1, 1, 1))
 
 
 @intrinsic
