@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.threads import one_blas_thread
 from heavylift.solver.start.consistent_start import close_positions, close_velocities, project_start
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.forces import OneSided, StaticForces
@@ -74,6 +75,7 @@ AIMED = 1e-12
 """Part of the work of the forces along a step that ends the rounds."""
 
 
+@one_blas_thread
 def find_equilibrium(rows: StartRows) -> Equilibrium:
     """Bring a scene to rest in a stable equilibrium, with the reactions that belong to it.
 
