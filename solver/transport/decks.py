@@ -230,7 +230,7 @@ def _first_from(corners: NDArray[np.float64], first: int, count: int, x: float) 
     return high
 
 
-@kernel
+@kernel(internal=True)
 def dilated_height(corners: NDArray[np.float64], first: int, count: int, radius: float, x: float) -> float:
     """Height of a wheel on a profile.
 

@@ -265,7 +265,6 @@ def pack_transporters(
     state["fresh"] = True
     state["force"], state["strokes"] = [group[10] for group in groups], strokes
     of_bogies["deck"], of_bogies["weight"] = stands_on, 1.0
-    of_bogies["steering"] = np.concatenate(all_steerings)
     kind = Transporters(
         records(DeckData, made_decks),
         records(VehicleData, vehicles),
@@ -276,11 +275,12 @@ def pack_transporters(
         grids,
         np.array(sides, dtype=np.int64).reshape(len(groups), len(decks)),
         np.array(starts, dtype=np.float64).reshape(len(bogies), 2 * len(decks)),
+        np.column_stack([np.concatenate(all_steerings), np.zeros(len(bogies))]),
         records(VehicleState, len(vehicles)),
         state,
         of_bogies,
     )
-    return [kind, *paths.kinds(of_bogies)], blocks
+    return [kind, *paths.kinds(of_bogies, kind.steering)], blocks
 
 
 def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:

@@ -173,7 +173,7 @@ class PathPacking:
         self._capacity += table
         return len(self._drives) - 1, driven
 
-    def kinds(self, bogie_state: Records[BogieState]) -> list[Paths]:
+    def kinds(self, bogie_state: Records[BogieState], steering: NDArray[np.float64]) -> list[Paths]:
         """The kind; none without paths."""
         if not self._paths:
             return []
@@ -200,6 +200,7 @@ class PathPacking:
                 state,
                 plans,
                 bogie_state,
+                steering,
             )
         ]
 

@@ -201,7 +201,7 @@ class Paths(Arrays):
         Number of the plan, within those of a path, of each deck; shape (paths, decks).
     state, plan_state
         Carried.
-    bogie_state
+    bogie_state, steering
         Of the transporters.
     """
 
@@ -219,6 +219,7 @@ class Paths(Arrays):
     state: Records[PathState]
     plan_state: Records[PlanState]
     bogie_state: Records[BogieState]
+    steering: Floats2
 
 
 # ---- the route ----
@@ -291,9 +292,8 @@ def _tell_steering(kind: Paths, path: PathData, way: float, moved: float) -> Non
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         u, v, _ = _rolling(kind, path, way, i)
         a, b, _ = _rolling(kind, path, way + moved, i)
-        bogie = kind.bogie_state[i]
-        bogie.steering = math.atan2(v, u)
-        bogie.turning = math.atan2(u * b - v * a, u * a + v * b)
+        kind.steering[i, 0] = math.atan2(v, u)
+        kind.steering[i, 1] = math.atan2(u * b - v * a, u * a + v * b)
 
 
 # ---- rows ----

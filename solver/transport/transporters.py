@@ -517,9 +517,6 @@ class BogieState(Record):
         Rate of r without the road, as predicted [m/s]; scratch of the iteration of a row of its own.
     end_stroke
         Stroke at the end of the step [m].
-    steering, turning
-        Angle of the wheels to the left of the vehicle at the start of the step, and by how much it turns in the step
-        [rad]; of vehicles with a path, where a deck asks for it.
     failure, station, offset
         Why and where it stopped the run; of a jolt how large it is, over the load at rest.
     """
@@ -543,8 +540,6 @@ class BogieState(Record):
     last_rate: float
     last_mean: float
     end_stroke: float
-    steering: float
-    turning: float
     failure: int
     station: float
     offset: float
@@ -570,11 +565,14 @@ class Transporters(Arrays):
         By group and deck: the side of the row of the group on which the body of the deck is, -1 of the ground.
     starts
         By bogie and deck: station and offset at the start [m], shape (bogies, 2 decks).
+    steering
+        By bogie: angle of its wheels to the left of the vehicle at the start of the step, and by how much it turns in
+        the step [rad]; of vehicles with a path, where a deck asks for it. Shape (bogies, 2). Carried.
     vehicle_state, group_state, bogie_state
         Carried.
     """
 
-    carried_fields: ClassVar[tuple[str, ...]] = ("vehicle_state", "group_state", "bogie_state")
+    carried_fields: ClassVar[tuple[str, ...]] = ("steering", "vehicle_state", "group_state", "bogie_state")
 
     decks: Records[DeckData]
     vehicles: Records[VehicleData]
@@ -585,6 +583,7 @@ class Transporters(Arrays):
     grids: Floats1
     deck_sides: Ints2
     starts: Floats2
+    steering: Floats2
     vehicle_state: Records[VehicleState]
     group_state: Records[GroupState]
     bogie_state: Records[BogieState]
@@ -830,21 +829,10 @@ def _place_rates(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
     )
 
 
-@kernel(internal=True)
-def _height(
-    kind: Transporters,
-    work: Workspace,
-    i: int,
-    d: int,
-    vehicle: VehicleData,
-    place: tuple[float, float],
-    share: float,
-) -> float:
-    """Height of a wheel at a place on a deck, a share of the step after its start [m]; `NO_ROAD` if there is none."""
+@kernel(inline=True, internal=True)
+def _height(kind: Transporters, d: int, vehicle: VehicleData, x: float, y: float) -> float:
+    """Height of a wheel at a place on a deck with a profile [m]; `NO_ROAD` where there is none."""
     deck = kind.decks[d]
-    x, y = place
-    if deck.across > 0:
-        return _height_on_grid(kind, work, i, d, vehicle, place, share)
     if not deck.right <= y <= deck.left:
         return NO_ROAD
     return dilated_height(kind.corners, deck.first, deck.count, vehicle.radius, x)
@@ -857,23 +845,25 @@ def _height_on_grid(
     i: int,
     d: int,
     vehicle: VehicleData,
-    place: tuple[float, float],
+    x: float,
+    y: float,
     share: float,
 ) -> float:
-    """As `_height`; wheels that travel by themselves do so along stations, others roll as they are steered."""
-    deck, bogie = kind.decks[d], kind.bogie_state[i]
+    """As `_height` on a grid, a share of the step after its start.
+
+    Wheels that travel by themselves do so along stations, others roll as they are steered.
+    """
+    deck = kind.decks[d]
     cx, cy = 1.0, 0.0
     if not vehicle.driven:
-        angle = bogie.steering + share * bogie.turning
+        angle = kind.steering[i, 0] + share * kind.steering[i, 1]
         c, s = math.cos(angle), math.sin(angle)
         f, g = vector(work, vehicle.x), vector(work, vehicle.y)
-        x, y = vector(work, deck.x), vector(work, deck.y)
-        cx, cy = c * dot(f, x) + s * dot(g, x), c * dot(f, y) + s * dot(g, y)
+        u, v = vector(work, deck.x), vector(work, deck.y)
+        cx, cy = c * dot(f, u) + s * dot(g, u), c * dot(f, v) + s * dot(g, v)
         size = math.hypot(cx, cy)
         cx, cy = cx / size, cy / size
-    return grid_height(
-        kind.grids, deck.first, deck.count, deck.across, vehicle.radius, place[0], place[1], cx, cy
-    )
+    return grid_height(kind.grids, deck.first, deck.count, deck.across, vehicle.radius, x, y, cx, cy)
 
 
 @kernel(internal=True)
@@ -898,11 +888,15 @@ def _stand(
     """
     at = kind.bogies[i].place
     found, best, above = -1, NO_ROAD, 0.0
+    with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
         x, y, z = _places(work, kind.decks[d], at)
         if vehicle.driven:
             x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
-        height = _height(kind, work, i, d, vehicle, (x, y), 0.0)
+        if with_grids and kind.decks[d].across > 0:
+            height = _height_on_grid(kind, work, i, d, vehicle, x, y, 0.0)
+        else:
+            height = _height(kind, d, vehicle, x, y)
         if height > NO_ROAD and (found < 0 or height - z > best):
             found, best, above = d, height - z, height
     return found, (best if found >= 0 else 0.0), above
@@ -936,6 +930,7 @@ def _roll(
     first, found = -1, -1
     before, after = NO_ROAD, NO_ROAD
     rises = moved = station = offset = 0.0
+    with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
         deck = kind.decks[d]
         x, y, z = _places(work, deck, at)
@@ -947,15 +942,18 @@ def _roll(
             y0 = y1 = kind.starts[i, 2 * d + 1]
         if d == kind.bogie_state[i].deck and found < 0:
             station, offset = x1, y1
-        height = _height(kind, work, i, d, vehicle, (x0, y0), 0.0)
-        lift = height - (z - 0.5 * h * up)
-        if height > NO_ROAD and (first < 0 or lift > before):
+        if with_grids and deck.across > 0:
+            h0 = _height_on_grid(kind, work, i, d, vehicle, x0, y0, 0.0)
+            h1 = _height_on_grid(kind, work, i, d, vehicle, x1, y1, 1.0)
+            way = math.hypot(x1 - x0, y1 - y0)
+        else:
+            h0, h1, way = _height(kind, d, vehicle, x0, y0), _height(kind, d, vehicle, x1, y1), x1 - x0
+        lift = h0 - (z - 0.5 * h * up)
+        if h0 > NO_ROAD and (first < 0 or lift > before):
             first, before = d, lift
-        height = _height(kind, work, i, d, vehicle, (x1, y1), 1.0)
-        lift = height - (z + 0.5 * h * up)
-        if height > NO_ROAD and (found < 0 or lift > after):
-            found, after, rises, station, offset = d, lift, up, x1, y1
-            moved = math.hypot(x1 - x0, y1 - y0) if deck.across > 0 else x1 - x0
+        lift = h1 - (z + 0.5 * h * up)
+        if h1 > NO_ROAD and (found < 0 or lift > after):
+            found, after, rises, moved, station, offset = d, lift, up, way, x1, y1
     before = before if first >= 0 else 0.0
     after = after if found >= 0 else 0.0
     return found, before, after, rises, moved, station, offset

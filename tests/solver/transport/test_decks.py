@@ -12,7 +12,7 @@ from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.scene.scene import RigidBody
 from heavylift.solver.scene.transport import BogieGroup, HeightGrid, PathLeg
 from heavylift.solver.simulation import Simulation
-from heavylift.solver.transport.decks import NO_ROAD, Deck, dilated_height, grid_heights, wheel_heights
+from heavylift.solver.transport.decks import NO_ROAD, Deck, grid_heights, wheel_heights
 from heavylift.solver.transport.packing import vehicle_tipping
 
 R = 0.37
@@ -21,7 +21,7 @@ R = 0.37
 def height(corners, x: float, radius: float = R) -> float:
     """Height of a wheel."""
     table = np.array(corners, dtype=np.float64)
-    return dilated_height(table, 0, len(table), radius, x)
+    return float(wheel_heights(table, 0, len(table), radius, [x])[0])
 
 
 @pytest.mark.parametrize(("width", "dip"), [(0.1, 0.0033939), (0.2, 0.0137697), (0.3, 0.0317693)])
