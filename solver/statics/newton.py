@@ -110,6 +110,7 @@ def correct(
     tolerance: float = BALANCED,
     patience: int = PATIENCE,
     damped: bool = True,
+    firm: bool = False,
 ) -> bool:
     """Search for a position of balance; returns whether it was found.
 
@@ -133,6 +134,8 @@ def correct(
         Most iterations.
     damped
         Avoid unstable positions. Otherwise the nearest position of balance is taken, stable or not.
+    firm
+        Give up where the stiffness is not positive to begin with.
     """
     multipliers, mass = progress.multipliers.copy(), problem.mass.diagonal()
     went = np.zeros(problem.count)
@@ -159,8 +162,10 @@ def correct(
         K = problem.tangent(factor, multipliers)
         progress.iterations += 1
         floor = rounding_floor(problem, K, now.weight)
-        if damped:
+        if damped and not (firm and iteration == 0):
             solver, damping = _positive(problem, K, now, anchor, damping)
+        elif damped:
+            solver = factorise(problem, K, now.G, anchor)
         else:
             solver = factorise(problem, K, now.G, 0.0, check=False)
         if solver is None:

@@ -70,7 +70,7 @@ def _sink(problem: StaticProblem, progress: Progress, factor: float) -> bool:
             pushes += 1
         before = problem.snapshot(), progress.multipliers
         if arrived:  # else it has been tried from here
-            if correct(problem, progress, factor, most=DIRECT, farthest=4.0):
+            if correct(problem, progress, factor, most=DIRECT, farthest=4.0, firm=True):
                 return True
             problem.restore(before[0])
             progress.multipliers = before[1]
