@@ -632,7 +632,11 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
             copy_strains(kind, body, kind.strain, kind.stage_strain)
             add_strain_rates(kind, body, kind.mid_position, kind.velocity, kind.stage_strain, delay)
             start_step_matrix(kind, body, 1.0 + half * viscous, half * delay)
-            add_stiffness(kind, body, kind.mid_position, kind.stage_strain, right, -half, half * delay, 0.0)
+            # Newton's method asks for the tangent, and tense bodies would need another matrix in every step
+            geometric = half / delay if is_iterated(kind, body) else 0.0
+            add_stiffness(
+                kind, body, kind.mid_position, kind.stage_strain, right, -half, half * delay, geometric
+            )
             clear_fixed(kind, body, STEP_SET)
             factor_set(kind, body, STEP_SET)
             kind.body[body].stage_set = STEP_SET
