@@ -132,6 +132,16 @@ def test_backwards_crab_and_pauses() -> None:
         ([leg([5, 0], [5, 5], radius=6.0)], {}, "corners take 6 m of the 5 m"),
         ([leg([15, 0], [15, 15], radius=2.0, transition=4.0)], {}, "is turned within 3.14159 m of an arc"),
         ([leg([15, 0], [0, 0.1], radius=2.0)], {}, "goes back"),
+        (
+            [leg([15, 0], [15, 15], radius=0.5)],
+            {},
+            r"radius: at 14\.5 m it turns about a point 0\.5 m to the left, between its own wheels",
+        ),
+        (
+            [leg([5, 0], [5, -5], radius=2.0, transition=1.0), leg([3, 0], [3, -3], radius=0.7)],
+            {},
+            "to the right",
+        ),
         ([leg([5, 0], [5, 0])], {}, "point 2 is where the piece to it begins"),
         ([PathLeg(steering="carousel", speed=0.1)], {}, "a carousel without turn"),
         ([leg([5, 0], turn=1.0)], {}, "'turn' with steering 'all'"),
