@@ -10,6 +10,8 @@ The factorisation is ``A = L D L^T`` with unit triangles: G. H. Golub and C. F. 
 Computations", 4th edition, section 4.1.2. It has no square root, serves positive and negative definite
 pivots alike, and the reciprocals of D take the place of the ones on the diagonal of L.
 
+Bodies do not know when they are compiled how many lanes a system has: `LANES_1` ... `LANES_8` are what there is.
+
 The last two functions are for factors with many blocks. Blocks that stand one after another are one matrix with a
 long inner dimension there: the sum stays in registers, and its target is read and written once. A tile of the target
 is as many columns as there are registers for; of the lanes only those in use.
@@ -28,6 +30,10 @@ from numba.extending import intrinsic
 from heavylift.numerics.vector_code import INTEGER, VectorCode, vector_code
 
 __all__ = [
+    "LANES_1",
+    "LANES_2",
+    "LANES_4",
+    "LANES_8",
     "add_dot",
     "add_multiple",
     "add_outer_product",
@@ -38,6 +44,7 @@ __all__ = [
     "factor_pivot",
     "forward_pivot",
     "put_rigid_product",
+    "put_six_rows",
     "scale_block",
     "solve_off_diagonal",
     "subtract_backward",
@@ -56,6 +63,10 @@ def block_shape(rows: int) -> Shape:
     while lanes < rows:
         lanes *= 2
     return (0,) * rows, (0,) * lanes
+
+
+LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 8))
+"""Block shapes by their lanes: what bodies do with panels is compiled for each of them."""
 
 
 def _block_code(
@@ -145,6 +156,22 @@ def _rigid_product(*, add: bool) -> Callable[..., None]:
             code.put_row(code.sum(*zip(rows, factors, strict=True), start=start), T, c)
 
     return write
+
+
+@intrinsic
+def put_six_rows(typingctx, shape, out, out_at, matrix, matrix_at, panel, at, size):  # type: ignore[no-untyped-def]
+    """``X_i := sum_k B_ki G_k``: six rows of a product, from as many numbers of each of the `size` lines of B."""
+
+    def write(code: VectorCode, X: Any, B: Any, G: Any, size: Any) -> None:
+        sums = {i: code.constant(0.0) for i in range(6)}
+        with code.loop(size, sums) as (k, present):
+            row, line = code.load(code.line(G, 0, k, code.lanes), 0), code.at(B, code.builder.mul(k, size))
+            for i in range(6):
+                present[i] = code.multiply_add(present[i], row, code.spread(code.number(line, i)))
+        for i, total in sums.items():
+            code.put_row(total, X, i)
+
+    return _block_code(shape, (out, out_at, matrix, matrix_at, panel, at, size), write, places=(1, 1, 1))
 
 
 @intrinsic

@@ -12,6 +12,7 @@ from heavylift.numerics.jit import kernel
 __all__ = [
     "aligned",
     "cholesky_factor",
+    "cholesky_invert",
     "cholesky_solve",
     "cross",
     "nonnegative",
@@ -127,3 +128,20 @@ def cholesky_solve(factor: NDArray[np.float64], x: NDArray[np.float64], n: int) 
         for k in range(i + 1, n):
             s -= factor[k * n + i] * x[k]
         x[i] = s * factor[i * n + i]
+
+
+@kernel
+def cholesky_invert(factor: NDArray[np.float64], n: int) -> None:
+    """Overwrite the result of `cholesky_factor` by the whole inverse of the matrix, ``L^-T L^-1``."""
+    for j in range(n):
+        for i in range(j + 1, n):
+            s = 0.0
+            for k in range(j, i):
+                s -= factor[i * n + k] * factor[k * n + j]
+            factor[i * n + j] = s * factor[i * n + i]
+    for i in range(n):
+        for j in range(i + 1):
+            s = 0.0
+            for k in range(i, n):
+                s += factor[k * n + i] * factor[k * n + j]
+            factor[i * n + j] = factor[j * n + i] = s

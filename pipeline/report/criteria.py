@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,6 @@ from heavylift.pipeline.results.storage import replacing, write_json
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -55,10 +55,15 @@ def criteria_results(
             one = case.model_copy(update={"criteria": (criterion,)})
             found += evaluate_criteria(one, out, results)
         except InputError as error:
-            missing[criterion.name] = str(error).partition("; expected")[0]
+            missing[criterion.name] = "; ".join(map(_briefly, getattr(error, "errors", [error])))
         except (IndexError, ValueError):  # of a run that stopped before its first record
             missing[criterion.name] = "cannot be evaluated from the records that there are"
     return found, missing
+
+
+def _briefly(error: InputError) -> str:
+    """What is wrong and in which file, by its name: a report is read elsewhere than it was made."""
+    return ": ".join(part for part in (Path(error.source).name, error.key, error.problem) if part)
 
 
 def write_criteria(

@@ -54,7 +54,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.joints.row_writing import residuals, travel, travel_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
-from heavylift.solver.laws.rows import RETURN, check_drift, fit_row_law, put_row_law, rate_of_row
+from heavylift.solver.laws.rows import FITTED, RETURN, check_drift, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import FORCES, GROUND, Between
@@ -80,6 +80,10 @@ ENDS = ("left", "right")
 
 NEGLIGIBLE = 1e-9
 """Miss of a component of friction that counts as fitted, over the largest friction."""
+
+KEPT = 0.01
+"""Change of a slope of friction over the inertia of its row, up to which the factor of the last slope serves: a round
+then gains two digits, as it does anyhow where friction follows the load."""
 
 PLAIN_ROUNDS = 5
 """Rounds of the iteration after which laws are fitted by chords too: tangents alone can go to and fro."""
@@ -432,12 +436,13 @@ def _forces(
 def set_bearing_targets(
     kind: LineBearings, time: float, step: float, at_midpoint: bool, work: Workspace, system: RowArrays
 ) -> None:
-    """First guess: the rates of the last step."""
+    """First guess: the rates of the last step, of the height that to which the last two lead."""
     if not at_midpoint:
         return
     for i in range(kind.table.shape[0]):
         state = kind.state[i]
-        rates = state.rate, state.along_rate, state.across_rate
+        ahead = state.rate + 2.0 * state.growth if state.paced else state.rate
+        rates = ahead, state.along_rate, state.across_rate
         forces, slopes = _forces(kind, i, rates, step)
         for r in range(3):
             put_row_law(system, kind.table[i].block, r, step, rates[r], forces[r], slopes[r])
@@ -466,6 +471,7 @@ def relinearise_bearings(
         rates = _rates(kind, i, work, system)
         forces, slopes = _forces(kind, i, rates, step)
         block, limit = kind.table[i].block, -kind.table[i].friction * forces[0]
+        rows = system.rows[block]
         state.rounds += 1
         steepest = 0.5 * step * k + kind.table[i].damping, 0.5 * step * k, 0.5 * step * k
         for r in range(3):
@@ -474,10 +480,29 @@ def relinearise_bearings(
                 chord = (force - state.last_force[r]) / (u - state.last_rate[r])
                 slope = max(slope, min(chord, steepest[r]))
             state.last_rate[r], state.last_force[r] = u, force
-            miss = abs(system.rows[block].impulse[r] + 0.5 * step * force)
+            miss = abs(rows.impulse[r] + 0.5 * step * force)
             if r > 0 and miss <= NEGLIGIBLE * 0.5 * step * limit:
                 continue  # of both components of friction together
-            fit_row_law(system, block, r, step, u, force, slope, work)
+            off = abs(0.5 * step * slope - 1.0 / rows.softness[r]) * rows.scale[r]
+            if r > 0 and slope > 0.0 and off <= KEPT and state.rounds <= PLAIN_ROUNDS:
+                _fit_as_factored(system, block, r, step, u, force, work)
+            else:
+                fit_row_law(system, block, r, step, u, force, slope, work)
+
+
+@kernel(internal=True)
+def _fit_as_factored(
+    system: RowArrays, block: int, r: int, h: float, u: float, force: float, work: Workspace
+) -> None:
+    """As `fit_row_law`, by the softness that is there."""
+    rows = system.rows[block]
+    softness, old = rows.softness[r], rows.target[r]
+    if abs(rows.impulse[r] + 0.5 * h * force) <= FITTED * (0.5 * h * abs(force) + abs(u) / softness):
+        return
+    rows.target[r] = u - 0.5 * h * force * softness
+    if abs(rows.target[r] - old) > FITTED * (abs(old) + abs(u)):
+        work.control.changed += 1
+        work.status.block = block
 
 
 @implement(update_rows, LineBearings)

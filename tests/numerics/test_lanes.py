@@ -94,7 +94,32 @@ def test_products_over_the_coordinates_of_a_body(size):
     np.testing.assert_allclose(rates[:size], r - G.T @ moved, rtol=1e-12, atol=1e-12)
 
 
+@kernel
+def six_rows(shape, X, B, at, G, size):
+    lanes.put_six_rows(shape, X, 0, B, at, G, 0, size)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("shape", [lanes.LANES_1, lanes.LANES_2, lanes.LANES_4, lanes.LANES_8])
+def test_rows_of_bodies_that_move_together(shape, count):
+    """A symmetric matrix of one or two bodies times a panel, six rows at a time."""
+    lane_count, n = len(shape[1]), 6 * count
+    root, G = RNG.normal(size=(n, n)), RNG.normal(size=(n, lane_count))
+    B, X = root + root.T, np.full((n, lane_count), np.nan)
+    for first in range(0, n, 6):
+        part = np.empty(6 * lane_count)
+        six_rows(shape, part, B.ravel(), first, G.ravel(), n)
+        X[first : first + 6] = part.reshape(6, lane_count)
+    np.testing.assert_allclose(X, B @ G, atol=1e-13)
+
+
 def test_shape_has_a_power_of_two_lanes():
+    assert [len(shape[1]) for shape in (lanes.LANES_1, lanes.LANES_2, lanes.LANES_4, lanes.LANES_8)] == [
+        1,
+        2,
+        4,
+        8,
+    ]
     assert [len(lanes.block_shape(rows)[1]) for rows in range(1, 7)] == [1, 2, 4, 4, 8, 8]
 
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.numerics.small import aligned, cholesky_factor, cholesky_solve, solve_symmetric_3
+from heavylift.numerics.small import (
+    aligned,
+    cholesky_factor,
+    cholesky_invert,
+    cholesky_solve,
+    solve_symmetric_3,
+)
 from heavylift.numerics.vectors import cross, rotate, rotate_back
 
 RNG = np.random.default_rng(7)
@@ -52,6 +58,8 @@ def test_cholesky(n: int) -> None:
     np.fill_diagonal(L, 1.0 / np.diag(L))
     np.testing.assert_allclose(L, np.linalg.cholesky(A), rtol=1e-12)
     np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-11)
+    cholesky_invert(factor, n)
+    np.testing.assert_allclose(factor.reshape(n, n), np.linalg.inv(A), rtol=1e-11, atol=1e-13)
 
 
 def test_cholesky_of_an_indefinite_matrix_shows() -> None:

@@ -19,7 +19,7 @@ import math
 from typing import Any
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.lanes import add_multiple, block_shape
+from heavylift.numerics.lanes import LANES_1, LANES_2, LANES_4, LANES_8, add_multiple
 from heavylift.numerics.vectors import rotate, rotate_back
 from heavylift.solver.bodies.floating_frame.inertia import body_momenta, leading_products
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies, product_columns, shape_of
@@ -38,20 +38,10 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.structure import RowArrays
 
-__all__ = [
-    "LANES_1",
-    "LANES_2",
-    "LANES_4",
-    "LANES_8",
-    "scale_modal_panel",
-]
+__all__ = ["scale_modal_panel"]
 
 
 # ---- panels ----
-
-
-LANES_1, LANES_2, LANES_4, LANES_8 = (block_shape(lanes) for lanes in (1, 2, 4, 8))
-"""Block shapes by their lanes: what bodies do with panels is compiled for each of them."""
 
 
 @kernel(internal=True)

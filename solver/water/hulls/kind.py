@@ -360,8 +360,8 @@ class Hulls(RigidFrames):
     vectors
         Forces and velocities in hydrodynamic coordinates.
     matrices
-        Of each group: factor of the step, factor of its end or matrix of the corrected middle, matrix of the step;
-        flat.
+        Of each group: inverse of that of the step, of that of its end or the matrix of the corrected middle, matrix of
+        the step; flat.
     tanks, tank_levels, tank_rows
         Tanks; rows of their schedules and of their shapes.
     pumps, pump_rows, tide

@@ -34,7 +34,7 @@ __all__ = [
 
 
 Six = tuple[float, float, float, float, float, float]
-"""Displacement [m] and small rotation [rad] of a hull."""
+"""Displacement [m] and small rotation [rad] of a hull, or other six numbers."""
 
 
 # ---- buoyancy ----
@@ -154,7 +154,7 @@ def restoring_potential(kind: Hulls, hull: int) -> float:
 
 @kernel(internal=True)
 def assemble_mass(kind: Hulls, group: int, base: int, at_end: bool, step: float) -> None:
-    """Mass with that of the water, ``M + T^T (A_inf + h/2 (B + D)) T``, into a matrix of a group.
+    """Mass with that of the water, ``M + T^T (A_inf + h/2 (B + D)) T``, into the lower triangle of a matrix of a group.
 
     At the end of a step the mass alone, with the rotation that stands there (in `stage`, see `put_end`).
     """
@@ -170,21 +170,17 @@ def assemble_mass(kind: Hulls, group: int, base: int, at_end: bool, step: float)
             T_left = kind.stage[left].end_transform if at_end else kind.stage[left].transform
             T_right = kind.stage[right].end_transform if at_end else kind.stage[right].transform
             for i in range(6):
+                row = 6 * left + i
+                h = _row_of_mass(kind, row, 6 * right, half)
+                drag = 0.0
+                if p == q:
+                    drag = half * kind.hulls[left].quadratic_damping[i] * abs(kind.vectors.speed[row])
                 for j in range(6):
                     # rows of H T, then T^T of them
-                    total = 0.0
-                    for k in range(6):
-                        row = 6 * left + i
-                        column = 6 * right + k
-                        value = kind.added_mass[row, column] + half * (
-                            kind.implicit[row, column] + kind.damping[row, column]
-                        )
-                        if p == q and i == k:
-                            value += (
-                                half * kind.hulls[left].quadratic_damping[i] * abs(kind.vectors.speed[row])
-                            )
-                        total += value * T_right[k, j]
-                    for k in range(6):
+                    total = drag * T_right[i, j]
+                    total += h[0] * T_right[0, j] + h[1] * T_right[1, j] + h[2] * T_right[2, j]
+                    total += h[3] * T_right[3, j] + h[4] * T_right[4, j] + h[5] * T_right[5, j]
+                    for k in range(j if p == q else 0, 6):
                         matrix[base + (6 * p + k) * n + 6 * q + j] += T_left[i, k] * total
     for p in range(count):
         hull = first + p
@@ -194,6 +190,20 @@ def assemble_mass(kind: Hulls, group: int, base: int, at_end: bool, step: float)
             matrix[base + (6 * p + 3 + k) * (n + 1)] += frame.principal_inertia[k]
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             _add_tank_mass(kind, hull, tank, base + 6 * p * (n + 1), n, at_end)
+
+
+@kernel(internal=True)
+def _row_of_mass(kind: Hulls, row: int, first: int, half: float) -> Six:
+    """Six numbers of a row of ``A_inf + h/2 (B + D)``."""
+    A, B, D = kind.added_mass[row], kind.implicit[row], kind.damping[row]
+    return (
+        A[first] + half * (B[first] + D[first]),
+        A[first + 1] + half * (B[first + 1] + D[first + 1]),
+        A[first + 2] + half * (B[first + 2] + D[first + 2]),
+        A[first + 3] + half * (B[first + 3] + D[first + 3]),
+        A[first + 4] + half * (B[first + 4] + D[first + 4]),
+        A[first + 5] + half * (B[first + 5] + D[first + 5]),
+    )
 
 
 @kernel(internal=True)

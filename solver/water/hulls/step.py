@@ -1,19 +1,22 @@
 """The step of hulls: their stage, one symmetric positive matrix a group for the middle of the step and for its end.
 
-Joints see hulls through ``X = A^-1 G^T`` with the matrix of their group.
+Joints see hulls through ``X = A^-1 G^T`` with the matrix of their group, whose inverse takes the place of its factor:
+the rows of all joints are multiplied by it, and it is small.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import LANES_1, LANES_2, LANES_4, LANES_8, put_six_rows
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.rotation import rotate_by_exponential, write_rotation_matrix
-from heavylift.numerics.small import cholesky_factor, cholesky_solve
+from heavylift.numerics.small import cholesky_factor, cholesky_invert
 from heavylift.numerics.vectors import cross, rotate, rotate_back, vector
 from heavylift.solver.bodies.frames.motion import add_wrench, check_frames, orientation_of
 from heavylift.solver.bodies.rigid.step import (
@@ -279,7 +282,7 @@ ROUNDING = 1e-10
 @implement(factor, Hulls)
 @kernel(internal=True)
 def factor_hulls(kind: Hulls, step: float, work: Workspace) -> None:
-    """Factor the step matrices, and find the velocities of the middle without joints."""
+    """Invert the step matrices, and find the velocities of the middle without joints."""
     gather_hull_forces(kind, work)
     for i in range(kind.vectors.known.shape[0]):
         kind.vectors.known[i] = 0.0
@@ -290,19 +293,37 @@ def factor_hulls(kind: Hulls, step: float, work: Workspace) -> None:
         assemble(kind, group, base, step, work, False)
         for i in range(n * n):
             kind.matrices[base + 2 * n * n + i] = kind.matrices[base + i]
-        a = kind.matrices[base : base + n * n]
-        cholesky_factor(a, n)
+        _invert(kind, base, n)
         dof = kind.groups[group].dof
-        x = work.velocity[dof : dof + n]
         for i in range(n):
-            x[i] = kind.vectors.load[6 * first + i]
-        cholesky_solve(a, x, n)
+            work.velocity[dof + i] = 0.0
+        _add_solution(kind, base, n, kind.vectors.load[6 * first : 6 * first + n], work.velocity, dof)
+
+
+@kernel(internal=True)
+def _invert(kind: Hulls, base: int, n: int) -> None:
+    """Put the inverse of a matrix in its place."""
+    matrix = kind.matrices[base : base + n * n]
+    cholesky_factor(matrix, n)
+    cholesky_invert(matrix, n)
+
+
+@kernel(internal=True)
+def _add_solution(
+    kind: Hulls, base: int, n: int, b: NDArray[np.float64], velocity: NDArray[np.float64], dof: int
+) -> None:
+    """``U += A^-1 b`` with an inverse."""
+    for i in range(n):
+        total = 0.0
+        for k in range(n):
+            total += kind.matrices[base + i * n + k] * b[k]
+        velocity[dof + i] += total
 
 
 @implement(correct, Hulls)
 @kernel(internal=True)
 def correct_hulls(kind: Hulls, step: float, work: Workspace) -> None:
-    """The equations at the middle that was found, in place of the predicted one: one Newton step with the same factor.
+    """The equations at the middle that was found, in place of the predicted one: one Newton step with the same inverse.
 
     Notes
     -----
@@ -331,9 +352,7 @@ def correct_hulls(kind: Hulls, step: float, work: Workspace) -> None:
         _subtract_product(kind, base + n * n, n, work.velocity, dof, x, 6 * first)
         for i in range(n):
             x[i] += change[i]
-        cholesky_solve(kind.matrices[base : base + n * n], x, n)
-        for i in range(n):
-            work.velocity[dof + i] += x[i]
+        _add_solution(kind, base, n, x, work.velocity, dof)
 
 
 @kernel(internal=True)
@@ -535,7 +554,7 @@ def check_hulls(kind: Hulls, step: float, work: Workspace) -> None:
 @implement(apply_inverse, Hulls)
 @kernel(internal=True)
 def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) -> None:
-    """Of the attachments on these bodies; at the end of the step by the mass alone, which is factored here."""
+    """Of the attachments on these bodies; at the end of the step by the mass alone, which is inverted here."""
     last = kind.table[kind.table.shape[0] - 1].dof
     if not at_midpoint:
         for hull in range(kind.table.shape[0]):
@@ -544,7 +563,7 @@ def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) ->
             n = 6 * kind.groups[group].count
             base = kind.groups[group].matrix + n * n
             assemble_mass(kind, group, base, True, 0.0)
-            cholesky_factor(kind.matrices[base : base + n * n], n)
+            _invert(kind, base, n)
     for i in range(system.attachments.shape[0]):
         dof = system.attachments[i].dof
         if dof < kind.table[0].dof or dof > last:
@@ -553,30 +572,25 @@ def apply_inverse_of_hulls(kind: Hulls, at_midpoint: bool, system: RowArrays) ->
             if kind.groups[group].dof == dof:
                 n = 6 * kind.groups[group].count
                 base = kind.groups[group].matrix + (0 if at_midpoint else n * n)
-                _solve_panel(kind, base, n, system, system.attachments[i].panel)
+                _put_panel(kind, base, n, system, system.attachments[i].panel)
 
 
 @kernel(internal=True)
-def _solve_panel(kind: Hulls, base: int, n: int, system: RowArrays, panel: int) -> None:
-    """``L L^T X = G^T``, all rows of a joint at once."""
-    lanes = system.lanes
-    G, factor = system.panels, kind.matrices
+def _put_panel(kind: Hulls, base: int, n: int, system: RowArrays, panel: int) -> None:
+    """``X = A^-1 G^T``, all rows of a joint at once."""
+    if system.lanes == 1:
+        _put_rows(LANES_1, kind, base, n, system, panel)
+    elif system.lanes == 2:
+        _put_rows(LANES_2, kind, base, n, system, panel)
+    elif system.lanes == 4:
+        _put_rows(LANES_4, kind, base, n, system, panel)
+    else:
+        _put_rows(LANES_8, kind, base, n, system, panel)
+
+
+@kernel(internal=True)
+def _put_rows(shape: Any, kind: Hulls, base: int, n: int, system: RowArrays, panel: int) -> None:
+    G, lanes = system.panels, len(shape[1])
     out = G.shape[0] // 2 + panel
-    for i in range(n):
-        for r in range(lanes):
-            G[out + i * lanes + r] = G[panel + i * lanes + r]
-        for k in range(i):
-            a = factor[base + i * n + k]
-            for r in range(lanes):
-                G[out + i * lanes + r] -= a * G[out + k * lanes + r]
-        inverse = factor[base + i * n + i]
-        for r in range(lanes):
-            G[out + i * lanes + r] *= inverse
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            a = factor[base + k * n + i]
-            for r in range(lanes):
-                G[out + i * lanes + r] -= a * G[out + k * lanes + r]
-        inverse = factor[base + i * n + i]
-        for r in range(lanes):
-            G[out + i * lanes + r] *= inverse
+    for i in range(0, n, 6):
+        put_six_rows(shape, G, out + i * lanes, kind.matrices, base + i, G, panel, n)
