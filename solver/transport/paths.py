@@ -61,6 +61,7 @@ __all__ = [
     "pose_at",
     "rolling_at",
     "row_before",
+    "tell_steering",
     "way_at",
     "weigh_plans",
 ]
@@ -92,6 +93,8 @@ class PathData(Record):
         Of a bogie [N].
     drive, driven
         Number of its drive, -1 without; how many bogies it drives.
+    tells
+        Whether a deck asks for how bogies are steered.
     """
 
     block: int
@@ -112,6 +115,7 @@ class PathData(Record):
     weight: float
     drive: int
     driven: int
+    tells: bool
 
 
 class Largest(Record):
@@ -215,7 +219,7 @@ class Paths(Arrays):
         Number of the plan, within those of a path, of each deck; shape (paths, decks).
     state, plan_state
         Carried.
-    bogie_state
+    bogie_state, steering
         Of the transporters.
     """
 
@@ -233,6 +237,7 @@ class Paths(Arrays):
     state: Records[PathState]
     plan_state: Records[PlanState]
     bogie_state: Records[BogieState]
+    steering: Floats2
 
 
 # ---- the route ----
@@ -297,6 +302,16 @@ def rolling_at(kind: Paths, path: PathData, way: float, bogie: int) -> tuple[flo
     x, y = kind.bogies[bogie].x - kind.nodes[i, 10], kind.bogies[bogie].y - kind.nodes[i, 11]
     half = kind.turns[int(kind.nodes[i, 12]), bogie]
     return speed * math.cos(slip) - turn * y, speed * math.sin(slip) + turn * x, half
+
+
+@kernel(internal=True)
+def tell_steering(kind: Paths, path: PathData, way: float, moved: float) -> None:
+    """Tell bogies how they are steered at the start of the next step, and how they turn in it if it is as this one."""
+    for i in range(path.first_bogie, path.first_bogie + path.bogies):
+        u, v, _ = rolling_at(kind, path, way, i)
+        a, b, _ = rolling_at(kind, path, way + moved, i)
+        kind.steering[i, 0] = math.atan2(v, u)
+        kind.steering[i, 1] = math.atan2(u * b - v * a, u * a + v * b)
 
 
 # ---- rows ----
@@ -404,6 +419,8 @@ def set_path_targets(
             _write_rows(kind, p, work, system)
             for k in range(3):
                 target[k] += state.advance[k] / step
+            if path.tells:
+                tell_steering(kind, path, after, after - before)
             continue
         state.yaw = here[2]
         residual = residuals(system, path.block)

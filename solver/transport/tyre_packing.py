@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import records
 from heavylift.solver.interface import FORCES
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.transport.path_packing import PathPacking
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.transport.decks import Deck
     from heavylift.solver.transport.packing import Places
-    from heavylift.solver.transport.transporters import BogieState, DeckData, Transporter
+    from heavylift.solver.transport.transporters import Transporter, Transporters
 
 __all__ = ["TyrePacking"]
 
@@ -153,11 +153,11 @@ class TyrePacking:
         ]
         return [*on_planes, law]
 
-    def kinds(self, decks: Records[DeckData], bogie_state: Records[BogieState]) -> list[TyredVehicles]:
-        """The kind; none without vehicles."""
+    def kinds(self, transporters: Transporters) -> list[TyredVehicles]:
+        """The kind, beside that of all transporters; none without vehicles."""
         if not self._table:
             return []
-        (paths,) = self._paths.kinds(bogie_state)
+        (paths,) = self._paths.kinds(transporters.bogie_state, transporters.steering)
         state, wheels = records(TyreState, len(self._table)), records(WheelState, len(self._errors))
         state["fresh"] = True
         wheels["x"] = wheels["held_x"] = 1.0
@@ -169,10 +169,10 @@ class TyrePacking:
                 records(WheelData, [(error,) for error in self._errors]),
                 np.array(self._deck_planes, dtype=np.int64),
                 paths,
-                decks,
+                transporters.decks,
                 state,
                 wheels,
                 paths.plan_state,
-                bogie_state,
+                transporters.bogie_state,
             )
         ]

@@ -70,6 +70,7 @@ from heavylift.solver.transport.paths import (
     pose_at,
     rolling_at,
     row_before,
+    tell_steering,
     way_at,
     weigh_plans,
 )
@@ -936,6 +937,8 @@ def update_tyres(kind: TyredVehicles, time: float, step: float, work: Workspace,
             state.way += step * u / state.wheels
             if state.branch != 0:
                 state.wait += _waited(kind.paths, path, state.way, time - state.wait, step)
+        if path.tells:
+            tell_steering(kind.paths, path, state.way, state.moved)
         state.fresh, state.stood = False, state.rests
 
 
