@@ -45,7 +45,7 @@ class TyrePacking:
         self._scene, self._book, self._paths = scene, book, PathPacking(scene, book)
         self._table: list[tuple[Any, ...]] = []
         self._rows: list[tuple[Any, ...]] = []
-        self._errors: list[float] = []
+        self._wheels: list[tuple[float, float, float]] = []
         self._planes: list[Deck] = []
         self._deck_planes = [self._plane(deck) for deck in scene.decks]
 
@@ -60,7 +60,7 @@ class TyrePacking:
     def skip(self, bogies: int) -> None:
         """Count the bogies of a transporter without tyres that slip."""
         self._paths.skip(bogies)
-        self._errors += [0.0] * bogies
+        self._wheels += [(0.0, 0.0, 0.0)] * bogies
 
     def add(
         self,
@@ -109,7 +109,13 @@ class TyrePacking:
                 key="tyres.steering_errors",
                 expected=f"one for all, or {count}",
             )
-        self._errors += list(map(float, np.broadcast_to(errors if len(errors) else 0.0, count)))
+        for point, deck, error in zip(
+            places.world, on, np.broadcast_to(errors if len(errors) else 0.0, count), strict=True
+        ):
+            plane = self._planes[self._deck_planes[deck]]
+            frame = places.frame(plane.body, np.asarray(plane.origin, dtype=np.float64))
+            x, y = plane.axes()[:2] @ frame.axes.T @ (point - frame.point)
+            self._wheels.append((float(error), float(x), float(y)))
         bodies = [deck.body for deck in self._planes]
         carrying = {body for body in bodies if body not in {GROUND, transporter.body}}
         drive_block = block + len(bodies)
@@ -158,7 +164,7 @@ class TyrePacking:
         if not self._table:
             return []
         (paths,) = self._paths.kinds(transporters.bogie_state, transporters.steering)
-        state, wheels = records(TyreState, len(self._table)), records(WheelState, len(self._errors))
+        state, wheels = records(TyreState, len(self._table)), records(WheelState, len(self._wheels))
         state["fresh"] = True
         wheels["x"] = wheels["held_x"] = 1.0
         wheels["plane"] = -1
@@ -166,7 +172,7 @@ class TyrePacking:
             TyredVehicles(
                 records(TyreData, self._table),
                 records(PlaneRows, self._rows),
-                records(WheelData, [(error,) for error in self._errors]),
+                records(WheelData, self._wheels),
                 np.array(self._deck_planes, dtype=np.int64),
                 paths,
                 transporters.decks,

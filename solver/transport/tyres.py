@@ -223,9 +223,11 @@ class PlaneRows(Record):
 
 
 class WheelData(Record):
-    """A bogie: by which angle it is off its steering, to the left [rad]."""
+    """A bogie: by which angle it is off its steering, to the left [rad]; where it is drawn on its plane [m]."""
 
     error: float
+    start_x: float
+    start_y: float
 
 
 class WheelState(Record):
@@ -666,8 +668,13 @@ def _look_at_rates(kind: TyredVehicles, v: int, step: float, work: Workspace) ->
 
 
 @kernel(internal=True)
-def _settle(kind: TyredVehicles, v: int, time: float, step: float, work: Workspace) -> None:
-    """Deflect the treads of a vehicle that stands at the start: sides and brakes hold what gravity takes downhill."""
+def _settle(
+    kind: TyredVehicles, v: int, time: float, step: float, at_midpoint: bool, work: Workspace
+) -> None:
+    """Deflect the treads of a vehicle that stands at the start: sides and brakes hold what gravity takes downhill.
+
+    If it has moved from where it is drawn, as in a search for an equilibrium, treads are deflected by that too.
+    """
     data, state = kind.table[v], kind.state[v]
     path = kind.paths.table[data.path]
     _look_at_loads(kind, v, time, step)
@@ -682,7 +689,7 @@ def _settle(kind: TyredVehicles, v: int, time: float, step: float, work: Workspa
         braked += f if kind.paths.bogies[i].driven else 0.0
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         wheel, bogie = kind.wheel_state[i], kind.bogie_state[i]
-        along, across, _, _, _ = _axes(kind, v, wheel.plane, work)
+        along, across, c, s, _ = _axes(kind, v, wheel.plane, work)
         n = vector(work, kind.decks[bogie.deck].z)
         down = -(g[0] * n[0] + g[1] * n[1] + g[2] * n[2])
         if not (down > 0.0 and wheel.load > 0.0 and total > 0.0):
@@ -692,14 +699,21 @@ def _settle(kind: TyredVehicles, v: int, time: float, step: float, work: Workspa
         # in the axes of the wheel: sides carry all alike, brakes what goes along it
         forwards, aside = wheel.x * x + wheel.y * y, wheel.x * y - wheel.y * x
         forwards *= total / braked if kind.paths.bogies[i].driven else 0.0
-        scale = data.length / data.stiffness
-        wheel.along, wheel.aside = scale * forwards, scale * aside
+        scale, plane, at = data.length / data.stiffness, kind.planes[wheel.plane], kind.paths.bogies[i]
+        d = minus(place(work, path.middle), vector(work, plane.origin))
+        p = dot(d, vector(work, plane.x)) + c * at.x - s * at.y - kind.wheels[i].start_x
+        q = dot(d, vector(work, plane.y)) + s * at.x + c * at.y - kind.wheels[i].start_y
+        p, q = c * p + s * q, c * q - s * p
+        if at_midpoint:  # not where it is in the middle of the first step, but at its start
+            u, w, yaw = _velocities(kind, v, wheel.plane, work)
+            p, q = p - 0.5 * step * (u - yaw * at.y), q - 0.5 * step * (w + yaw * at.x)
+        wheel.along = scale * forwards + wheel.x * p + wheel.y * q
+        wheel.aside = scale * aside + wheel.x * q - wheel.y * p
         wheel.held_x, wheel.held_y = wheel.x, wheel.y
         state.stored += 0.5 * wheel.stiffness * (wheel.along * wheel.along + wheel.aside * wheel.aside)
         wheel.force, wheel.side = -wheel.stiffness * wheel.along, -wheel.stiffness * wheel.aside
         x = wheel.x * wheel.force - wheel.y * wheel.side + wheel.downhill_x
         y = wheel.y * wheel.force + wheel.x * wheel.side + wheel.downhill_y
-        at = kind.paths.bogies[i]
         push_x, push_y, turning = push_x + x, push_y + y, turning + at.x * y - at.y * x
     state.push[0], state.push[1], state.push[2] = push_x, push_y, turning
 
@@ -797,7 +811,7 @@ def set_tyre_targets(
         path = kind.paths.table[data.path]
         if not at_midpoint:
             if state.fresh:
-                _settle(kind, v, time, step, work)
+                _settle(kind, v, time, step, False, work)
             _aim(kind, v, state.way)
             _write_rows(kind, v, work, system)
             if not state.fresh and not state.rests and state.branch == 0 and state.wheels > 0.0:
@@ -808,7 +822,7 @@ def set_tyre_targets(
                 _put_drive(kind, v, flow * speed, step, system)
             continue
         if state.fresh:
-            _settle(kind, v, time, step, work)
+            _settle(kind, v, time, step, True, work)
         _look_at_loads(kind, v, time, step)
         _look_at_rates(kind, v, step, work)
         _share_plans(kind, v, step)

@@ -14,7 +14,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.planar import Planar
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.scene import RigidBody
-from heavylift.solver.scene.transport import Drive, PathLeg, Tyres
+from heavylift.solver.scene.transport import Drive, HeightGrid, PathLeg, Tyres
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck
 from heavylift.solver.transport.routes import make_route
@@ -296,6 +296,30 @@ def test_a_vehicle_on_a_barge_that_sways_is_held_by_its_treads() -> None:
     assert np.abs(found["block.velocity"]).max() > 0.3
     error = balance(found) - balance(found)[0]
     assert np.abs(error).max() < 1e-6 * found["energy.drive_work"].max()
+
+
+def test_a_cross_fall_of_a_grid_pulls_as_a_cant_does() -> None:
+    """A grid of heights that falls to the right by 0.02, on a level deck: the vehicle drifts by 0.02 / C."""
+    fall = 0.02
+    lines = np.array([-30.0, 30.0])
+    grid = HeightGrid(stations=lines, offsets=lines, heights=fall * np.tile(lines, (2, 1)))
+    road = Deck(name="yard", grid=grid)
+    half = 0.5 * math.atan(fall)
+    body = low(orientation=np.array([math.cos(half), math.sin(half), 0.0, 0.0]))
+    _, times, found = histories(scene(tyred(leg([12, 0])), (road,), body=body), 1e-2, 20.0, 10)
+    steady = times > 10.0
+    np.testing.assert_allclose(found["spmt.slip_angle"][steady], -fall / C, rtol=1e-3)
+    np.testing.assert_allclose(found["spmt.push_across"][steady], 0.0, atol=1e-3 * MASS * G * fall)
+
+
+def test_a_vehicle_on_a_cant_starts_in_equilibrium() -> None:
+    """Treads hold it there; so it stands at once."""
+    deck, body = canted(0.03)
+    made = scene(tyred(leg([5, 0], pause=1e3)), (deck,), body=body)
+    run = Simulation(made, step=1e-2, integrator="dele2", start="equilibrium", record_every=10)
+    _, records = run.advance(1000)
+    places = next(c for c in run.channels if c.name == "block.position")
+    assert np.ptp(records[:, places.column : places.column + 3], axis=0).max() < 1e-7
 
 
 def test_a_drive_that_cannot_lets_the_plan_wait() -> None:
