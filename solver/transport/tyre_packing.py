@@ -109,12 +109,12 @@ class TyrePacking:
                 key="tyres.steering_errors",
                 expected=f"one for all, or {count}",
             )
-        for point, deck, error in zip(
+        for point, stands_on, error in zip(
             places.world, on, np.broadcast_to(errors if len(errors) else 0.0, count), strict=True
         ):
-            plane = self._planes[self._deck_planes[deck]]
-            frame = places.frame(plane.body, np.asarray(plane.origin, dtype=np.float64))
-            x, y = plane.axes()[:2] @ frame.axes.T @ (point - frame.point)
+            below = self._planes[self._deck_planes[stands_on]]
+            frame = places.frame(below.body, np.asarray(below.origin, dtype=np.float64))
+            x, y = below.axes()[:2] @ frame.axes.T @ (point - frame.point)
             self._wheels.append((float(error), float(x), float(y)))
         bodies = [deck.body for deck in self._planes]
         carrying = {body for body in bodies if body not in {GROUND, transporter.body}}
