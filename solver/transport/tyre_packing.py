@@ -127,7 +127,20 @@ class TyrePacking:
             at_origin = np.asarray(deck.origin, dtype=np.float64)
             x, y = (self._book.direction(deck.body, axis, FORCES, at=at_origin) for axis in deck.axes()[:2])
             origin = self._book.point(deck.body, at_origin, FORCES)
-            self._rows.append((origin, x, y, own, side_of.get(deck.body, -1), vehicle_side, 0.0))
+            self._rows.append(
+                (
+                    origin,
+                    x,
+                    y,
+                    own,
+                    side_of.get(deck.body, -1),
+                    vehicle_side,
+                    0.0,
+                    (0.0,) * 3,
+                    0.0,
+                    (0.0,) * 3,
+                )
+            )
         local = (places.world - places.world.mean(axis=0)) @ places.level.T[:, :2]
         self._table.append(
             (

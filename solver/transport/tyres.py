@@ -211,6 +211,9 @@ class PlaneRows(Record):
         Of the vehicle in the block of the drive.
     grip
         Friction of all wheels on it in the step [N].
+    rates, motor, forces
+        Rates of its rows and force of a motor for which the forces of its wheels were found last, and sums of these
+        against the rates [m/s, rad/s; N; N, N m].
     """
 
     origin: int
@@ -220,6 +223,9 @@ class PlaneRows(Record):
     drive_side: int
     vehicle_side: int
     grip: float
+    rates: VectorField
+    motor: float
+    forces: VectorField
 
 
 class WheelData(Record):
@@ -519,6 +525,8 @@ def _write_rows(kind: TyredVehicles, v: int, work: Workspace, system: RowArrays)
         _add_row(kind, v, j, sides, 0, (1.0, 0.0, 0.0), work, system)
         _add_row(kind, v, j, sides, 1, (0.0, 1.0, 0.0), work, system)
         _add_row(kind, v, j, sides, 2, (0.0, 0.0, 1.0), work, system)
+        if not rows.grip > 0.0:
+            continue
         a, b, yaw = 0.0, 0.0, 0.0
         for i in range(path.first_bogie, path.first_bogie + path.bogies):
             wheel, bogie = kind.wheel_state[i], kind.paths.bogies[i]
@@ -760,6 +768,10 @@ def _sum_forces(
         xx, yy, xy = kx * c * c + ky * s * s, kx * s * s + ky * c * c, (kx - ky) * c * s
         by_a, by_b = by_a + xx, by_b + yy
         by_yaw += at.y * at.y * xx + at.x * at.x * yy - 2.0 * at.x * at.y * xy
+    rows = kind.planes[j]
+    rows.motor = motor
+    rows.rates[0], rows.rates[1], rows.rates[2] = rates[0], rates[1], rates[2]
+    rows.forces[0], rows.forces[1], rows.forces[2] = a, b, yaw
     return (a, b, yaw), (by_a, by_b, by_yaw)
 
 
@@ -861,7 +873,7 @@ def relinearise_tyres(
         data, state = kind.table[v], kind.state[v]
         block = data.drive_block
         state.rounds += 1
-        motor = 2.0 * system.rows[block].impulse[0] / step
+        motor = 0.0 if state.rests else 2.0 * system.rows[block].impulse[0] / step
         if state.wheels > 0.0 and not state.rests:
             first = 2 * block
             u = rate_of_row(system, first, first + data.attachments, 0, work.velocity)
@@ -921,7 +933,11 @@ def update_tyres(kind: TyredVehicles, time: float, step: float, work: Workspace,
             if not kind.planes[j].grip > 0.0:
                 continue
             rates = _rates(kind, v, j, work, system)
-            forces, _ = _sum_forces(kind, v, j, rates, motor, step)
+            rows = kind.planes[j]
+            known = rows.rates[0] == rates[0] and rows.rates[1] == rates[1] and rows.rates[2] == rates[2]
+            if not (known and rows.motor == motor):  # else they were fitted to that last
+                _sum_forces(kind, v, j, rates, motor, step)
+            forces = rows.forces[0], rows.forces[1], rows.forces[2]
             spent += step * (forces[0] * rates[0] + forces[1] * rates[1] + forces[2] * rates[2])
             a, b, yaw = a - forces[0], b - forces[1], yaw - forces[2]
             for i in range(path.first_bogie, path.first_bogie + path.bogies):
