@@ -115,6 +115,9 @@ ROUNDS = 100
 PLAIN_ROUNDS = 5
 """Rounds of the iteration of the rows after which a law is fitted by chords too: tangents alone can go to and fro."""
 
+ROUNDED = 1e-6
+"""Of a load, below which what is left of it is not told from its change."""
+
 PATH_CHANNELS = ("path_way", "off_path", "off_heading", "push_along", "push_across", "push_turning")
 DRIVE_CHANNELS = (
     "drive_demand",
@@ -444,9 +447,21 @@ class GroupState(Record):
         Of the sum of r from the geometry [m].
     force
         Of a cylinder [N].
+    extra
+        Rate by which every r of a group with one row grows beside its prediction [m/s].
     fitted, follows
         `extra` for which `force` was found last [m/s], and by how much the force grows with it [N s/m]; of a group with
         one row.
+    at_force, at_extra, gone
+        Force and `extra` for which the loads of its bogies are known, and `_relaxed` of that step.
+    even
+        Whether all loads and strokes grow alike with both: of a group with one row, no bogie of which is at a stop, or
+        above the road.
+    total, loads, by_force, falls, by_lift, lifts
+        Sums of the mean strokes [m] and loads [N] then, and of their derivatives, as `_bogie` returns them: of loads
+        and strokes by the force, of loads and strokes by a lift.
+    least_load, least_stroke, most_stroke
+        Among them; of strokes in the mean and at the end.
     predicted, body_rate
         As predicted: rate of the row, and of the sum of r without the road [m/s].
     road
@@ -455,6 +470,9 @@ class GroupState(Record):
         [J].
     last_rate, last_force, rounds
         Scratch of the iteration.
+    unasked
+        How many times its row need not be written: at the end of a step, where it is not among those that hold, and at
+        the start of the next one, where it is written once shares are known.
     """
 
     fresh: bool
@@ -467,8 +485,22 @@ class GroupState(Record):
     strokes: float
     drift: float
     force: float
+    extra: float
     fitted: float
     follows: float
+    at_force: float
+    at_extra: float
+    gone: float
+    even: bool
+    total: float
+    loads: float
+    by_force: float
+    falls: float
+    by_lift: float
+    lifts: float
+    least_load: float
+    least_stroke: float
+    most_stroke: float
     predicted: float
     body_rate: float
     road: float
@@ -478,6 +510,7 @@ class GroupState(Record):
     last_rate: float
     last_force: float
     rounds: int
+    unasked: int
 
 
 class BogieData(Record):
@@ -678,13 +711,98 @@ def _bogie(
 
 
 @kernel(internal=True)
+def _weigh(kind: Transporters, g: int, h: float, p: float) -> None:
+    """Loads and strokes of the bogies of a group at a force of its cylinders; their sums."""
+    group, state = kind.groups[g], kind.group_state[g]
+    vehicle = kind.vehicles[group.vehicle]
+    gone = _relaxed(vehicle, h)
+    off = -state.drift / group.count
+    even = group.rows == 1
+    total = loads = by_force = falls = by_lift = lifts = 0.0
+    least_load = least_stroke = math.inf
+    most_stroke = -math.inf
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        if group.rows == 1:
+            bogie.extra = state.extra
+        tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
+        load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
+            vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h, gone
+        )
+        bogie.mean, bogie.end_stroke = load, end
+        bogie.slope, bogie.load_p = load_r, load_p
+        total += s
+        loads += load
+        by_force += load_p
+        falls += stroke_p
+        by_lift += load_r
+        lifts += stroke_r
+        even = even and load_p > 0.0
+        least_load = min(least_load, load)
+        least_stroke, most_stroke = min(least_stroke, s, end), max(most_stroke, s, end)
+    state.at_force, state.at_extra, state.gone, state.even = p, state.extra, gone, even
+    state.total, state.loads, state.by_force, state.falls = total, loads, by_force, falls
+    state.by_lift, state.lifts = by_lift, lifts
+    state.least_load, state.least_stroke, state.most_stroke = least_load, least_stroke, most_stroke
+
+
+@kernel(inline=True, internal=True)
+def _even_changes(
+    vehicle: VehicleData, group: GroupData, state: GroupState, h: float, p: float
+) -> tuple[float, float, float]:
+    """By how much load, mean stroke and stroke at the end of any bogie of an even group have changed since `_weigh`."""
+    n, k = group.count, vehicle.tyre
+    dp, x = p - state.at_force, state.extra - state.at_extra
+    load = (state.by_force * dp + state.by_lift * 0.5 * h * x) / n
+    s = (state.falls * dp + state.lifts * 0.5 * h * x) / n
+    if vehicle.pipe + vehicle.rubber == 0.0 or h == 0.0:
+        return load, s, s
+    return load, s, (h - vehicle.pipe / k * state.gone) * x - state.gone / k * dp
+
+
+@kernel(inline=True, internal=True)
+def _stays_even(vehicle: VehicleData, group: GroupData, state: GroupState, h: float, p: float) -> bool:
+    """Whether a group is even, and none of its bogies comes to a stop or leaves the road at a force."""
+    if not state.even:
+        return False
+    load, s, end = _even_changes(vehicle, group, state, h, p)
+    moved = max(abs(s), abs(end))
+    return (
+        state.least_load + load > ROUNDED * state.least_load
+        and state.least_stroke - moved > vehicle.low
+        and state.most_stroke + moved < vehicle.high
+    )
+
+
+@kernel(internal=True)
+def _settle(kind: Transporters, g: int, h: float) -> None:
+    """Tell the bogies of an even group what `_fit_group` has found; those of others know it."""
+    group, state = kind.groups[g], kind.group_state[g]
+    if not state.even or (state.force == state.at_force and state.extra == state.at_extra):
+        return
+    load, s, end = _even_changes(kind.vehicles[group.vehicle], group, state, h, state.force)
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        bogie.mean += load
+        bogie.end_stroke += end
+        bogie.extra = state.extra
+    moved = max(abs(s), abs(end))
+    state.total += group.count * s
+    state.loads += group.count * load
+    state.least_load += load
+    state.least_stroke -= moved
+    state.most_stroke += moved
+    state.at_force, state.at_extra = state.force, state.extra
+
+
+@kernel(internal=True)
 def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, float]:
-    """Loads of the bogies of a group.
+    """Loads of the bogies of a group. Those of an even one are told to them by `_settle`: sums suffice for its row.
 
     Parameters
     ----------
     kind
-        Carried; what `extra` makes of its bogies, and the force of its cylinders, are found.
+        Carried; what `extra` makes of its bogies, and the forces of its cylinders, are found.
     g
         The group.
     h
@@ -698,30 +816,17 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
     group, state = kind.groups[g], kind.group_state[g]
     vehicle = kind.vehicles[group.vehicle]
     n = group.count
-    gone = _relaxed(vehicle, h)
-    off = -state.drift / n
     oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
     low, high = 0.0, math.inf
-    extra = kind.bogie_state[group.first].extra
+    extra = state.extra if group.rows == 1 else kind.bogie_state[group.first].extra
     p = max(state.force + state.follows * (extra - state.fitted), 0.0)
-    sum_load = by_p = falls = by_r = follows = stiffness = 0.0
+    stiffness = mean = 0.0
     for _ in range(ROUNDS):
-        total = sum_load = by_p = falls = by_r = follows = 0.0
-        for i in range(group.first, group.first + n):
-            bogie = kind.bogie_state[i]
-            tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
-            load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
-                vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h, gone
-            )
-            bogie.mean, bogie.end_stroke = load, end
-            bogie.slope, bogie.load_p = load_r, load_p
-            total += s
-            sum_load += load
-            by_p += load_p
-            falls += stroke_p
-            by_r += load_r
-            follows += stroke_r
-        force, stiffness = _oil_force(group, total + oil - state.strokes)
+        if not _stays_even(vehicle, group, state, h, p):
+            _weigh(kind, g, h, p)
+        load, s, _ = _even_changes(vehicle, group, state, h, p)
+        mean = state.loads / n + load
+        force, stiffness = _oil_force(group, state.total + n * s + oil - state.strokes)
         miss = force - p
         if abs(miss) <= NEGLIGIBLE * (p + force):
             break
@@ -729,13 +834,13 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
             low = p
         else:
             high = p
-        after = p - miss / (stiffness * falls - 1.0)
+        after = p - miss / (stiffness * state.falls - 1.0)
         if not low <= after <= high:
             after = 0.5 * (low + high) if high < math.inf else 2.0 * low + 1.0
         if abs(after - p) <= NEGLIGIBLE * p:
             break
         p = after
-    p_r = stiffness * follows / (1.0 - stiffness * falls)
+    p_r = stiffness * state.lifts / (1.0 - stiffness * state.falls)
     if group.rows == 1:
         state.fitted, state.follows = extra, 0.5 * h * p_r
     else:
@@ -743,7 +848,7 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
             bogie = kind.bogie_state[i]
             bogie.slope = 0.5 * h * (bogie.slope + bogie.load_p * p_r)
     state.force = p
-    return p, sum_load / n, 0.5 * h * (by_r + by_p * p_r) / n
+    return p, mean, 0.5 * h * (state.by_lift + state.by_force * p_r) / n
 
 
 @kernel(internal=True)
@@ -987,8 +1092,9 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
     state.oil = _oil_in(kind, g, time)
     if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
         _put_extra(kind, g, 0.0)
-        state.follows = 0.0
+        state.follows, state.even = 0.0, False
         _fit_group(kind, g, 0.0)
+        _settle(kind, g, 0.0)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
             bogie.load, bogie.stroke = bogie.mean, bogie.end_stroke
@@ -1079,12 +1185,15 @@ def fill_transporter_rows(
 ) -> None:
     """Rows with the shares that are known; drift."""
     for g in range(kind.groups.shape[0]):
-        group = kind.groups[g]
-        _write_row(kind, g, work, system)
+        group, state = kind.groups[g], kind.group_state[g]
+        if state.unasked == (2 if with_residual else 1):
+            state.unasked -= 1
+        else:
+            _write_row(kind, g, work, system)
         if with_residual:
             for row in range(group.rows):
                 residual = system.rows[group.block + group.apart * row].residual
-                residual[group.lane] = kind.group_state[g].drift / group.rows
+                residual[group.lane] = state.drift / group.rows
 
 
 @implement(set_targets, Transporters)
@@ -1106,8 +1215,9 @@ def set_transporter_targets(
         _look_ahead(kind, g, time, step, work)
         state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
         _put_extra(kind, g, 0.0)
-        state.follows = 0.0
+        state.follows, state.even = 0.0, False
         _, mean, slope = _fit_group(kind, g, step)
+        _settle(kind, g, step)
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
@@ -1135,6 +1245,7 @@ def _rate(group: GroupData, row: int, work: Workspace, system: RowArrays) -> flo
 @kernel(internal=True)
 def _put_extra(kind: Transporters, g: int, x: float) -> None:
     """Set the rate by which every r of a group grows beside its prediction [m/s]."""
+    kind.group_state[g].extra = x
     for i in range(kind.groups[g].first, kind.groups[g].first + kind.groups[g].count):
         kind.bogie_state[i].extra = x
 
@@ -1145,7 +1256,7 @@ def _find_extra(kind: Transporters, g: int, work: Workspace, system: RowArrays) 
     group, state = kind.groups[g], kind.group_state[g]
     if group.rows == 1:
         u = _rate(group, 0, work, system)
-        _put_extra(kind, g, (u - state.predicted) / group.count)
+        state.extra = (u - state.predicted) / group.count
         return u
     for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
@@ -1198,6 +1309,7 @@ def update_transporters(
         u = _find_extra(kind, g, work, system)
         if group.rows > 1 or u != state.last_rate:  # else it was fitted to that last
             _fit_group(kind, g, step)
+        _settle(kind, g, step)
         p = state.force
         grown = 0.0
         for i in range(group.first, group.first + group.count):
@@ -1223,6 +1335,7 @@ def update_transporters(
         _lose_oil(kind, g, p, step)
         state.oil = state.next_oil
         state.fresh = False
+        state.unasked = 2
 
 
 @kernel(internal=True)
