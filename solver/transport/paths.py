@@ -75,6 +75,8 @@ class PathData(Record):
         Of a bogie [N].
     drive, driven
         Number of its drive, -1 without; how many bogies it drives.
+    tells
+        Whether a deck asks for how bogies are steered.
     """
 
     block: int
@@ -95,6 +97,7 @@ class PathData(Record):
     weight: float
     drive: int
     driven: int
+    tells: bool
 
 
 class Largest(Record):
@@ -198,7 +201,7 @@ class Paths(Arrays):
         Number of the plan, within those of a path, of each deck; shape (paths, decks).
     state, plan_state
         Carried.
-    bogie_state
+    bogie_state, steering
         Of the transporters.
     """
 
@@ -216,6 +219,7 @@ class Paths(Arrays):
     state: Records[PathState]
     plan_state: Records[PlanState]
     bogie_state: Records[BogieState]
+    steering: Floats2
 
 
 # ---- the route ----
@@ -280,6 +284,16 @@ def _rolling(kind: Paths, path: PathData, way: float, bogie: int) -> tuple[float
     x, y = kind.bogies[bogie].x - kind.nodes[i, 10], kind.bogies[bogie].y - kind.nodes[i, 11]
     half = kind.turns[int(kind.nodes[i, 12]), bogie]
     return speed * math.cos(slip) - turn * y, speed * math.sin(slip) + turn * x, half
+
+
+@kernel(internal=True)
+def _tell_steering(kind: Paths, path: PathData, way: float, moved: float) -> None:
+    """Tell bogies how they are steered at the start of the next step, and how they turn in it if it is as this one."""
+    for i in range(path.first_bogie, path.first_bogie + path.bogies):
+        u, v, _ = _rolling(kind, path, way, i)
+        a, b, _ = _rolling(kind, path, way + moved, i)
+        kind.steering[i, 0] = math.atan2(v, u)
+        kind.steering[i, 1] = math.atan2(u * b - v * a, u * a + v * b)
 
 
 # ---- rows ----
@@ -387,6 +401,8 @@ def set_path_targets(
             _write_rows(kind, p, work, system)
             for k in range(3):
                 target[k] += state.advance[k] / step
+            if path.tells:
+                _tell_steering(kind, path, after, after - before)
             continue
         state.yaw = here[2]
         residual = residuals(system, path.block)

@@ -44,7 +44,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats2, Ints2
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.quantity import Absent, BodyDirection, Least, NameOf, Positive, Quantity, Shape
@@ -73,7 +73,7 @@ from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
-from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height
+from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height, grid_height
 
 __all__ = [
     "GROUPS_A_BLOCK",
@@ -296,8 +296,8 @@ class DeckData(Record):
     ----------
     origin, x, y, z
         Markers of its origin and axes.
-    first, count
-        Corners of its profile.
+    first, count, across
+        Corners of its profile; or where its grid begins, its stations and offsets. The last is 0 of a profile.
     right, left
         Its borders [m].
     """
@@ -308,6 +308,7 @@ class DeckData(Record):
     z: int
     first: int
     count: int
+    across: int
     right: float
     left: float
 
@@ -591,17 +592,20 @@ class Transporters(Arrays):
     ----------
     decks, vehicles, groups, bogies, pumps
         What the user said.
-    corners
-        Profiles of all decks, shape (m, 2).
+    corners, grids
+        Profiles and grids of heights of all decks, see `heavylift.solver.transport.decks.corner_table`.
     deck_sides
         By group and deck: the side of the row of the group on which the body of the deck is, -1 of the ground.
     starts
         By bogie and deck: station and offset at the start [m], shape (bogies, 2 decks).
+    steering
+        By bogie: angle of its wheels to the left of the vehicle at the start of the step, and by how much it turns in
+        the step [rad]; of vehicles with a path, where a deck asks for it. Shape (bogies, 2). Carried.
     vehicle_state, group_state, bogie_state
         Carried.
     """
 
-    carried_fields: ClassVar[tuple[str, ...]] = ("vehicle_state", "group_state", "bogie_state")
+    carried_fields: ClassVar[tuple[str, ...]] = ("steering", "vehicle_state", "group_state", "bogie_state")
 
     decks: Records[DeckData]
     vehicles: Records[VehicleData]
@@ -609,8 +613,10 @@ class Transporters(Arrays):
     bogies: Records[BogieData]
     pumps: Records[PumpRow]
     corners: Floats2
+    grids: Floats1
     deck_sides: Ints2
     starts: Floats2
+    steering: Floats2
     vehicle_state: Records[VehicleState]
     group_state: Records[GroupState]
     bogie_state: Records[BogieState]
@@ -930,11 +936,39 @@ def _place_rates(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
 
 @kernel(inline=True, internal=True)
 def _height(kind: Transporters, d: int, vehicle: VehicleData, x: float, y: float) -> float:
-    """Height of a wheel at a place on a deck [m]; `NO_ROAD` where there is none."""
+    """Height of a wheel at a place on a deck with a profile [m]; `NO_ROAD` where there is none."""
     deck = kind.decks[d]
     if not deck.right <= y <= deck.left:
         return NO_ROAD
     return dilated_height(kind.corners, deck.first, deck.count, vehicle.radius, x)
+
+
+@kernel(internal=True)
+def _height_on_grid(
+    kind: Transporters,
+    work: Workspace,
+    i: int,
+    d: int,
+    vehicle: VehicleData,
+    x: float,
+    y: float,
+    share: float,
+) -> float:
+    """As `_height` on a grid, a share of the step after its start.
+
+    Wheels that travel by themselves do so along stations, others roll as they are steered.
+    """
+    deck = kind.decks[d]
+    cx, cy = 1.0, 0.0
+    if not vehicle.driven:
+        angle = kind.steering[i, 0] + share * kind.steering[i, 1]
+        c, s = math.cos(angle), math.sin(angle)
+        f, g = vector(work, vehicle.x), vector(work, vehicle.y)
+        u, v = vector(work, deck.x), vector(work, deck.y)
+        cx, cy = c * dot(f, u) + s * dot(g, u), c * dot(f, v) + s * dot(g, v)
+        size = math.hypot(cx, cy)
+        cx, cy = cx / size, cy / size
+    return grid_height(kind.grids, deck.first, deck.count, deck.across, vehicle.radius, x, y, cx, cy)
 
 
 @kernel(internal=True)
@@ -959,11 +993,15 @@ def _stand(
     """
     at = kind.bogies[i].place
     found, best, above = -1, NO_ROAD, 0.0
+    with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
         x, y, z = _places(work, kind.decks[d], at)
         if vehicle.driven:
             x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
-        height = _height(kind, d, vehicle, x, y)
+        if with_grids and kind.decks[d].across > 0:
+            height = _height_on_grid(kind, work, i, d, vehicle, x, y, 0.0)
+        else:
+            height = _height(kind, d, vehicle, x, y)
         if height > NO_ROAD and (found < 0 or height - z > best):
             found, best, above = d, height - z, height
     return found, (best if found >= 0 else 0.0), above
@@ -990,12 +1028,14 @@ def _roll(
     up
         Rate of the height of that place over the deck at the end [m/s].
     moved, station, offset
-        Way along, and place at the end, on that deck; or on the one on which it stood before [m].
+        Way along, on a grid in any direction, and place at the end, on that deck; or on the one on which it stood
+        before [m].
     """
     at = kind.bogies[i].place
     first, found = -1, -1
     before, after = NO_ROAD, NO_ROAD
     rises = moved = station = offset = 0.0
+    with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
         deck = kind.decks[d]
         x, y, z = _places(work, deck, at)
@@ -1007,14 +1047,18 @@ def _roll(
             y0 = y1 = kind.starts[i, 2 * d + 1]
         if d == kind.bogie_state[i].deck and found < 0:
             station, offset = x1, y1
-        height = _height(kind, d, vehicle, x0, y0)
-        lift = height - (z - 0.5 * h * up)
-        if height > NO_ROAD and (first < 0 or lift > before):
+        if with_grids and deck.across > 0:
+            h0 = _height_on_grid(kind, work, i, d, vehicle, x0, y0, 0.0)
+            h1 = _height_on_grid(kind, work, i, d, vehicle, x1, y1, 1.0)
+            way = math.hypot(x1 - x0, y1 - y0)
+        else:
+            h0, h1, way = _height(kind, d, vehicle, x0, y0), _height(kind, d, vehicle, x1, y1), x1 - x0
+        lift = h0 - (z - 0.5 * h * up)
+        if h0 > NO_ROAD and (first < 0 or lift > before):
             first, before = d, lift
-        height = _height(kind, d, vehicle, x1, y1)
-        lift = height - (z + 0.5 * h * up)
-        if height > NO_ROAD and (found < 0 or lift > after):
-            found, after, rises, moved, station, offset = d, lift, up, x1 - x0, x1, y1
+        lift = h1 - (z + 0.5 * h * up)
+        if h1 > NO_ROAD and (found < 0 or lift > after):
+            found, after, rises, moved, station, offset = d, lift, up, way, x1, y1
     before = before if first >= 0 else 0.0
     after = after if found >= 0 else 0.0
     return found, before, after, rises, moved, station, offset
