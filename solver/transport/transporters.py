@@ -298,7 +298,7 @@ class DeckData(Record):
         Markers of its origin and axes.
     first, count, across
         Corners of its profile; or where its grid begins, its stations and offsets. The last is 0 of a profile.
-    right, left
+    begin, end, right, left
         Its borders [m].
     """
 
@@ -309,6 +309,8 @@ class DeckData(Record):
     first: int
     count: int
     across: int
+    begin: float
+    end: float
     right: float
     left: float
 
@@ -916,22 +918,16 @@ def _level(kind: Transporters, v: int, time: float, work: Workspace) -> None:
 
 
 @kernel(inline=True, internal=True)
-def _places(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
-    """Station, offset and height of a place on a deck [m]."""
-    d = minus(place(work, at), vector(work, deck.origin))
-    return dot(d, vector(work, deck.x)), dot(d, vector(work, deck.y)), dot(d, vector(work, deck.z))
+def _along(work: Workspace, axis: int, off: Vector, moving: Vector) -> tuple[float, float]:
+    """Coordinate of a place along an axis of a deck [m] and its rate [m/s], from its origin and against that."""
+    e = vector(work, axis)
+    return dot(off, e), dot(moving, e) + dot(off, rate(work, axis))
 
 
 @kernel(inline=True, internal=True)
-def _place_rates(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
-    """Rates of `_places` [m/s]."""
-    d = minus(place(work, at), vector(work, deck.origin))
-    v = minus(place_rate(work, at), rate(work, deck.origin))
-    return (
-        dot(v, vector(work, deck.x)) + dot(d, rate(work, deck.x)),
-        dot(v, vector(work, deck.y)) + dot(d, rate(work, deck.y)),
-        dot(v, vector(work, deck.z)) + dot(d, rate(work, deck.z)),
-    )
+def _beyond(a: float, b: float, low: float, high: float, radius: float) -> bool:
+    """Whether a wheel touches nothing between two borders on its way from a to b."""
+    return (a < low - radius and b < low - radius) or (a > high + radius and b > high + radius)
 
 
 @kernel(inline=True, internal=True)
@@ -991,14 +987,20 @@ def _stand(
     height
         Of the road for the wheel over that of the deck [m].
     """
-    at = kind.bogies[i].place
+    p = place(work, kind.bogies[i].place)
     found, best, above = -1, NO_ROAD, 0.0
     with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
-        x, y, z = _places(work, kind.decks[d], at)
-        if vehicle.driven:
-            x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
-        if with_grids and kind.decks[d].across > 0:
+        deck = kind.decks[d]
+        off = minus(p, vector(work, deck.origin))
+        x = kind.starts[i, 2 * d] + travelled if vehicle.driven else dot(off, vector(work, deck.x))
+        if _beyond(x, x, deck.begin, deck.end, vehicle.radius):
+            continue
+        y = kind.starts[i, 2 * d + 1] if vehicle.driven else dot(off, vector(work, deck.y))
+        if _beyond(y, y, deck.right, deck.left, vehicle.radius):
+            continue
+        z = dot(off, vector(work, deck.z))
+        if with_grids and deck.across > 0:
             height = _height_on_grid(kind, work, i, d, vehicle, x, y, 0.0)
         else:
             height = _height(kind, d, vehicle, x, y)
@@ -1031,21 +1033,29 @@ def _roll(
         Way along, on a grid in any direction, and place at the end, on that deck; or on the one on which it stood
         before [m].
     """
-    at = kind.bogies[i].place
+    p, v = place(work, kind.bogies[i].place), place_rate(work, kind.bogies[i].place)
     first, found = -1, -1
     before, after = NO_ROAD, NO_ROAD
     rises = moved = station = offset = 0.0
     with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
-        deck = kind.decks[d]
-        x, y, z = _places(work, deck, at)
-        along, across, up = _place_rates(work, deck, at)
-        x0, x1, y0, y1 = x - 0.5 * h * along, x + 0.5 * h * along, y - 0.5 * h * across, y + 0.5 * h * across
+        deck, own = kind.decks[d], d == kind.bogie_state[i].deck
+        off, moving = minus(p, vector(work, deck.origin)), minus(v, rate(work, deck.origin))
+        x, along = _along(work, deck.x, off, moving)
+        x0, x1 = x - 0.5 * h * along, x + 0.5 * h * along
         if vehicle.driven:
             x0 = kind.starts[i, 2 * d] + vehicle.speed * time
             x1 = kind.starts[i, 2 * d] + vehicle.speed * (time + h)
+        if not own and _beyond(x0, x1, deck.begin, deck.end, vehicle.radius):
+            continue
+        y, across = _along(work, deck.y, off, moving)
+        y0, y1 = y - 0.5 * h * across, y + 0.5 * h * across
+        if vehicle.driven:
             y0 = y1 = kind.starts[i, 2 * d + 1]
-        if d == kind.bogie_state[i].deck and found < 0:
+        if not own and _beyond(y0, y1, deck.right, deck.left, vehicle.radius):
+            continue
+        z, up = _along(work, deck.z, off, moving)
+        if own and found < 0:
             station, offset = x1, y1
         if with_grids and deck.across > 0:
             h0 = _height_on_grid(kind, work, i, d, vehicle, x0, y0, 0.0)
@@ -1104,7 +1114,9 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
         bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
         if bogie.left_share > 0.0:
-            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
+            left, at = kind.decks[bogie.left_deck], kind.bogies[i].place
+            off = minus(place(work, at), vector(work, left.origin))
+            _, other = _along(work, left.z, off, minus(place_rate(work, at), rate(work, left.origin)))
             up += bogie.left_share * (other - up)
         bogie.predicted = -up
         bogie.road = r1 - r0 + h * up
