@@ -1109,8 +1109,10 @@ def _look_down(kind: Transporters, work: Workspace, i: int, vehicle: VehicleData
     bogie = kind.bogie_state[i]
     deck = kind.decks[bogie.deck]
     at = kind.bogies[i].place
-    x, y, _ = _places(work, deck, at)
-    along, across, _ = _place_rates(work, deck, at)
+    off = minus(place(work, at), vector(work, deck.origin))
+    moving = minus(place_rate(work, at), rate(work, deck.origin))
+    x, along = _along(work, deck.x, off, moving)
+    y, across = _along(work, deck.y, off, moving)
     reach = max(0.5 * h * abs(along), INCLINE_WAY)
     if deck.across == 0:
         behind = _height(kind, bogie.deck, vehicle, x - reach, y)
