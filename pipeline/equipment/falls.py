@@ -96,7 +96,7 @@ class Falls:
     sheave_spacing: Annotated[float | None, Positive("length")] = None
     """Of sheaves beside each other [m]; a quarter of their radius if absent."""
     efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
-    """Of each sheave, as that of ropes: 0.98 on roller bearings, 0.96 on plain ones; with one drum or none."""
+    """Of each sheave, as that of ropes: 0.98 on roller bearings, 0.96 on plain ones."""
     drop: Annotated[float, Positive("length")]
     """Height of the axis of the crown above that of the block at the start [m]."""
     block: HookBlock
@@ -123,12 +123,6 @@ class Falls:
                 f"{said.drop:.6g} m with sheaves of {said.sheave_radius:.6g} m",
                 key="drop",
                 expected=f"more than {2.0 * said.sheave_radius:.6g} m",
-            )
-        if said.efficiency < 1.0 and said.drum is not None and said.other_drum is not None:
-            raise InputError(
-                "two drums, and a rope runs over sheaves with an efficiency to one alone",
-                key="efficiency",
-                expected="one drum, or 1",
             )
         if said.moves and said.winch is not None:
             raise InputError("both 'moves' and 'winch'", key="winch", expected="one of them, or neither")
@@ -185,8 +179,9 @@ class Falls:
             rope["winch"] = speeds_of(said.moves, float(said.parts))
         elif said.winch is not None:
             rope["winch"] = given(said.winch)
-        if said.drum is None and said.other_drum is not None:
-            rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": "last"}
+        if said.other_drum is not None and (said.drum is None or said.efficiency < 1.0):
+            end = "last" if said.drum is None else "both"
+            rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": end}
         if said.rope.brake is not None and said.efficiency < 1.0:
             raise InputError(
                 "a brake that answers to the tension, on a rope over sheaves with an efficiency",

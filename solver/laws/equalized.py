@@ -112,6 +112,12 @@ class SharedLines:
         for place, stop in enumerate(said.path):
             if stop.radius > 0.0:
                 raise InputError("a pulley", key=f"path.{place}.radius", expected="places without 'radius'")
+            if stop.efficiency < 1.0:
+                raise InputError(
+                    f"{stop.efficiency:.6g}, and all lines have one force",
+                    key=f"path.{place}.efficiency",
+                    expected="places without 'efficiency'",
+                )
         if len({stop.body for stop in said.path[::2]}) > 1:
             raise InputError("outlets on several bodies", key="path", expected="all outlets on one body")
         if said.up >= said.depth:

@@ -78,7 +78,7 @@ def pack_ropes(
     for rope, column in zip(ropes, columns, strict=True):
         points = rope.path
         path = start_path(rope, bodies)
-        rows = _winch_rows(rope, leaders)
+        rows = _rows_of_both(rope, leaders)
         length = _unstretched(rope, path, rows)
         held = list(dict.fromkeys(point.body for point in points if point.body != GROUND))
         level = FORCES if rope.damping > 0.0 or as_forces else ROWS
@@ -127,7 +127,7 @@ def pack_ropes(
         watched.pulls,
     )
     if any(rubbing_places(rope) for rope in ropes):
-        return _with_friction(kind, ropes), blocks
+        return _with_friction(kind, ropes, leaders, attachment), blocks
     if any(controlled(rope) for rope in ropes):
         return _with_control(kind, ropes), blocks
     return kind, blocks
@@ -162,33 +162,54 @@ def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
     )
 
 
-def _with_friction(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
+def _with_friction(
+    kind: Ropes,
+    ropes: Sequence[Any],
+    leaders: Mapping[str, Any],
+    attachment: Callable[[str], Attachment],
+) -> Ropes:
     """The kind of ropes over sheaves with an efficiency."""
-    from heavylift.solver.laws.sheave_friction import Chain, Sheave, SheavedRopes, SheaveState
+    from heavylift.solver.laws.sheave_friction import Chain, ChainState, Sheave, SheavedRopes, SheaveState
     from heavylift.solver.laws.sheave_states import make_search
 
     chains: list[tuple[float, ...]] = []
     sheaves: list[tuple[float, ...]] = []
+    drums: list[tuple[float, ...]] = []
+    flow = 0
     for entry, rope in zip(kind.table, ropes, strict=True):
         rubbing, parts = rubbing_places(rope), len(rope.path) - 1
         stride = max(1, (entry.attachments + 1) // 2)
         winch = getattr(rope, "winch", None)
-        winch_last = float(winch is not None and winch.end == "last")
-        chains.append((len(sheaves), len(rubbing), stride, winch_last, 0, False, False, 0.0))
+        winch_last = 0.0 if winch is None else {"first": 0.0, "both": 0.5, "last": 1.0}[winch.end]
+        last: list[tuple[float, ...]] = []
+        if rope.other_winch is not None:
+            last = _winch_rows(rope, leaders, "winch" if winch_last == 1.0 else "other_winch")
+        told = (winch_last, len(drums), len(last))
+        chains.append((len(sheaves), len(rubbing), stride, flow, *told, 0.0, 0, False, False, 0.0, 0.0))
+        drums += last
+        flow += (len(rubbing) // ROWS_A_BLOCK + 1) * ROWS_A_BLOCK
         column = entry.column + len(ROPE_CHANNELS) - 1 + parts
         for row, place in enumerate(rubbing, start=1):
             block = entry.block + row // ROWS_A_BLOCK * stride
             stop = (entry.first + place - 1, block, row % ROWS_A_BLOCK, column + row - 1)
-            sheaves.append((*stop, rope.path[place - 1].efficiency))
+            point = rope.path[place - 1]
+            sheaves.append((*stop, point.efficiency, point.friction))
     places = len(kind.places)
+    held = {stop.body for rope in ropes for stop in rope.path if stop.body != GROUND}
+    widest = max(attachment(name).width for name in held)
     return SheavedRopes(
         **{name: getattr(kind, name) for name in kind._fields},
         chains=records(Chain, chains),
+        chain_state=records(ChainState, len(chains)),
         sheaves=records(Sheave, sheaves),
         sheave_state=records(SheaveState, len(sheaves)),
+        drums=records(WinchRow, drums),
         leaving=records(PlaceGradient, places),
         parts=np.zeros(places),
         tension=np.zeros(places),
+        slope=np.zeros(places),
+        flows=np.zeros(flow),
+        beyond=np.zeros((int(kind.table["attachments"].max()), widest)),
         search=make_search(len(sheaves), len(chains)),
     )
 
@@ -262,9 +283,32 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float
     return length
 
 
-def _winch_rows(rope: Any, leaders: Mapping[str, Any]) -> list[tuple[float, ...]]:
+def _rows_of_both(rope: Any, leaders: Mapping[str, Any]) -> list[tuple[float, ...]]:
+    """Rows of the winch of a rope, of two the sum of both: between all times of one of them both are smooth."""
+    rows = _winch_rows(rope, leaders)
+    if getattr(rope, "other_winch", None) is None:
+        return rows
+    both = (rows, _winch_rows(rope, leaders, "other_winch"))
+    times = sorted({row[0] for table in both for row in table})
+    return [(time, *np.sum([_row_at(table, time) for table in both], axis=0).tolist()) for time in times]
+
+
+def _row_at(rows: Sequence[tuple[float, ...]], time: float) -> tuple[float, float, float]:
+    """Speed, length hauled in and jerk from a time on: `heavylift.solver.laws.wire_rope.table_state`."""
+    before = [row for row in rows if row[0] <= time]
+    start, speed, hauled, jerk = before[-1] if before else rows[0]
+    t = time - start
+    if not before or len(before) == len(rows):
+        return speed, hauled + speed * t, 0.0
+    end, end_speed = rows[len(before)][:2]
+    slope = (end_speed - speed) / (end - start) - 0.5 * jerk * (end - start)
+    way = t * (speed + t * (0.5 * slope + jerk * t / 6.0))
+    return speed + t * (slope + 0.5 * jerk * t), hauled + way, jerk
+
+
+def _winch_rows(rope: Any, leaders: Mapping[str, Any], key: str = "winch") -> list[tuple[float, ...]]:
     """Time, speed, length hauled in since t = 0, and jerk; of one that follows those of its leader."""
-    winch = getattr(rope, "winch", None)
+    winch = getattr(rope, key, None)
     if winch is None:
         return []
     if winch.follow is not None:
@@ -278,7 +322,7 @@ def _winch_rows(rope: Any, leaders: Mapping[str, Any]) -> list[tuple[float, ...]
             raise _error(
                 rope,
                 f"{winch.follow!r} is no rope with a winch by 'speeds' or 'lengths'",
-                "winch.follow",
+                f"{key}.follow",
                 f"one of: {planned or 'none'}",
             )
         own, ratio = _winch_rows(leaders[winch.follow], leaders), winch.ratio

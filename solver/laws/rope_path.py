@@ -38,6 +38,9 @@ NEARLY_PARALLEL = 0.9
 SMALL_TURN = 1e-3
 """Angle [rad] below which three terms of a series have all digits."""
 
+PARALLEL = 1e-14
+"""Difference of two unit axes that is none."""
+
 Vector = tuple[float, float, float]
 
 
@@ -152,7 +155,7 @@ def _straight(a: RopePlace, b: RopePlace) -> tuple[Vector, Vector]:
     return e1, e2
 
 
-@kernel(internal=True)
+@kernel(inline=True, internal=True)
 def _add(gradient: NDArray[np.float64], s: float, v: Vector) -> None:
     for k in range(3):
         gradient[k] += s * v[k]
@@ -194,6 +197,56 @@ def _add_straight(
     return length
 
 
+@kernel(internal=True)
+def _add_parallel(
+    a: RopePlace, b: RopePlace, sense: float, by_a: PlaceGradient, by_b: PlaceGradient
+) -> tuple[float, Vector, Vector]:
+    """`_add_straight` and its unit vectors, of pulleys whose axes are parallel; a length below 0 if they are too near.
+
+    Notes
+    -----
+    With ``D = p t + w n``, its parts along the tangent and along the axis, what is left of the rest is ``along = D/l -
+    (1/p - 1/l)(r1 - sense r2) e1``, and by the axes ``r1 w/p e1`` and ``-r2 w/p e1``.
+    """
+    n, r1, r2 = _axis(a), a.radius, b.radius
+    d = _sum(_centre(b), -1.0, _centre(a))
+    w = dot(d, n)
+    d = _sum(d, -w, n)
+    square, gap = dot(d, d), r1 - sense * r2
+    if not square > max(r1 * r1 + r2 * r2, gap * gap):
+        return -1.0, d, d
+    p = math.sqrt(square - gap * gap)
+    length = math.sqrt(p * p + w * w)
+    v = cross(n, d)
+    c, s, inverse, within = gap / square, p / square, 1.0 / length, 1.0 / p
+    e = c * d[0] - s * v[0], c * d[1] - s * v[1], c * d[2] - s * v[2]
+    t = s * d[0] + c * v[0], s * d[1] + c * v[1], s * d[2] + c * v[2]
+    turn = (within - inverse) * gap
+    along = _sum(_sum((p * inverse * t[0], p * inverse * t[1], p * inverse * t[2]), w * inverse, n), -turn, e)
+    _add(by_a.centre, -1.0, along)
+    _add(by_b.centre, 1.0, along)
+    _add(by_a.axis, r1 * w * within, e)
+    _add(by_b.axis, -r2 * w * within, e)
+    return length, e, (sense * e[0], sense * e[1], sense * e[2])
+
+
+@kernel(internal=True)
+def _add_part(
+    a: RopePlace, b: RopePlace, by_a: PlaceGradient, by_b: PlaceGradient
+) -> tuple[float, Vector, Vector]:
+    """`_add_straight`, and unit vectors to both ends."""
+    if a.radius > 0.0 and b.radius > 0.0:
+        n1, n2 = _axis(a), _axis(b)
+        sense = 1.0 if dot(n1, n2) > 0.0 else -1.0
+        tilt = _sum(n2, -sense, n1)
+        if dot(tilt, tilt) < PARALLEL * PARALLEL:
+            length, e1, e2 = _add_parallel(a, b, sense, by_a, by_b)
+            if length > 0.0:
+                return length, e1, e2
+    e1, e2 = _straight(a, b)
+    return _add_straight(a, b, e1, e2, by_a, by_b), e1, e2
+
+
 @entry
 def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wraps: Floats1) -> float:
     """Length of a path [m].
@@ -220,8 +273,8 @@ def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wr
     total = 0.0
     arrival = (0.0, 0.0, 0.0)
     for i in range(count - 1):
-        e1, e2 = _straight(places[i], places[i + 1])
-        total += _add_straight(places[i], places[i + 1], e1, e2, gradient[i], gradient[i + 1])
+        straight, e1, e2 = _add_part(places[i], places[i + 1], gradient[i], gradient[i + 1])
+        total += straight
         r = places[i].radius
         if r > 0.0:
             n = _axis(places[i])
@@ -267,8 +320,7 @@ def find_parts(
     total = 0.0
     arrival = (0.0, 0.0, 0.0)
     for i in range(count - 1):
-        e1, e2 = _straight(places[i], places[i + 1])
-        straight = _add_straight(places[i], places[i + 1], e1, e2, leaving[i], gradient[i + 1])
+        straight, e1, e2 = _add_part(places[i], places[i + 1], leaving[i], gradient[i + 1])
         total += straight
         lengths[i] += straight
         for k in range(3):

@@ -4,34 +4,38 @@ With the lengths ``L_k`` and tensions ``T_k`` of the parts, from the first end o
 
     T = sum w_k T_k,   w_k = L_k / L             tension of the elongation of the whole, as without friction
     f_j = T_j+1 - T_j                            friction of sheave j
-    q_j = sum_(k>j) L_k' - W_j L' + s_j l',      W_j = sum_(k>j) w_k
+    q_j = sum_(k>j) L_k' - W_j L' - W_j v + v_2,     W_j = sum_(k>j) w_k,     v = v_1 + v_2 = -l'
 
-The rope runs over sheave j towards the last end at the speed q_j, if it stretches alike everywhere; ``s_j`` is W_j for
-a winch at the first end and ``W_j - 1`` for one at the last. Virtual power says that these are conjugate: the forces on
-the bodies are ``T L' + sum f_j (q_j - s_j l')``. So a rope is the row of its length, as any, and a row for each of such
-sheaves with its dry friction::
+The rope runs over sheave j towards the last end at the speed q_j, if it stretches alike everywhere; v_1 and v_2 are the
+speeds with which winches at its first and at its last end haul in. Virtual power says that these are conjugate: the
+forces on the bodies are ``T L' + sum f_j (q_j + W_j v - v_2)``. So a rope is the row of its length, as any, and a row
+for each of such sheaves with its dry friction::
 
     eta <= T_j+1 / T_j <= 1/eta,     q_j = 0 in between,     T_j+1 = T_j / eta if q_j > 0,  eta T_j if q_j < 0
 
 A sheave that sticks is a rigid row, which begins with the force that it had: what rigid bodies leave open, the tensions
 of a fall that stands still, stays as it was. Of one that slides the force is given, and found by iteration together
 with the tensions: those are linear in the forces while none changes its state, so two rounds and their line (D. G.
-Anderson, J. ACM 12, 1965) leave little. The power ``sum f_j q_j`` is lost, and the winch works against the tension of
-its own end. Bearings turn no bodies: tensions act at the tangent points (`find_parts`).
+Anderson, J. ACM 12, 1965) leave little; and what that line says of the answer of the tension serves the next step. The
+power ``sum f_j q_j`` is lost, and each winch works against the tension of its own end: ``T v + sum f_j (v_2 - W_j v)``.
+Bearings turn no bodies: tensions act at the tangent points (`find_parts`).
 
 Values: Wire Rope Technical Board, Wire Rope Users Manual, 4th ed.: 1.04 for roller bearings, 1.09 for plain ones, of
-the tension of a sheave over that before it.
+the tension of a sheave over that before it. Over a sheave that is blocked, or a yoke, the rope slips, and the
+efficiency follows from its wrap, ``exp(-mu wrap)`` (L. Euler, 1769).
 """
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Floats1
+from heavylift.numerics.arrays import Floats1, Floats2
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import block_shape, subtract_rigid_rows
 from heavylift.numerics.records import Record, Records
 from heavylift.solver.extremes import largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
@@ -43,13 +47,13 @@ from heavylift.solver.interface import (
     update_rows,
     watch_joints,
 )
-from heavylift.solver.joints.row_writing import add_direction_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rope_path import PlaceGradient, find_parts
 from heavylift.solver.laws.rows import FREE_SOFTNESS, ROWS_A_BLOCK, law_impulse, put_residual
 from heavylift.solver.laws.sheave_states import SheaveSearch, find_states
 from heavylift.solver.laws.wire_rope import (
     Ropes,
+    WinchRow,
     compare_length,
     compare_tension,
     end_tension,
@@ -61,13 +65,17 @@ from heavylift.solver.laws.wire_rope import (
     set_rope_targets,
     show_pulls,
     stiffness_of,
+    table_state,
     update_ropes,
     watch_stretch,
     winch_state,
 )
 from heavylift.solver.rows.structure import REGULARISATION, RowArrays
 
-__all__ = ["Chain", "Sheave", "SheaveState", "SheavedRopes"]
+__all__ = ["Chain", "ChainState", "Sheave", "SheaveState", "SheavedRopes"]
+
+FOUR, EIGHT = block_shape(4), block_shape(8)
+"""Shapes of blocks with as many lanes."""
 
 PLAIN_ROUNDS = 4
 """Rounds of the iteration in which a sheave changes its state if it is the only one that is contradicted."""
@@ -109,6 +117,12 @@ SMALL = 1e-8
 SETTLED = 1e-12
 """Miss of a friction relative to the tension that counts as fitted."""
 
+TELLING, LARGEST_ANSWER = 1e-9, 0.9
+"""Miss relative to the tension from which on a round says how tensions answer to friction, and what it may say."""
+
+LEAST_WRAP = 1e-3
+"""Wrap about a blocked sheave [rad] below which its efficiency stays: some friction is left, as the law wants it."""
+
 
 class Chain(Record):
     """Sheaves of a rope.
@@ -119,31 +133,59 @@ class Chain(Record):
         Its first sheave with an efficiency, and how many.
     stride
         Blocks from one that has rows of it to the next.
+    flow
+        Place in `SheavedRopes.flows` of the first of its rows.
     winch_last
-        1 if the drum is at the last end.
-    settling, asked, standing, largest
+        Part of what the winch hauls in that the last end takes: 1 if its drum is there, a half of one at each end.
+    drum, drum_rows
+        First row in `SheavedRopes.drums` of a drum of its own at the last end, and how many.
+    last
+        Scratch: speed with which the last end hauls in, mean of the step or at its end [m/s].
+    settling, asked, standing, largest, miss
         Scratch of the iteration: rounds since a sheave has changed its state, whether a search asks the rope, whether
-        all sheaves stuck in the last step, and the largest tension [N].
+        all sheaves stuck in the last step, the largest tension [N], and the square of the misses at first [N^2].
     """
 
     first: int
     count: int
     stride: int
+    flow: int
     winch_last: float
+    drum: int
+    drum_rows: int
+    last: float
     settling: int
     asked: bool
     standing: bool
     largest: float
+    miss: float
+
+
+class ChainState(Record):
+    """What a rope carries: how much of a miss of the frictions is left where they follow the tensions."""
+
+    answer: float
 
 
 class Sheave(Record):
-    """A place with an efficiency: its place in all paths, block and lane of its row, record column of its speed."""
+    """A place with an efficiency.
+
+    Attributes
+    ----------
+    place, block, lane, column
+        Its place in all paths, block and lane of its row, record column of its speed.
+    efficiency
+        Smaller over larger tension while the rope runs; of a blocked one that of its wrap.
+    friction
+        Coefficient of friction of one that is blocked, or 0.
+    """
 
     place: int
     block: int
     lane: int
     column: int
     efficiency: float
+    friction: float
 
 
 class SheaveState(Record):
@@ -196,28 +238,41 @@ class SheavedRopes(Ropes):
 
     Attributes
     ----------
-    chains
+    chains, chain_state
         Of each rope.
     sheaves, sheave_state
         Of all ropes.
+    drums
+        Rows of drums at last ends beside winches at first ones; the winch of the rope is both together.
     leaving
         Derivatives of the part behind each place.
     parts
         Length of the part behind each place [m].
     tension
         Of the part behind each place, in the middle of the last step [N].
+    slope
+        Scratch: of the tension of the part behind each place by that of the first part.
+    flows
+        Scratch: minus ``G v`` of all rows, in blocks of `ROWS_A_BLOCK` [m/s].
+    beyond
+        Scratch: a row of what lies beyond a place, for each side of a rope.
     search
         For states, where those of the last step and what contradicts them do not lead to any.
     """
 
-    carried_fields: ClassVar[tuple[str, ...]] = ("state", "wraps", "sheave_state", "tension")
+    carried_fields: ClassVar[tuple[str, ...]] = ("state", "wraps", "chain_state", "sheave_state", "tension")
 
     chains: Records[Chain]
+    chain_state: Records[ChainState]
     sheaves: Records[Sheave]
     sheave_state: Records[SheaveState]
+    drums: Records[WinchRow]
     leaving: Records[PlaceGradient]
     parts: Floats1
     tension: Floats1
+    slope: Floats1
+    flows: Floats1
+    beyond: Floats2
     search: SheaveSearch
 
 
@@ -240,6 +295,9 @@ def _find_shares(kind: SheavedRopes, i: int, work: Workspace) -> float:
             p -= 1
             beyond += kind.parts[p]
         kind.sheave_state[s].share = beyond / length
+        if kind.sheaves[s].friction > 0.0:
+            wrap = max(LEAST_WRAP, kind.wraps[kind.sheaves[s].place])
+            kind.sheaves[s].efficiency = math.exp(-kind.sheaves[s].friction * wrap)
     return length
 
 
@@ -250,96 +308,128 @@ def _panel(kind: SheavedRopes, system: RowArrays, i: int, row: int, side: int) -
     return system.attachments[2 * block + side].panel + row % ROWS_A_BLOCK
 
 
-@kernel(internal=True)
-def _add_part(
-    kind: SheavedRopes,
-    i: int,
-    p: int,
-    row: int,
-    behind: bool,
-    before: bool,
-    work: Workspace,
-    system: RowArrays,
+@kernel(inline=True, internal=True)
+def _add_direction(
+    row: NDArray[np.float64], width: int, J: NDArray[np.float64], x: float, y: float, z: float
 ) -> None:
-    """Add the derivatives of the part behind a place, of that before it, or of both, to a row."""
-    marker, axis, side = kind.places[p].marker, kind.places[p].axis, kind.places[p].attachment
-    if side < 0:
+    """Add ``c . J`` to a row."""
+    if (
+        x == 0.0 and y == 0.0 and z == 0.0
+    ):  # as derivatives by axes are while ropes run in the planes of sheaves
         return
-    side += 2 * (row // ROWS_A_BLOCK * kind.chains[i].stride)
-    lane = row % ROWS_A_BLOCK
-    g, after = kind.gradient[p], kind.leaving[p]
-    whole = 1.0 if before else 0.0
-    part = (1.0 if behind else 0.0) - whole
+    if width == 6:
+        for k in range(6):
+            row[k] += x * J[0, k] + y * J[1, k] + z * J[2, k]
+        return
+    for k in range(width):
+        row[k] += x * J[0, k] + y * J[1, k] + z * J[2, k]
+
+
+@kernel(internal=True)
+def _add_place(
+    kind: SheavedRopes, p: int, side: int, width: int, part: float, whole: float, work: Workspace
+) -> None:
+    """Add derivatives by a place, those of the part behind it and of both parts with a factor each, to `beyond`."""
+    marker, axis = kind.places[p].marker, kind.places[p].axis
+    g, after, row = kind.gradient[p], kind.leaving[p], kind.beyond[side]
     x = whole * g.centre[0] + part * after.centre[0]
     y = whole * g.centre[1] + part * after.centre[1]
     z = whole * g.centre[2] + part * after.centre[2]
-    add_direction_row(system, side, lane, work, marker, (x, y, z))
+    _add_direction(row, width, work.jacobian[marker], x, y, z)
     if axis >= 0:
         x = whole * g.axis[0] + part * after.axis[0]
         y = whole * g.axis[1] + part * after.axis[1]
         z = whole * g.axis[2] + part * after.axis[2]
-        add_direction_row(system, side, lane, work, axis, (x, y, z))
+        _add_direction(row, width, work.jacobian[axis], x, y, z)
+
+
+@kernel(inline=True, internal=True)
+def _put_beyond(kind: SheavedRopes, i: int, row: int, system: RowArrays) -> None:
+    """Write what lies beyond a place as a row."""
+    lanes, sides, first = system.lanes, kind.table[i].attachments, 2 * kind.table[i].block
+    for side in range(sides):
+        panel, beyond = _panel(kind, system, i, row, side), kind.beyond[side]
+        for k in range(system.attachments[first + side].width):
+            system.panels[panel + k * lanes] = beyond[k]
 
 
 @implement(fill_rows, SheavedRopes)
 @kernel(internal=True)
 def fill_sheaved_rows(kind: SheavedRopes, with_residual: bool, work: Workspace, system: RowArrays) -> None:
-    """The row of the length, then those of the flows without what a winch brings.
-
-    Each place adds to the rows of the two parts that meet there only; sums over all parts beyond are taken of rows.
-    """
+    """The row of the length, then those of the flows without what winches bring, from the last end on."""
     lanes = system.lanes
     for i in range(kind.table.shape[0]):
         length = _find_shares(kind, i, work)
         first_sheave, count = kind.chains[i].first, kind.chains[i].count
-        sides, width_of = kind.table[i].attachments, 2 * kind.table[i].block
-        for row in range(count + 1):
-            for side in range(sides):
-                panel = _panel(kind, system, i, row, side)
-                for k in range(system.attachments[width_of + side].width):
-                    system.panels[panel + k * lanes] = 0.0
-        row = 0
-        for p in range(kind.table[i].first, kind.table[i].first + kind.table[i].places):
-            if row < count and kind.sheaves[first_sheave + row].place == p:
-                _add_part(kind, i, p, row, False, True, work, system)
-                row += 1
-                _add_part(kind, i, p, row, True, False, work, system)
-            else:
-                _add_part(kind, i, p, row, True, True, work, system)
+        sides, block = kind.table[i].attachments, kind.table[i].block
         for side in range(sides):
-            width = system.attachments[width_of + side].width
-            for r in range(count - 1, -1, -1):
-                panel, beyond = _panel(kind, system, i, r, side), _panel(kind, system, i, r + 1, side)
-                for k in range(width):
-                    system.panels[panel + k * lanes] += system.panels[beyond + k * lanes]
-            whole = _panel(kind, system, i, 0, side)
+            for k in range(system.attachments[2 * block + side].width):
+                kind.beyond[side, k] = 0.0
+        row, first = count, kind.table[i].first
+        for p in range(first + kind.table[i].places - 1, first - 1, -1):
+            side = kind.places[p].attachment
+            width = 0
+            if side >= 0:
+                width, side = system.attachments[side].width, side - 2 * block
+            if row > 0 and kind.sheaves[first_sheave + row - 1].place == p:
+                if width > 0:
+                    _add_place(kind, p, side, width, 1.0, 0.0, work)
+                _put_beyond(kind, i, row, system)
+                row -= 1
+                if width > 0:
+                    _add_place(kind, p, side, width, -1.0, 1.0, work)
+            elif width > 0:
+                _add_place(kind, p, side, width, 0.0, 1.0, work)
+        _put_beyond(kind, i, 0, system)
+        for side in range(sides):
+            width, whole = system.attachments[2 * block + side].width, kind.beyond[side]
             for r in range(count):
                 panel, share = _panel(kind, system, i, r + 1, side), kind.sheave_state[first_sheave + r].share
                 for k in range(width):
-                    system.panels[panel + k * lanes] -= share * system.panels[whole + k * lanes]
+                    system.panels[panel + k * lanes] -= share * whole[k]
         if with_residual:
             compare_length(kind, i, length)
-            put_residual(system, kind.table[i].block, length - kind.state[i].rest)
+            put_residual(system, block, length - kind.state[i].rest)
 
 
 @kernel(internal=True)
-def _flow(
-    kind: SheavedRopes, i: int, s: int, hauling: float, velocity: NDArray[np.float64], system: RowArrays
-) -> float:
-    """Speed of the rope over a sheave [m/s] while its winch hauls in at a speed [m/s]."""
-    lanes, lane = system.lanes, kind.sheaves[s].lane
-    first = 2 * kind.sheaves[s].block
-    q = (kind.chains[i].winch_last - kind.sheave_state[s].share) * hauling
-    for side in range(first, first + kind.table[i].attachments):
-        dof, panel = system.attachments[side].dof, system.attachments[side].panel + lane
-        for k in range(system.attachments[side].width):
-            q += system.panels[panel + k * lanes] * velocity[dof + k]
-    return q
+def _find_flows(kind: SheavedRopes, i: int, velocity: NDArray[np.float64], system: RowArrays) -> None:
+    """``G v`` of all rows of a rope."""
+    chain, lanes = kind.chains[i], system.lanes
+    for part in range(chain.count // ROWS_A_BLOCK + 1):
+        out = chain.flow + part * ROWS_A_BLOCK
+        for r in range(ROWS_A_BLOCK):
+            kind.flows[out + r] = 0.0
+        first = 2 * (kind.table[i].block + part * chain.stride)
+        for side in range(first, first + kind.table[i].attachments):
+            dof, panel = system.attachments[side].dof, system.attachments[side].panel
+            width = system.attachments[side].width
+            if width == 6 and lanes == 8:
+                subtract_rigid_rows(EIGHT, kind.flows, out, system.panels, panel, velocity, dof)
+            elif width == 6 and lanes == 4:
+                subtract_rigid_rows(FOUR, kind.flows, out, system.panels, panel, velocity, dof)
+            else:
+                for k in range(width):
+                    for r in range(min(lanes, ROWS_A_BLOCK)):
+                        kind.flows[out + r] -= system.panels[panel + k * lanes + r] * velocity[dof + k]
+
+
+@kernel(inline=True, internal=True)
+def _winched(kind: SheavedRopes, i: int, s: int, hauling: float) -> float:
+    """What winches that haul in with a speed make of the speed over a sheave [m/s]."""
+    return kind.chains[i].last - kind.sheave_state[s].share * hauling
+
+
+@kernel(inline=True, internal=True)
+def _flow(kind: SheavedRopes, i: int, s: int, hauling: float) -> float:
+    """Speed of the rope over a sheave [m/s] while its winches haul in at a speed [m/s], by the flows found."""
+    chain = kind.chains[i]
+    return _winched(kind, i, s, hauling) - kind.flows[chain.flow + 1 + s - chain.first]
 
 
 @kernel(inline=True, internal=True)
 def _hauling(kind: SheavedRopes, i: int, step: float) -> float:
-    """Mean speed of the winch in the step [m/s]."""
+    """Mean speed of the winches in the step [m/s]."""
     return (kind.state[i].rest - kind.state[i].next_rest) / step
 
 
@@ -363,9 +453,8 @@ def _stick(
 ) -> None:
     """A row without flow but for its softness, whose impulse begins with one."""
     row, lane = system.rows[kind.sheaves[s].block], kind.sheaves[s].lane
-    prescribed = (kind.chains[i].winch_last - kind.sheave_state[s].share) * hauling
     row.softness[lane] = softness
-    row.target[lane] = softness * held - prescribed
+    row.target[lane] = softness * held - _winched(kind, i, s, hauling)
 
 
 @kernel(internal=True)
@@ -401,32 +490,46 @@ def _spread_tension(kind: SheavedRopes, i: int, mean: float) -> float:
     Each is linear in the first one, ``T_k = a_k T_1 + b_k``. The largest is returned.
     """
     first, parts = kind.table[i].first, kind.table[i].places - 1
-    s, last = kind.chains[i].first, kind.chains[i].first + kind.chains[i].count
-    start = 0.0
-    for turn in range(2):  # the first one finds T_1
-        a, b = (1.0, 0.0) if turn == 0 else (0.0, start)
-        sum_a = sum_b = total = 0.0
-        j = s
-        for part in range(parts):
-            if part > 0 and j < last and kind.sheaves[j].place == first + part:
-                state = kind.sheave_state[j]
-                if state.acting == 0:
-                    b += state.force
-                else:
-                    ratio = kind.sheaves[j].efficiency
-                    ratio = 1.0 / ratio if state.acting > 0 else ratio
-                    a, b = a * ratio, b * ratio
-                j += 1
-            length = kind.parts[first + part]
-            total += length
-            sum_a += length * a
-            sum_b += length * b
-            kind.tension[first + part] = b
-        start = (mean * total - sum_b) / sum_a if turn == 0 else start
+    j, last = kind.chains[i].first, kind.chains[i].first + kind.chains[i].count
+    a, b = 1.0, 0.0
+    sum_a = sum_b = total = 0.0
+    for part in range(first, first + parts):
+        if part > first and j < last and kind.sheaves[j].place == part:
+            state = kind.sheave_state[j]
+            if state.acting == 0:
+                b += state.force
+            else:
+                ratio = kind.sheaves[j].efficiency
+                ratio = 1.0 / ratio if state.acting > 0 else ratio
+                a, b = a * ratio, b * ratio
+            j += 1
+        length = kind.parts[part]
+        total += length
+        sum_a += length * a
+        sum_b += length * b
+        kind.slope[part], kind.tension[part] = a, b
+    start = (mean * total - sum_b) / sum_a
     largest = 0.0
-    for part in range(parts):
-        largest = max(largest, kind.tension[first + part])
+    for part in range(first, first + parts):
+        kind.tension[part] += start * kind.slope[part]
+        largest = max(largest, kind.tension[part])
     return largest
+
+
+@kernel(internal=True)
+def _haul_last_ends(kind: SheavedRopes, time: float, step: float, at_midpoint: bool) -> None:
+    """Speeds with which last ends haul in: means of a step, or those at a time."""
+    for i in range(kind.table.shape[0]):
+        chain = kind.chains[i]
+        if chain.drum_rows > 0:
+            way, speed = table_state(kind.drums, chain.drum, chain.drum_rows, time)
+            if at_midpoint:
+                speed = (table_state(kind.drums, chain.drum, chain.drum_rows, time + step)[0] - way) / step
+            chain.last = speed
+        else:
+            chain.last = chain.winch_last * (
+                _hauling(kind, i, step) if at_midpoint else kind.state[i].hauling
+            )
 
 
 @implement(set_targets, SheavedRopes)
@@ -439,6 +542,7 @@ def set_sheaved_targets(
     At its end sheaves stick as in the middle, and where the step has turned the flow round.
     """
     set_rope_targets(kind, time, step, at_midpoint, work, system)
+    _haul_last_ends(kind, time, step, at_midpoint)
     if at_midpoint:
         counts = kind.search.counts
         counts.phase = counts.rounds = counts.attempts = 0
@@ -448,6 +552,8 @@ def set_sheaved_targets(
             chain.asked, chain.settling, chain.standing = False, 0, not rope.fresh
             for s in range(chain.first, chain.first + chain.count):
                 chain.standing = chain.standing and kind.sheave_state[s].stuck
+        else:
+            _find_flows(kind, i, work.velocity, system)
         for s in range(chain.first, chain.first + chain.count):
             state = kind.sheave_state[s]
             if at_midpoint:
@@ -460,7 +566,7 @@ def set_sheaved_targets(
                     state.force += 0.5 * (step + work.control.last_step) * state.trend
                 _put_sheave(kind, i, s, step, system)
                 continue
-            state.speed = _flow(kind, i, s, rope.hauling, work.velocity, system)
+            state.speed = _flow(kind, i, s, rope.hauling)
             state.stops = False
             if rope.fresh or rope.stretched <= rope.rest:
                 continue
@@ -504,7 +610,7 @@ def _creep(kind: SheavedRopes, i: int, s: int, step: float, system: RowArrays) -
 
 @kernel(internal=True)
 def _find_others(
-    kind: SheavedRopes, i: int, mean: float, largest: float, step: float, work: Workspace, system: RowArrays
+    kind: SheavedRopes, i: int, mean: float, largest: float, step: float, system: RowArrays
 ) -> int:
     """States that do not contradict tensions and flows; how many are others than those it has."""
     chain, hauling, found = kind.chains[i], _hauling(kind, i, step), 0
@@ -515,7 +621,7 @@ def _find_others(
             creep = _creep(
                 kind, i, s, step, system
             )  # of a row that sticks: so both states agree on what is none
-            flow = _flow(kind, i, s, hauling, work.velocity, system) + creep * (state.held - state.force)
+            flow = _flow(kind, i, s, hauling) + creep * (state.held - state.force)
             if state.branch * flow < -SMALL * creep * largest:
                 state.other = 0
         if state.other != state.branch:
@@ -526,23 +632,33 @@ def _find_others(
 @kernel(internal=True)
 def _fit_friction(kind: SheavedRopes, i: int, largest: float) -> bool:
     """Bring the forces of sheaves that slide nearer to the tensions beside them; whether they did not fit."""
-    chain = kind.chains[i]
-    miss = along = square = 0.0
+    chain, carried = kind.chains[i], kind.chain_state[i]
+    miss = along = square = of_both = of_one = 0.0
     for s in range(chain.first, chain.first + chain.count):
         state, p = kind.sheave_state[s], kind.sheaves[s].place
         if state.branch != 0:
-            F = kind.tension[p] - kind.tension[p - 1] - state.force
+            F, F0 = kind.tension[p] - kind.tension[p - 1] - state.force, state.miss_before
             miss = max(miss, abs(F))
-            along += F * (F - state.miss_before)
-            square += (F - state.miss_before) ** 2
+            along += F * (F - F0)
+            square += (F - F0) ** 2
+            of_both += F * F0
+            of_one += F * F
+    if chain.settling == 1 and chain.miss > (TELLING * largest) ** 2:
+        left = of_both / chain.miss
+        answer = left + carried.answer * (1.0 - left)
+        carried.answer = answer if abs(answer) < LARGEST_ANSWER else 0.0
     if miss <= SETTLED * largest:
         return False
-    theta = along / square if chain.settling > 0 and square > 0.0 else 0.0
+    theta, scale = 0.0, 1.0
+    if chain.settling > 0:
+        theta = along / square if square > 0.0 else 0.0
+    else:
+        scale, chain.miss = 1.0 / (1.0 - carried.answer), of_one
     for s in range(chain.first, chain.first + chain.count):
         state, p = kind.sheave_state[s], kind.sheaves[s].place
         if state.branch != 0:
             x, F = state.force, kind.tension[p] - kind.tension[p - 1] - state.force
-            state.force = x + F - theta * (x - state.force_before + F - state.miss_before)
+            state.force = x + scale * F - theta * (x - state.force_before + F - state.miss_before)
             state.force_before, state.miss_before = x, F
     chain.settling += 1
     return True
@@ -578,9 +694,11 @@ def _measure_base(kind: SheavedRopes, step: float, work: Workspace, system: RowA
     """Once flows stay as they are, so all other laws fit, take them down and push the first sheave."""
     search, moved, largest = kind.search, 0.0, 0.0
     counts = search.counts
+    for i in range(kind.table.shape[0]):
+        _find_flows(kind, i, work.velocity, system)
     for k in range(counts.sheaves):
         i, s = search.rope[k], search.number[k]
-        q = _flow(kind, i, s, _hauling(kind, i, step), work.velocity, system)
+        q = _flow(kind, i, s, _hauling(kind, i, step))
         moved, largest = max(moved, abs(q - search.flow[k])), max(largest, abs(q))
         search.flow[k] = q
     counts.rounds += 1
@@ -613,9 +731,11 @@ def _measure_response(kind: SheavedRopes, step: float, work: Workspace, system: 
     counts = search.counts
     k = counts.pushed
     per_force = 1.0 / search.push[k]
+    for i in range(kind.table.shape[0]):
+        _find_flows(kind, i, work.velocity, system)
     for j in range(counts.sheaves):
         i = search.rope[j]
-        q = _flow(kind, i, search.number[j], _hauling(kind, i, step), work.velocity, system)
+        q = _flow(kind, i, search.number[j], _hauling(kind, i, step))
         search.response[j, k] = per_force * (q - search.flow[j])
     for i in range(kind.table.shape[0]):
         search.stiffness[i, k] = per_force * (_mean_tension(kind, i, step, system) - search.tension[i])
@@ -643,12 +763,13 @@ def _judge_states(kind: SheavedRopes, step: float, work: Workspace, system: RowA
     count = 0
     for i in range(kind.table.shape[0]):
         chain = kind.chains[i]
-        _, mean, _, _, _ = midpoint_tension(kind, i, midpoint_rate(kind, i, work, system), step)
+        _find_flows(kind, i, work.velocity, system)
+        _, mean, _, _, _ = midpoint_tension(kind, i, -kind.flows[chain.flow], step)
         for s in range(chain.first, chain.first + chain.count):
             if kind.sheave_state[s].branch == 0:
                 kind.sheave_state[s].force = -2.0 / step * _impulse(kind, s, system)
         chain.largest = _find_tensions(kind, i, mean)
-        others = _find_others(kind, i, mean, chain.largest, step, work, system)
+        others = _find_others(kind, i, mean, chain.largest, step, system)
         chain.asked = chain.asked or others > 0
         count += others
     return count
@@ -663,7 +784,7 @@ def _change_one(kind: SheavedRopes, step: float, work: Workspace, system: RowArr
             state = kind.sheave_state[s]
             if state.other != state.branch:
                 state.branch, chain.settling = state.other, 0
-                _, mean, _, _, _ = midpoint_tension(kind, i, midpoint_rate(kind, i, work, system), step)
+                _, mean, _, _, _ = midpoint_tension(kind, i, -kind.flows[chain.flow], step)
                 chain.largest = _find_tensions(kind, i, mean)
                 _put_sheave(kind, i, s, step, system)
                 work.control.changed += 1
@@ -726,14 +847,15 @@ def update_sheaved_ropes(
     """Carry the stretch over the step; works of winch, damper and friction."""
     for i in range(kind.table.shape[0]):
         chain, hauling = kind.chains[i], _hauling(kind, i, step)
+        _find_flows(kind, i, work.velocity, system)
         for s in range(chain.first, chain.first + chain.count):
             state = kind.sheave_state[s]
             state.force = -2.0 / step * _impulse(kind, s, system)
             change = 0.0 if kind.state[i].fresh else state.force - state.held
             state.trend = 2.0 / (step + work.control.last_step) * change
             state.held, state.stuck = state.force, state.branch == 0
-            state.loss += step * state.force * _flow(kind, i, s, hauling, work.velocity, system)
-            state.work += step * state.force * (chain.winch_last - state.share) * hauling
+            state.loss += step * state.force * _flow(kind, i, s, hauling)
+            state.work += step * state.force * _winched(kind, i, s, hauling)
     update_ropes(kind, time, step, work, system)
 
 
@@ -775,14 +897,15 @@ def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) 
     """Tensions at the end of the step; what its projection took from those that stick."""
     for i in range(kind.table.shape[0]):
         chain, rope = kind.chains[i], kind.state[i]
+        _find_flows(kind, i, work.velocity, system)
         for s in range(chain.first, chain.first + chain.count):
             state, P = kind.sheave_state[s], _impulse(kind, s, system)
             before = state.speed
             if state.stops:
                 state.branch, state.stops = 0, False
-            state.speed = _flow(kind, i, s, rope.hauling, work.velocity, system)
+            state.speed = _flow(kind, i, s, rope.hauling)
             state.loss -= 0.5 * P * (before + state.speed)
-            state.work -= P * (chain.winch_last - state.share) * rope.hauling
+            state.work -= P * _winched(kind, i, s, rope.hauling)
         rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         rope.tension = end_tension(kind, i, rope.hauling, rate)
         note_value(rope.extremes, work.control.interval, _end_tensions(kind, i, rope.tension))

@@ -101,6 +101,7 @@ __all__ = [
     "show_pulls",
     "start_length",
     "stiffness_of",
+    "table_state",
     "update_ropes",
     "watch_stretch",
     "winch_state",
@@ -132,6 +133,8 @@ class Rope:
     """Tension per rate of elongation [N s/m], while it is taut."""
     winch: Winch | None = None
     """How its length changes."""
+    other_winch: Winch | None = None
+    """A second winch, at the end that `winch` leaves; both have `speeds`."""
 
     @staticmethod
     def check(said: Any) -> None:
@@ -151,13 +154,18 @@ class Rope:
                 raise InputError(
                     "a pulley at an end", key=f"path.{place}.radius", expected="ends without 'radius'"
                 )
-            if said.path[place].efficiency < 1.0:
-                raise InputError(
-                    "an efficiency at an end",
-                    key=f"path.{place}.efficiency",
-                    expected="'efficiency' of places between the ends, over which the rope runs",
-                )
+            for key, rubs in (
+                ("efficiency", said.path[place].efficiency < 1.0),
+                ("friction", said.path[place].friction > 0.0),
+            ):
+                if rubs:
+                    raise InputError(
+                        f"an {key} at an end" if key == "efficiency" else f"{key} at an end",
+                        key=f"path.{place}.{key}",
+                        expected=f"{key!r} of places between the ends, over which the rope runs",
+                    )
         check_path(said.path)
+        _check_other_winch(said)
         if controlled(said) and rubbing_places(said):
             raise InputError(
                 "a winch that answers to the tension, on a rope over places with an efficiency",
@@ -225,6 +233,31 @@ class SpringRope:
         check_path(said.path)
 
 
+def _check_other_winch(said: Any) -> None:
+    """Two winches are at two ends, and each says by itself how fast it hauls in."""
+    if said.other_winch is None:
+        return
+    if said.winch is None:
+        raise InputError(
+            "'other_winch' without 'winch'", key="other_winch", expected="'winch' of a single one"
+        )
+    if said.winch.end == "both":
+        raise InputError(
+            "a second winch beside drums at both ends", key="winch.end", expected="end = 'first' or 'last'"
+        )
+    for key, winch in (("winch", said.winch), ("other_winch", said.other_winch)):
+        for told in ("lengths", "tensions", "follow", "brake"):
+            value = getattr(winch, told)
+            if value is not None and (isinstance(value, str | float) or len(value)):
+                raise InputError(f"{told!r} of one of two winches", key=f"{key}.{told}", expected="'speeds'")
+    if said.other_winch.end != "first":
+        raise InputError(
+            f"end = {said.other_winch.end!r}",
+            key="other_winch.end",
+            expected="none: it is at the end that 'winch' leaves",
+        )
+
+
 class RopeEntry(Record):
     """A rope.
 
@@ -237,7 +270,7 @@ class RopeEntry(Record):
     first, places
         Its first place, and how many.
     winch, winch_rows
-        First row of its winch, and how many.
+        First row of its winch, of two of both together, and how many.
     column
         First record column.
     shown
@@ -406,22 +439,19 @@ def start_length(path: Records[RopePlace]) -> float:
 
 
 @kernel(internal=True)
-def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
-    """Length hauled in since t = 0 [m] and speed [m/s]; exact for speeds that are linear or quadratic in between."""
-    first, count = kind.table[i].winch, kind.table[i].winch_rows
-    if count == 0:
-        return 0.0, 0.0
+def table_state(rows: Records[WinchRow], first: int, count: int, time: float) -> tuple[float, float]:
+    """Length hauled in since t = 0 [m] and speed [m/s] by some rows; exact for speeds that are linear or quadratic."""
     low, high = first - 1, first + count
     while high - low > 1:
         middle = (low + high) // 2
-        if kind.winches[middle].time <= time:
+        if rows[middle].time <= time:
             low = middle
         else:
             high = middle
     if low < first or high == first + count:  # held at its ends
-        end = kind.winches[max(low, first)]
+        end = rows[max(low, first)]
         return end.hauled + end.speed * (time - end.time), end.speed
-    a, b = kind.winches[low], kind.winches[high]
+    a, b = rows[low], rows[high]
     t = time - a.time
     slope = (b.speed - a.speed) / (b.time - a.time)
     if a.jerk != 0.0:
@@ -429,6 +459,14 @@ def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
         speed = a.speed + t * (slope + 0.5 * a.jerk * t)
         return a.hauled + t * (a.speed + t * (0.5 * slope + a.jerk * t / 6.0)), speed
     return a.hauled + t * (a.speed + 0.5 * slope * t), a.speed + slope * t
+
+
+@kernel(inline=True, internal=True)
+def winch_state(kind: Ropes, i: int, time: float) -> tuple[float, float]:
+    """Length that the winches of a rope have hauled in since t = 0 [m], and their speed [m/s]."""
+    if kind.table[i].winch_rows == 0:
+        return 0.0, 0.0
+    return table_state(kind.winches, kind.table[i].winch, kind.table[i].winch_rows, time)
 
 
 @kernel(inline=True, internal=True)

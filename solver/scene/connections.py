@@ -418,10 +418,13 @@ class RopePoint:
     efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
     """Of a pulley or an eye, the smaller over the larger tension of the rope on its two sides while it runs; at rest
     any ratio from this to its inverse holds it. 0.98 of sheaves on roller bearings, 0.96 on plain ones."""
+    friction: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 0.0
+    """In place of `efficiency`, of a sheave that does not turn, or a yoke: coefficient of friction of the rope that
+    slips over it, of steel 0.1 to 0.2. The efficiency is ``exp(-friction wrap)``, with the wrap as it is."""
 
     @staticmethod
     def check(said: Any) -> None:
-        """A pulley has an axis, an eye has none."""
+        """A pulley has an axis, an eye has none; friction needs a wrap, and says the efficiency."""
         if said.radius > 0.0 and said.axis is None:
             raise InputError(
                 "a pulley without 'axis'", key="axis", expected="the direction about which the rope turns"
@@ -429,6 +432,16 @@ class RopePoint:
         if said.radius == 0.0 and said.axis is not None:
             raise InputError(
                 "'axis' without 'radius'", key="axis", expected="'radius' and 'axis' of a pulley, or neither"
+            )
+        if said.friction > 0.0 and said.radius == 0.0:
+            raise InputError(
+                "'friction' without 'radius'", key="friction", expected="'radius' and 'axis', or 'efficiency'"
+            )
+        if said.friction > 0.0 and said.efficiency < 1.0:
+            raise InputError(
+                "both 'friction' and 'efficiency'",
+                key="friction",
+                expected="one of them: it follows from friction",
             )
 
 
@@ -472,8 +485,9 @@ class Winch:
     fastest: Annotated[float | None, Positive("velocity")] = None
     """What it can do [m/s]: it is not to be told, here or in a scenario, to haul in or to pay out faster; a brake that
     slips does."""
-    end: Literal["first", "last"] = "first"
-    """End of the path with the drum: where sheaves have an efficiency, the rope runs over them from or to there."""
+    end: Literal["first", "last", "both"] = "first"
+    """End of the path with the drum: where sheaves have an efficiency, the rope runs over them from or to there. Of
+    drums at both ends each hauls in half."""
 
     @staticmethod
     def check(said: Any) -> None:
@@ -586,7 +600,11 @@ def controlled(rope: Any) -> bool:
 
 def rubbing_places(rope: Any) -> list[int]:
     """Numbers in the path of a rope, from 1 on, of the places with an efficiency below 1."""
-    return [number + 1 for number, stop in enumerate(getattr(rope, "path", ())) if stop.efficiency < 1.0]
+    return [
+        number + 1
+        for number, stop in enumerate(getattr(rope, "path", ()))
+        if stop.efficiency < 1.0 or stop.friction > 0.0
+    ]
 
 
 def check_path(path: Sequence[Any]) -> None:

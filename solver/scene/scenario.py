@@ -674,6 +674,8 @@ class _Checker:
         word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
         place = f"{key}.{word}"
         rope = self.rope(action.rope, place)
+        if word == "winch":
+            self._has_one_winch(rope, place)
         if isinstance(action, Release):
             if action.rope in self.loose:
                 raise InputError(
@@ -692,6 +694,14 @@ class _Checker:
             self._control(action, rope, key)
         else:
             self._move(action, rope, key)
+
+    @staticmethod
+    def _has_one_winch(rope: Any, key: str) -> None:
+        """What is told to a winch, or followed, is not the sum of two."""
+        if rope.other_winch is not None:
+            raise InputError(
+                f"{rope.name!r} has two winches", key=key, expected="a rope without 'other_winch'"
+            )
 
     def _drive(self, action: DriveSpeed | DriveTo, key: str) -> None:
         """A drive that is there, and is a table alone."""
@@ -788,7 +798,7 @@ class _Checker:
         name = action.rope
         self._is_off(name, key)
         if isinstance(action, WinchFollow):
-            self.rope(action.leader, f"{key}.follow")
+            self._has_one_winch(self.rope(action.leader, f"{key}.follow"), f"{key}.follow")
             if name == action.leader:
                 raise InputError(f"{name!r} follows itself", key=f"{key}.follow", expected="another rope")
             if action.leader in self.followed:

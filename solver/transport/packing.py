@@ -98,7 +98,7 @@ def pack_transporters(
     _refuse_soft_decks(scene)
     corners, grids, deck_places = corner_table(decks)
     made_decks = [
-        (*_deck_markers(deck, book), *place, *deck.borders[2:])
+        (*_deck_markers(deck, book), *place, *deck.borders)
         for deck, place in zip(decks, deck_places, strict=True)
     ]
     vehicles: list[tuple[Any, ...]] = []

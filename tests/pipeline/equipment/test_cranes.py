@@ -124,6 +124,62 @@ def test_two_drums_haul_in_together(tmp_path):
     assert float(results["hook_rope.tension"].ravel()[0]) == pytest.approx(25e3 * G, rel=1e-5)
 
 
+def test_two_drums_haul_over_sheaves_that_rub(tmp_path):
+    """Each carries half: parts from a drum to the middle have eta, eta^2 of its tension; the middle sheave rests."""
+    eta = 0.95
+    more = TWO_DRUMS + f"efficiency = {eta}\nmoves = [{{ start = 0.5, distance = 1, speed = 0.1, ramp = 2 }}]"
+    text = FALLS.format(parts=4, mass=100e3, more=more, duration=9)
+    results = run(tmp_path / "drums", text.replace("256.5e6", "256.5e6, damping = 2e5"))
+    tensions = results["hook_rope.segment_tension"][60]  # it hoists with a constant speed
+    np.testing.assert_allclose(tensions / tensions[0], [1, eta, eta**2, eta**2, eta, 1], rtol=1e-5)
+    assert tensions[0] == pytest.approx(100e3 * G / (2.0 * (eta + eta**2)), rel=1e-3)
+    speeds = results["hook_rope.sheave_speed"][60]
+    np.testing.assert_allclose(speeds, [-0.2, -0.1, 0.0, 0.1, 0.2], atol=2e-4)
+
+
+HAULED = """
+title = "A rope over a yoke and a sheave, with two winches"
+
+[gravity]
+acceleration = [0, 0, -9.81]
+
+[bodies.load]
+type = "rigid"
+mass = "2 t"
+inertia = [1e3, 1e3, 1e3]
+frame = { motion = "free" }
+initial = { position = [0.6, 0, 0] }
+
+[[ropes]]
+name = "rope"
+axial_stiffness = "100 MN"
+damping = "100 kN s/m"
+tension = "9.81 kN"
+path = [
+    { body = "ground", point = [-6, 0, 10.3] },
+    { body = "ground", point = [0, 0, 10], radius = 0.3, axis = [0, 1, 0], friction = 0.15 },
+    { body = "load", point = [0, 0, 0], radius = 0.3, axis = [0, -1, 0], efficiency = 0.96 },
+    { body = "ground", point = [0.9, 0, 10] },
+]
+winch = { times = [0, 1], speeds = [0, 0.2] }
+other_winch = { times = [0, 1], speeds = [0, 0.05] }
+
+[simulate]
+step = 0.01
+output_interval = 0.1
+duration = 4
+"""
+
+
+def test_two_winches_and_a_yoke_in_a_case(tmp_path):
+    results = run(tmp_path / "rope", HAULED)
+    lead, first, second = results["rope.segment_tension"][-1]
+    assert first / second == pytest.approx(1.0 / 0.96, rel=1e-9)  # the slower winch at the last end gives way
+    assert lead / first == pytest.approx(math.exp(0.15 * math.pi / 2), rel=1e-6)
+    assert first + second == pytest.approx(2e3 * G, rel=1e-5)
+    assert results["load.velocity"][-1][2] == pytest.approx(0.125, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [
@@ -143,14 +199,6 @@ def test_two_drums_haul_in_together(tmp_path):
             ("block =", 'drum = { body = "ground", point = [6, 0, 40] }\nblock ='),
             "falls.0.drum.point",
             "6 m from the crown along 'along'",
-        ),
-        (
-            (
-                "block =",
-                TWO_DRUMS + "efficiency = 0.98\nblock =",
-            ),
-            "falls.0.efficiency",
-            "two drums",
         ),
         (
             (
@@ -257,3 +305,28 @@ def test_errors_of_a_crane_stand_at_its_keys(change, key, words, tmp_path):
     lines = str(refused.value).splitlines()
     assert f"{key}" in lines[0]
     assert words in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            ("friction = 0.15", "friction = 0.15, efficiency = 0.9"),
+            "path.1.friction: both 'friction' and 'efficiency'",
+        ),
+        (("10.3] }", "10.3], efficiency = 0.9 }"), "path.0.efficiency: an efficiency at an end"),
+        (
+            ("[0.9, 0, 10] }", "[0.9, 0, 10], friction = 0.1 }"),
+            "path.3.friction: 'friction' without 'radius'",
+        ),
+        (("\nwinch =", "\n#"), "other_winch: 'other_winch' without 'winch'"),
+        (("speeds = [0, 0.05]", "lengths = [9, 8]"), "other_winch.lengths: 'lengths' of one of two winches"),
+    ],
+)
+def test_one_error_with_the_key_of_the_rope(change, words, tmp_path):
+    assert change[0] in HAULED
+    (tmp_path / "case.toml").write_text(HAULED.replace(*change))
+    with pytest.raises(InputError) as refused:
+        load_case(tmp_path)
+    (line,) = str(refused.value).splitlines()
+    assert f"ropes.0.{words}" in line

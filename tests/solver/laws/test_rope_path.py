@@ -120,6 +120,23 @@ def test_gradient_by_differences(seed: int) -> None:
         assert difference(change) == pytest.approx(np.sum(gradient * change[:, :6]), rel=1e-7, abs=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_parallel_axes_are_the_limit_of_those_that_are_not(seed: int) -> None:
+    """Pulleys with one axis, beside each other and of either sense: as with a tilt of 1e-12, by the general way."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(4, 8))
+    places = np.zeros((count, 7))
+    places[:, :3] = rng.normal(size=(count, 3)) + np.arange(count)[:, None] * np.array([5.0, 0.0, 0.0])
+    axis = rng.normal(size=3) * np.array([0.1, 1.0, 1.0])  # neighbours are outside of each other
+    places[:, 3:6] = axis / np.linalg.norm(axis) * rng.choice([-1.0, 1.0], count)[:, None]
+    places[1:-1, 6] = rng.uniform(0.1, 0.6, count - 2)
+    tilted = places.copy()
+    tilted[::2, 3:6] += 1e-12 * rng.normal(size=(len(tilted[::2]), 3))
+    found = [length_and_gradient(path, np.full(count, START_WRAP)) for path in (places, tilted)]
+    assert found[0][0] == pytest.approx(found[1][0], rel=1e-11)
+    np.testing.assert_allclose(found[0][1], found[1][1], atol=1e-10)
+
+
 def test_wrap_is_continuous_through_full_turns() -> None:
     """An end that circles the pulley winds the rope up: r times the angle."""
     r, R = 0.5, 3.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 from typing import Any
 
@@ -162,6 +163,146 @@ def test_a_fall_that_stops_keeps_its_tensions() -> None:
     assert np.abs(result["rope.sheave_speed"][-1]).max() < 1e-9
 
 
+W = 1e5 * G
+
+
+def two_drums(eta: float, winch: Winch, other: Winch | None) -> Scene:
+    """A hook on a guide that hangs in four parts of a rope with a drum at both ends, each behind a sheave."""
+    r, height = 0.3, 20.0
+    stops = [eye(GROUND, (0, 0, -5.0))]
+    for i in range(5):
+        upper = i % 2 == 0
+        place = (GROUND, (r * (2 * i + 1), 0, height)) if upper else ("block", (r * (2 * i + 1), 0, 0))
+        stops.append(rubbing(pulley(*place, r, 1.0 if upper else -1.0), eta))
+    stops.append(eye(GROUND, (10 * r, 0, -5.0)))
+    rope = wire(*stops, stiffness=1e9, damping=1e6, winch=winch, other_winch=other, tension=0.25 * W)
+    return Scene((body("block", 1e5, (0, 0, 0)),), (DOWN,), (), (slider((0, 0, 1)),), (rope,))
+
+
+def hauls(speed: float, **more: Any) -> Winch:
+    return Winch(np.array([0.0, 1.0]), np.array([0.0, speed]), **more)
+
+
+@pytest.mark.parametrize("eta", [0.98, 0.9])
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize(("v1", "v2"), [(0.25, 0.1), (-0.25, -0.1), (0.1, -0.02), (0.0, 0.1)])
+def test_two_drums_share_a_fall(eta: float, swapped: bool, v1: float, v2: float) -> None:
+    """Each part shortens by (v1 + v2)/4, so the speed over each sheave is known, and with its sense the ratio there."""
+    winches = (hauls(v1), hauls(v2)) if not swapped else (hauls(v2, end="last"), hauls(v1))
+    result = run(two_drums(eta, *winches), 1e-2, 6.0)
+    speeds = -v1 + np.arange(5) * (v1 + v2) / 4
+    ratio = eta ** -np.sign(speeds)
+    found = result["rope.segment_tension"][-1]
+    sliding = np.abs(speeds) > 0.0
+    assert np.all(sliding[1:])
+    tension = np.cumprod(np.append(1.0, ratio[1:]))
+    # where a sheave sticks the mean tension goes on changing, and records are of the ends of steps
+    exact = 1e-6 if sliding.all() else 1e-5
+    np.testing.assert_allclose(found[1:], tension * W / tension[:4].sum(), rtol=exact)
+    np.testing.assert_allclose((found[1:] / found[:-1])[sliding], ratio[sliding], rtol=1e-9)
+    assert (
+        eta * (1.0 - 1e-9) < found[1] / found[0] < (1.0 + 1e-9) / eta
+    )  # a drum that stands may hold any of these
+    strain = found.max() / 1e9
+    np.testing.assert_allclose(result["rope.sheave_speed"][-1], speeds, atol=strain * np.abs(speeds).max())
+    assert result["block.velocity"][-1, 2] == pytest.approx((v1 + v2) / 4, rel=strain)
+    # each winch works against the tension of its own end
+    tail = result.times > 5.0
+    power = np.polyfit(result.times[tail], result["energy.drive_work"][tail], 1)[0]
+    stored = 0.5 * found.mean() ** 2 / 1e9  # of a metre that comes in with its elongation
+    assert power == pytest.approx(found[0] * v1 + found[-1] * v2 + stored * (v1 + v2), rel=2e-5)
+    lost = np.polyfit(result.times[tail], result["energy.dissipated"][tail], 1)[0]
+    assert lost == pytest.approx(np.sum(np.diff(found) * result["rope.sheave_speed"][-1]), rel=1e-5)
+    after_start = result["energy.balance"][50:]
+    assert np.ptp(after_start) < 1e-9 * np.ptp(result["energy.drive_work"][50:])
+
+
+def test_a_rope_runs_through_while_its_load_stands_still() -> None:
+    """One drum gives what the other takes: all that the winches bring is lost at the sheaves."""
+    eta, v = 0.95, 0.2
+    result = run(two_drums(eta, hauls(-v), hauls(v)), 1e-2, 3.0)
+    tension = eta ** -np.arange(6.0)
+    tension *= W / tension[1:5].sum()
+    np.testing.assert_allclose(result["rope.segment_tension"][-1], tension, rtol=1e-6)
+    assert abs(result["block.velocity"][-1, 2]) < 1e-9
+    tail = result.times > 2.0
+    work, lost = (
+        np.polyfit(result.times[tail], result[f"energy.{name}"][tail], 1)[0]
+        for name in ("drive_work", "dissipated")
+    )
+    assert work == pytest.approx((tension[-1] - tension[0]) * v, rel=1e-6)
+    assert lost == pytest.approx(work, rel=1e-9)
+    after_start = result["energy.balance"][50:]
+    assert np.ptp(after_start) < 1e-9 * np.ptp(result["energy.dissipated"][50:])
+
+
+def test_drums_at_both_ends_are_two_winches_of_half_the_speed() -> None:
+    both = run(two_drums(0.95, hauls(0.4, end="both"), None), 1e-2, 2.0)
+    two = run(two_drums(0.95, hauls(0.2), hauls(0.2)), 1e-2, 2.0)
+    np.testing.assert_allclose(both.records, two.records, rtol=1e-7, atol=1e-6)
+
+
+def test_two_winches_without_friction_are_one() -> None:
+    """The same bits, where the sums of their speeds and lengths are exact."""
+    two = run(two_drums(1.0, hauls(0.25), hauls(0.5)), 1e-2, 2.0)
+    one = run(two_drums(1.0, hauls(0.75), None), 1e-2, 2.0)
+    np.testing.assert_array_equal(two.records, one.records)
+
+
+@pytest.mark.parametrize("eta", [1.0, 0.95])
+def test_two_winches_take_the_sum_of_what_each_takes(eta: float) -> None:
+    """Planned moves with jerk that begin at other times."""
+    smooth = Winch(np.array([0.1, 1.4]), np.array([0.2, 0.0]), acceleration=0.5, jerk=2.0)
+    linear = Winch(np.array([-1.0, 0.7, 1.1]), np.array([0.05, -0.1, 0.03]))
+    hauled = []
+    for winches in ((smooth, None), (linear, None), (smooth, linear), (linear, smooth)):
+        length = run(two_drums(eta, *winches), 1e-2, 2.5)["rope.rest_length"]
+        hauled.append(length[0] - length)
+    np.testing.assert_allclose(hauled[2], hauled[0] + hauled[1], atol=1e-12)
+    np.testing.assert_allclose(hauled[3], hauled[2], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("winches", "key"),
+    [
+        ((None, hauls(0.1)), "other_winch"),
+        ((hauls(0.1, end="both"), hauls(0.1)), "winch.end"),
+        ((Winch(np.array([0.0, 1.0]), lengths=np.array([90.0, 80.0])), hauls(0.1)), "winch.lengths"),
+        ((hauls(0.1), Winch(brake=1e5)), "other_winch.brake"),
+        ((hauls(0.1), hauls(0.1, end="last")), "other_winch.end"),
+    ],
+)
+def test_two_winches_that_make_no_sense(winches: Any, key: str) -> None:
+    with pytest.raises(InputError) as refused:
+        Simulation(two_drums(0.95, *winches), 1e-2, "dele2")
+    assert refused.value.key.endswith(key)
+
+
+@pytest.mark.parametrize("speed", [0.1, -0.1])
+def test_a_rope_slips_over_a_yoke(speed: float) -> None:
+    """Capstan: ``T_1 = W exp(+-mu wrap)``, here over a quarter of a turn (Euler, 1769)."""
+    mu, r = 0.12, 0.3
+    path = (
+        eye(GROUND, (-8.0, 0, r)),
+        dataclasses.replace(pulley(GROUND, (0, 0, 0), r), friction=mu),
+        eye("load"),
+    )
+    load = body("load", 1000.0, (r, 0, -4.0))
+    result = run(
+        scene(
+            [load], ropes=[wire(*path, stiffness=1e8, damping=1e5, winch=hauls(speed), tension=1000.0 * G)]
+        ),
+        1e-3,
+        3.0,
+    )
+    tension = result["rope.segment_tension"][-1]
+    assert tension[1] == pytest.approx(1000.0 * G, rel=1e-6)
+    assert tension[0] / tension[1] == pytest.approx(
+        math.exp(math.copysign(mu, speed) * math.pi / 2), rel=1e-9
+    )
+    assert result.balance < 1e-9 * result["energy.dissipated"][-1]
+
+
 def test_slack_and_taut_again() -> None:
     """A box that is thrown up lets the rope go slack on its sheaves and falls into it: nothing is lost unbooked."""
     path = (eye(GROUND, (-0.6, 0, -5.0)), rubbing(pulley(GROUND, (0, 0, 0), 0.3), 0.9), eye("load"))
@@ -181,7 +322,11 @@ def test_what_an_efficiency_cannot_serve_is_refused(place: int, integrator: str)
         Simulation(scene([body("load", 1.0, (2, 0, 0))], ropes=[rope]), 1e-2, integrator)
 
 
-@pytest.mark.parametrize("made", [pulleys(0.96), fall(8, 0.95, 0.05, "first")], ids=["pulleys", "fall"])
+@pytest.mark.parametrize(
+    "made",
+    [pulleys(0.96), fall(8, 0.95, 0.05, "first"), two_drums(0.95, hauls(0.2), hauls(-0.05))],
+    ids=["pulleys", "fall", "two drums"],
+)
 def test_a_run_goes_on_where_it_was(made: Scene) -> None:
     """A checkpoint has all that friction remembers: the same bits."""
     first, second = (Simulation(made, 1e-3, "dele2") for _ in range(2))

@@ -26,6 +26,7 @@ from heavylift.solver.scene.scenario import (
     Scenario,
     Signal,
     Term,
+    WinchFollow,
     WinchLength,
     WinchSpeed,
     loose_ropes,
@@ -540,6 +541,17 @@ def test_a_winch_of_a_rope_over_sheaves_with_an_efficiency_is_told() -> None:
     np.testing.assert_allclose(found["load.position"], expected["load.position"], atol=1e-9)
     parts = found["rope.segment_tension"][-1]
     assert parts[1] / parts[0] == pytest.approx(0.95, rel=1e-6)
+
+
+@pytest.mark.parametrize("action", [WinchSpeed("rope", 0.2), WinchFollow("rubbing", "rope")])
+def test_a_rope_with_two_winches_is_not_told(action: Any) -> None:
+    told = beside(Phase("hoist", (action,)), others=("rubbing",))
+    still = Winch(np.array([0.0]), np.array([0.0]))
+    ropes = tuple(
+        replace(rope, winch=still, other_winch=still) if rope.name == "rope" else rope for rope in told.ropes
+    )
+    with pytest.raises(InputError, match="'rope' has two winches"):
+        Simulation(replace(told, ropes=ropes), 1e-3)
 
 
 def test_equalized_lines_have_no_winch() -> None:
