@@ -53,6 +53,26 @@ def test_a_transporter_is_judged_by_what_it_tells_and_records(tmp_path) -> None:
     assert json.dumps([row.row() for row in rows])
 
 
+def test_tyres_that_slide_fail(tmp_path) -> None:
+    """Friction of 0.025 on a cant of 0.02, and brakes and drives: all of it is used as it starts, never more."""
+    text = (
+        CASE.with_name("case.toml")
+        .parent.with_name("spmt_tyres")
+        .joinpath("case.toml")
+        .read_text(encoding="utf-8")
+    )
+    text = (
+        text.partition("[[check]]")[0].replace('"130 s"', '"12 s"').replace('pause = "60 s"', 'pause = "5 s"')
+    )
+    (tmp_path / "case.toml").write_text(text.replace("friction = 0.3", "friction = 0.0205"), encoding="utf-8")
+    case = load_case(tmp_path)
+    run = run_case(case, stages=["simulate"])
+    assert run.outcome is Outcome.COMPLETED
+    (row,) = (row for row in evaluate_criteria(case, tmp_path / "out") if "friction allows" in row.what)
+    assert row.value == pytest.approx(1.0, abs=1e-9)
+    assert not row.passed
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
