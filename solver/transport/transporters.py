@@ -71,7 +71,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg, Tyres
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height, grid_height
 
@@ -133,6 +133,9 @@ DRIVE_CHANNELS = (
 NEGLIGIBLE = 4e-15
 """Relative change of a pressure that ends its iteration: what the sum over a group is rounded by."""
 
+INCLINE_WAY = 1e-3
+"""To both sides, within which the slope under a wheel is taken [m]; farther if it rolls farther in a step."""
+
 
 def _forward() -> NDArray[np.float64]:
     return np.array([1.0, 0.0, 0.0])
@@ -182,7 +185,8 @@ class Transporter:
         ChannelKind(
             "traction_used_max",
             "number",
-            "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record",
+            "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record; "
+            "with `tyres` of any bogie, with its side force",
             None,
         ),
         ChannelKind(
@@ -197,6 +201,13 @@ class Transporter:
             "at rest, over what its brakes hold, largest since the last record",
             None,
         ),
+        ChannelKind(
+            "side_force",
+            "force",
+            "of the tyres of each bogie, to the left of its wheels, in the last step",
+            None,
+        ),
+        ChannelKind("slip_angle", "angle", "of each bogie: its velocity is left of its wheels by that", None),
         ChannelKind("levelled", "length", "by which levelling has lifted the bogies of each group", None),
     )
     """What it records, in the order of its columns."""
@@ -237,6 +248,9 @@ class Transporter:
     """Largest steering angle of a bogie to both sides [rad]."""
     drive: Drive | None = None
     """Motors and brakes; with a path."""
+    tyres: Tyres | None = None
+    """With a path and a drive: side slip of its tyres. They hold the vehicle, which then leaves the path as far as they
+    slip; absent, it follows its path whatever it takes."""
     levelling: Levelling | None = None
     """What keeps it level; it stays as it is pumped if absent."""
     accept_unstable: bool = False
@@ -256,6 +270,12 @@ class Transporter:
         if said.drive is not None and not said.legs:
             raise InputError(
                 "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
+            )
+        if said.tyres is not None and (said.drive is None or not said.legs):
+            raise InputError(
+                f"'tyres' without {'legs' if not said.legs else 'a drive'!r}",
+                key="tyres",
+                expected="'legs' along which it is steered, and a 'drive' with friction and brakes",
             )
         if said.levelling is not None and any(group.constant_force for group in said.groups):
             raise InputError(
@@ -281,6 +301,8 @@ class Transporter:
             **of_drive,
             "steering": wheels,
             "rolling_speed": wheels,
+            "side_force": bogies if self.tyres else (),
+            "slip_angle": bogies if self.tyres else (),
             "group_force": tuple(group.name for group in self.groups),
             "levelled": tuple(group.name for group in self.groups) if self.levelling else (),
             "wheel_load": bogies,
@@ -332,6 +354,8 @@ class VehicleData(Record):
         Of a bogie [N].
     driven, speed
         Whether its wheels travel by themselves, and how fast [m/s].
+    tyred
+        Whether it has tyres that slip, which ask for slopes.
     start_height
         Mean height of the places of its bogies at the start, along z of the world [m].
     rest
@@ -358,6 +382,7 @@ class VehicleData(Record):
     weight: float
     driven: bool
     speed: float
+    tyred: bool
     start_height: float
     rest: float
     levels: bool
@@ -552,6 +577,8 @@ class BogieState(Record):
         Rate of r without the road, as predicted [m/s]; scratch of the iteration of a row of its own.
     end_stroke
         Stroke at the end of the step [m].
+    incline_x, incline_y
+        Slope of the road under it along and across its deck, for tyres that slip.
     failure, station, offset
         Why and where it stopped the run; of a jolt how large it is, over the load at rest.
     """
@@ -575,6 +602,8 @@ class BogieState(Record):
     last_rate: float
     last_mean: float
     end_stroke: float
+    incline_x: float
+    incline_y: float
     failure: int
     station: float
     offset: float
@@ -930,7 +959,7 @@ def _beyond(a: float, b: float, low: float, high: float, radius: float) -> bool:
     return (a < low - radius and b < low - radius) or (a > high + radius and b > high + radius)
 
 
-@kernel(inline=True, internal=True)
+@kernel(internal=True)
 def _height(kind: Transporters, d: int, vehicle: VehicleData, x: float, y: float) -> float:
     """Height of a wheel at a place on a deck with a profile [m]; `NO_ROAD` where there is none."""
     deck = kind.decks[d]
@@ -1075,6 +1104,37 @@ def _roll(
 
 
 @kernel(internal=True)
+def _look_down(kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, h: float) -> None:
+    """Slope of the road under a wheel over its way in a step."""
+    bogie = kind.bogie_state[i]
+    deck = kind.decks[bogie.deck]
+    at = kind.bogies[i].place
+    off = minus(place(work, at), vector(work, deck.origin))
+    moving = minus(place_rate(work, at), rate(work, deck.origin))
+    x, along = _along(work, deck.x, off, moving)
+    y, across = _along(work, deck.y, off, moving)
+    reach = max(0.5 * h * abs(along), INCLINE_WAY)
+    if deck.across == 0:
+        behind = _height(kind, bogie.deck, vehicle, x - reach, y)
+        ahead = _height(kind, bogie.deck, vehicle, x + reach, y)
+        bogie.incline_x, bogie.incline_y = _slope(behind, ahead, reach), 0.0
+        return
+    behind = _height_on_grid(kind, work, i, bogie.deck, vehicle, x - reach, y, 0.5)
+    ahead = _height_on_grid(kind, work, i, bogie.deck, vehicle, x + reach, y, 0.5)
+    bogie.incline_x = _slope(behind, ahead, reach)
+    reach = max(0.5 * h * abs(across), INCLINE_WAY)
+    behind = _height_on_grid(kind, work, i, bogie.deck, vehicle, x, y - reach, 0.5)
+    ahead = _height_on_grid(kind, work, i, bogie.deck, vehicle, x, y + reach, 0.5)
+    bogie.incline_y = _slope(behind, ahead, reach)
+
+
+@kernel(inline=True, internal=True)
+def _slope(behind: float, ahead: float, reach: float) -> float:
+    """Of heights at both sides; 0 at a border."""
+    return 0.5 * (ahead - behind) / reach if behind > NO_ROAD and ahead > NO_ROAD else 0.0
+
+
+@kernel(internal=True)
 def _stop(kind: Transporters, g: int, i: int, failure: int, x: float, y: float, work: Workspace) -> None:
     """End the run because of a wheel."""
     bogie = kind.bogie_state[i]
@@ -1113,6 +1173,8 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
             _stop(kind, g, i, WALL, x1, y1, work)
         bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
+        if vehicle.tyred:
+            _look_down(kind, work, i, vehicle, h)
         if bogie.left_share > 0.0:
             left, at = kind.decks[bogie.left_deck], kind.bogies[i].place
             off = minus(place(work, at), vector(work, left.origin))
@@ -1141,6 +1203,8 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
         if deck >= 0:
             _go_over(kind, g, i, deck)
             bogie.middle, bogie.height = r, height
+            if vehicle.tyred and state.fresh:
+                _look_down(kind, work, i, vehicle, 0.0)
         total += bogie.middle
     if state.fresh:
         state.lift = total
