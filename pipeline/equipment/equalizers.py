@@ -199,12 +199,6 @@ class Equalizer:
         for key, given in (("friction", said.friction > 0.0), ("extension", extended)):
             if given and said.model == "massless":
                 raise InputError(f"{key!r} with model 'massless'", key=key, expected="model 'pulleys'")
-        if said.efficiency < 1.0 and said.model == "massless":
-            raise InputError(
-                f"{said.efficiency:.6g} with model 'massless', in which one row has one force for all lines",
-                key="efficiency",
-                expected="model 'pulleys', whose lines have forces of their own, or 1",
-            )
         if said.travel.up >= said.part_length:
             raise InputError(
                 f"{said.travel.up:.6g} m upwards, and part_length = {said.part_length:.6g} m: pulleys would "
@@ -519,5 +513,5 @@ def _add_massless(said: Any, layout: _Layout, _places: Places, made: Made) -> No
         "rope_length": _rope_length(said),
         "line_stiffness": said.line.axial_stiffness,
         "damping": said.line.damping,
-    }
+    } | _rubs(said)
     made.add("ropes", rope, "lines")
