@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 
 import numpy as np
 import pytest
+from law_scenes import body, eye, scene
 
+from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.laws.equalized import SharedLines
 from heavylift.solver.laws.equalized_friction import find_line_forces
 from heavylift.solver.laws.sheave_states import make_search
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.simulation import Simulation
 
 
 def by_trial(c, d, eta):
@@ -76,3 +82,64 @@ def test_forces_are_those_of_all_states_tried(seed: int, n: int) -> None:
     found = by_trial(c, d, eta)
     assert found
     assert min(np.abs(force / other - 1.0).max() for other in found) < 1e-4
+
+
+def hung(efficiency: float, name: str = "load", y: float = 0.0, **more):
+    """A load that turns and swings on three lines, and what it hangs on."""
+    stops = [(eye(GROUND, (x, y, 0.0)), eye(name, (x, 0.0, 1.0))) for x in (-1.5, 0.0, 1.5)]
+    lines = SharedLines(
+        name=f"{name}_lines",
+        path=tuple(stop for pair in stops for stop in pair),
+        lengths=np.array([9.0, 9.1, 8.9]),
+        depth=2.0,
+        up=1.5,
+        down=3.0,
+        axial_stiffness=1e8,
+        rope_length=15.0,
+        line_stiffness=1e8,
+        damping=1e4,
+        efficiency=efficiency,
+        **more,
+    )
+    return body(
+        name, 1e4, (0.1, y, -12.0), (0.2, 0.1, 0.0), angular_velocity=np.array([0.0, 0.3, 0.1])
+    ), lines
+
+
+def test_a_run_goes_on_where_it_was() -> None:
+    """A checkpoint has all that friction remembers: the same bits."""
+    load, lines = hung(0.95)
+    first, second = (Simulation(scene([load], ropes=[lines]), 5e-3, "dele2") for _ in range(2))
+    first.advance(150)
+    second.restore(first.state())
+    np.testing.assert_array_equal(first.advance(100)[1], second.advance(100)[1])
+    assert first.outcome is Outcome.COMPLETED
+
+
+def test_equalizers_of_one_scene_do_not_know_each_other() -> None:
+    """Two that rub and one that does not, each as it is alone."""
+    made = [hung(0.95), hung(1.0, "other", 20.0), hung(0.9, "third", 40.0)]
+    together = Simulation(scene([m[0] for m in made], ropes=[m[1] for m in made]), 5e-3, "dele2")
+    _, records = together.advance(200)
+    for load, lines in made:
+        alone = Simulation(scene([load], ropes=[lines]), 5e-3, "dele2")
+        _, own = alone.advance(200)
+        columns = {channel.name: channel for channel in together.channels}
+        for channel in alone.channels:
+            if channel.name.startswith(load.name):
+                first, width = columns[channel.name].column, len(channel.components)
+                np.testing.assert_allclose(
+                    records[:, first : first + width],
+                    own[:, channel.column : channel.column + width],
+                    rtol=1e-8,
+                    atol=1e-8,
+                )
+    F = np.array([records[-1, columns["load_lines.segment_tension"].column + k] for k in range(3)])
+    assert np.ptp(F) > 0.0
+
+
+def test_places_of_lines_have_no_efficiency_of_their_own() -> None:
+    load, lines = hung(0.95)
+    path = (dataclasses.replace(lines.path[0], efficiency=0.9), *lines.path[1:])
+    with pytest.raises(InputError, match=r"0\.9 of a place of lines"):
+        Simulation(scene([load], ropes=[dataclasses.replace(lines, path=path)]), 5e-3, "dele2")
