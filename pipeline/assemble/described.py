@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.quantity import Absent, AsDrawn, BodyDirection, BodyPoint, Shape, Square, TableFile
-from heavylift.pipeline.case.columns import read_columns
+from heavylift.pipeline.case.columns import read_table
 from heavylift.pipeline.case.fields import Section
 from heavylift.pipeline.case.places import located
 from heavylift.solver.scene.connections import Between
@@ -90,7 +90,7 @@ def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = 
 
 def _columns(file: Path, wanted: TableFile) -> dict[str, NDArray[np.float64]]:
     """Arrays of an object from the columns of a file."""
-    header, columns = read_columns(file, wanted.headers)
+    header, columns = read_table(file, wanted)
     return {
         key: np.array(np.radians(column) if name.endswith("_deg") else column, dtype=float)
         for key, name, column in zip(wanted.fields, header, columns, strict=True)

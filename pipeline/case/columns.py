@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-__all__ = ["Columns", "finite_rows", "read_columns", "read_lines"]
+    from heavylift.numerics.quantity import TableFile
+
+__all__ = ["Columns", "finite_rows", "read_columns", "read_lines", "read_table"]
 
 
 class Columns(NamedTuple):
@@ -69,7 +71,27 @@ def finite_rows(
         yield number, row
 
 
-def read_columns(file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int = 2) -> Columns:
+def read_table(file: Path, wanted: TableFile) -> Columns:
+    """Read the table that a key of a description names, and run the check that its annotation has.
+
+    Raises
+    ------
+    InputError
+        As `read_columns`, or if the table is not what is wanted.
+    """
+    columns = read_columns(file, wanted.headers, may_repeat=getattr(wanted, "may_repeat", False))
+    check = getattr(wanted, "check", None)
+    if check is not None:
+        try:
+            check(columns.values)
+        except InputError as error:
+            raise InputError(error.problem, source=file, expected=error.expected) from None
+    return columns
+
+
+def read_columns(
+    file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int = 2, may_repeat: bool = False
+) -> Columns:
     """Read a table whose first column increases; lines that begin with ``#`` are comments.
 
     Parameters
@@ -80,6 +102,8 @@ def read_columns(file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int 
         Those that are allowed.
     fewest
         Rows.
+    may_repeat
+        Whether the first column may keep its value from row to row.
 
     Raises
     ------
@@ -96,12 +120,12 @@ def read_columns(file: Path, headers: Sequence[tuple[str, ...]], *, fewest: int 
         )
     rows: list[list[float]] = []
     for number, row in finite_rows(lines, len(header), file):
-        if rows and row[0] <= rows[-1][0]:
+        if rows and (row[0] < rows[-1][0] or (row[0] == rows[-1][0] and not may_repeat)):
             raise InputError(
                 f"{row[0]:g} after {rows[-1][0]:g}",
                 source=file,
                 key=f"line {number}",
-                expected=f"{header[0]} that increases",
+                expected=f"{header[0]} that {'does not fall' if may_repeat else 'increases'}",
             )
         rows.append(row)
     if len(rows) < fewest:

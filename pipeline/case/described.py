@@ -47,7 +47,7 @@ from heavylift.numerics.quantity import (
 )
 from heavylift.pipeline.case.channel_kinds import has_both, joint_coordinate
 from heavylift.pipeline.case.channel_names import is_pattern
-from heavylift.pipeline.case.columns import read_columns
+from heavylift.pipeline.case.columns import read_table
 from heavylift.pipeline.case.fields import (
     BodyName,
     CaseContext,
@@ -355,7 +355,7 @@ class _ReadsTable:
         context = CaseContext.of(info)
         if context is not None:
             try:
-                read_columns(context.folder / name, self.wanted.headers)
+                read_table(context.folder / name, self.wanted)
             except InputError as error:
                 where = f"{name}: {error.key}: " if error.key else f"{name}: "
                 reject(where + error.problem, error.expected)

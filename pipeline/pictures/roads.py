@@ -1,4 +1,4 @@
-"""Decks as strips with their profile, and the wheels of transporters as circles that stand on them."""
+"""Decks as strips of their profile or triangles of their grid; wheels of transporters as circles that stand on them."""
 
 from __future__ import annotations
 
@@ -23,10 +23,14 @@ def deck_strips(
     """Body, points in its frame [m] and triangles of each deck."""
     found = []
     for deck in decks:
+        if deck.grid is not None:
+            places, triangles = _grid_triangles(*deck.grid.table)
+            found.append((deck.body, np.asarray(deck.origin) + places @ deck.axes(), triangles))
+            continue
         stations, heights = deck.profile
         count = len(stations)
         places = np.concatenate(
-            [np.column_stack([stations, np.full(count, side), heights]) for side in deck.sides]
+            [np.column_stack([stations, np.full(count, side), heights]) for side in deck.borders[2:]]
         )
         i = np.arange(count - 1)
         triangles = np.concatenate(
@@ -34,6 +38,19 @@ def deck_strips(
         )
         found.append((deck.body, np.asarray(deck.origin) + places @ deck.axes(), triangles))
     return found
+
+
+def _grid_triangles(
+    x: NDArray[np.float64], y: NDArray[np.float64], heights: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Points and triangles of a grid: four a cell, about its middle."""
+    n, m = heights.shape
+    corners = np.column_stack([np.repeat(x, m), np.tile(y, n), heights.ravel()])
+    i, k = (index.ravel() for index in np.indices((n - 1, m - 1)))
+    around = np.array([i * m + k, (i + 1) * m + k, (i + 1) * m + k + 1, i * m + k + 1])
+    middle = n * m + np.arange(len(i))
+    triangles = [np.column_stack([around[a], around[(a + 1) % 4], middle]) for a in range(4)]
+    return np.vstack([corners, corners[around].mean(axis=0)]), np.concatenate(triangles)
 
 
 def wheel_axes(transporter: Transporter) -> NDArray[np.float64]:

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import Absent, BodyPoint, Least, Positive, Quantity, Shape
+from heavylift.numerics.quantity import Absent, BodyPoint, Least, Positive, Quantity, Shape, TableFile
 from heavylift.solver.scene.descriptions import Family, check_table, named, no_rows
 
-__all__ = ["TRANSPORT", "BogieGroup", "Bump", "Drive", "Levelling", "OilPump", "PathLeg"]
+__all__ = [
+    "TRANSPORT",
+    "BogieGroup",
+    "Bump",
+    "Drive",
+    "HeightGrid",
+    "Levelling",
+    "OilPump",
+    "PathLeg",
+    "Tyres",
+]
 
 TRANSPORT: Family[Any] = Family("table", "heavylift.solver.transport", typed=False)
 """Decks and transporters, by the lists of a case file in which they stand."""
@@ -41,6 +53,127 @@ class Bump:
         share = np.linspace(0.0, 1.0, CHORDS + 1)
         height = np.sin(np.pi * share) ** (2 if self.shape == "cosine" else 4)
         return self.start + self.length * share, self.height * height
+
+
+@dataclass(frozen=True)
+class _GridFile(TableFile):
+    """A table whose rows are the points of a grid, one line of it after the other."""
+
+    may_repeat: ClassVar[bool] = True
+    """Whether the first column may keep its value from row to row."""
+
+    @staticmethod
+    def check(columns: Sequence[Sequence[float]]) -> None:
+        """Refuse what is no grid."""
+        _unfold(*(np.array(column, dtype=np.float64) for column in columns))
+
+
+Array = NDArray[np.float64]
+
+
+def _unfold(stations: Array, offsets: Array, heights: Array) -> tuple[Array, Array, Array]:
+    """Stations, offsets and heights of a grid, of shapes (n,), (m,) and (n, m), from those of its points.
+
+    Raises
+    ------
+    InputError
+        If points are missing, too many, or not in their order.
+    """
+    begins = np.flatnonzero(np.diff(stations, prepend=-np.inf) > 0.0)
+    count = int(begins[1]) if len(begins) > 1 else len(stations)
+    line = offsets[:count]
+    for first, last in zip(begins, [*begins[1:], len(stations)], strict=True):
+        if last - first != count or np.any(offsets[first:last] != line):
+            raise InputError(
+                f"station {stations[first]:g} m has other offsets than the {count} of station {stations[0]:g} m",
+                expected="a rectangle: all offsets at every station, in one order",
+            )
+    _check_lines(stations[begins], line)
+    return stations[begins], line, heights.reshape(len(begins), count)
+
+
+def _check_lines(stations: Sequence[float] | Array, offsets: Sequence[float] | Array) -> None:
+    """Two or more of both, increasing."""
+    for key, line in (("stations", stations), ("offsets", offsets)):
+        if len(line) < 2:
+            raise InputError(f"{len(line)} {key}", key=key, expected="two or more")
+        fall = next((i for i in range(1, len(line)) if not line[i] > line[i - 1]), 0)
+        if fall:
+            raise InputError(
+                f"{line[fall]:g} follows {line[fall - 1]:g}",
+                key=f"{key}.{fall}",
+                expected=f"{key} that increase",
+            )
+
+
+@TRANSPORT.part
+@dataclass(frozen=True, eq=False)
+class HeightGrid:
+    """Heights over a rectangle of a deck, whose first and last stations and offsets are its borders.
+
+    Each cell of the grid is four plane triangles about its middle, which is as high as the mean of its corners. From
+    the surface that is linear in both directions (bilinear) they differ by a sixteenth of ``h00 - h10 - h01 + h11`` at
+    most.
+    """
+
+    file: Annotated[
+        str | None, _GridFile((("station", "offset", "height"),), ("stations", "offsets", "heights"))
+    ] = None
+    """Comma-separated with the header ``station,offset,height`` [m] and a row for each point: all offsets, increasing,
+    at the first station, then the same offsets at the next one, and so on."""
+    stations: Annotated[Array, Quantity("length"), Shape((None,))] = field(default_factory=no_rows)
+    """In place of `file`: along the deck [m], increasing."""
+    offsets: Annotated[Array, Quantity("length"), Shape((None,))] = field(default_factory=no_rows)
+    """To the left of the line of the origin [m], increasing."""
+    heights: Annotated[Array, Quantity("length"), Shape((None, None))] = field(default_factory=no_rows)
+    """[m], a row for each station, in it a number for each offset."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """A rectangle."""
+        inline = len(said.stations) + len(said.offsets) + len(said.heights) > 0
+        if inline == (said.file is not None):
+            problem = "both 'file' and 'stations'" if inline else "neither 'file' nor 'stations'"
+            raise InputError(problem, key="file", expected="a grid of heights: one of them")
+        if not inline:
+            return
+        _check_lines(said.stations, said.offsets)
+        if len(said.heights) != len(said.stations):
+            raise InputError(
+                f"{len(said.heights)} rows of heights at {len(said.stations)} stations",
+                key="heights",
+                expected="a row for each station",
+            )
+        for i, row in enumerate(said.heights):
+            if len(row) != len(said.offsets):
+                raise InputError(
+                    f"{len(row)} heights at {len(said.offsets)} offsets",
+                    key=f"heights.{i}",
+                    expected="a height for each offset",
+                )
+
+    def __post_init__(self) -> None:
+        """A file has a row for each point."""
+        rows = np.asarray(self.heights, dtype=np.float64)
+        if rows.ndim == 1:
+            unfolded = (
+                _unfold(self.stations, self.offsets, rows)
+                if len(rows)
+                else (*self.table[:2], np.zeros((0, 0)))
+            )
+            for key, value in zip(("stations", "offsets", "heights"), unfolded, strict=True):
+                object.__setattr__(self, key, value)
+
+    @property
+    def table(self) -> tuple[Array, Array, Array]:
+        """Stations, offsets and heights [m], of shapes (n,), (m,) and (n, m)."""
+        x, y, heights = (np.asarray(v, dtype=np.float64) for v in (self.stations, self.offsets, self.heights))
+        return x, y, heights
+
+    @cached_property
+    def numbers(self) -> Array:
+        """`table` in one line."""
+        return np.concatenate([part.ravel() for part in self.table])
 
 
 @TRANSPORT.part
@@ -210,4 +343,31 @@ class Drive:
         if len(said.speeds) and said.speeds[0] != 0.0:
             raise InputError(
                 f"they begin at {said.speeds[0]:g} m/s", key="speeds", expected="speeds from 0 on"
+            )
+
+
+@TRANSPORT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tyres:
+    """Tyres with side slip, all alike: side forces by the angle between where a bogie rolls and where it goes."""
+
+    cornering: Annotated[float, Positive("number")]
+    """C: side force of a bogie over its load and the tangent of its slip angle; 5 to 10."""
+    relaxation_length: Annotated[float, Positive("length")] = 0.3
+    """sigma, way in which the side force comes up to ``1 - 1/e`` [m]. A tread that does not roll has the stiffness
+    ``C f / sigma``."""
+    damping_time: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.01
+    """tau: damping of a tread over its stiffness [s]; of steady forces it changes nothing."""
+    steering_errors: Annotated[NDArray[np.float64], Quantity("angle"), Shape((None,))] = field(
+        default_factory=no_rows
+    )
+    """By which bogies are off their steering, to the left [rad]: one for all, or one each, as groups list them."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Errors that are none of a wheel that stands across."""
+        worst = max((abs(float(error)) for error in said.steering_errors), default=0.0)
+        if worst >= 0.25 * np.pi:
+            raise InputError(
+                f"{np.degrees(worst):.6g} degrees", key="steering_errors", expected="less than 45 degrees"
             )

@@ -20,8 +20,8 @@ from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.joined import joined_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
-from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, wheel_heights
-from heavylift.solver.transport.path_packing import PathPacking
+from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, grid_heights, wheel_heights
+from heavylift.solver.transport.path_packing import PathPacking, steering_at_start
 from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
@@ -37,6 +37,7 @@ from heavylift.solver.transport.transporters import (
     VehicleData,
     VehicleState,
 )
+from heavylift.solver.transport.tyre_packing import TyrePacking
 
 if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
@@ -95,10 +96,10 @@ def pack_transporters(
     """
     decks: Sequence[Deck] = scene.decks
     _refuse_soft_decks(scene)
-    corners, firsts, counts = corner_table(decks)
+    corners, grids, deck_places = corner_table(decks)
     made_decks = [
-        (*_deck_markers(deck, book), first, count, *map(float, deck.sides))
-        for deck, first, count in zip(decks, firsts, counts, strict=True)
+        (*_deck_markers(deck, book), *place, *deck.borders)
+        for deck, place in zip(decks, deck_places, strict=True)
     ]
     vehicles: list[tuple[Any, ...]] = []
     groups: list[tuple[Any, ...]] = []
@@ -110,7 +111,7 @@ def pack_transporters(
     strokes: list[float] = []
     blocks: list[LawBlock] = []
     block = free_block = first_block
-    paths = PathPacking(scene, book)
+    paths, tyres = PathPacking(scene, book), TyrePacking(scene, book)
     gravity = _gravity(scene)
     for transporter in scene.transporters:
         _check_names(transporter)
@@ -119,9 +120,14 @@ def pack_transporters(
     all_places = [Places(transporter, scene) for transporter in scene.transporters]
     _refuse_overturned(decks, all_places[0])
     _refuse_overlaps(decks, all_places[0])
-    on_decks = [
-        [places.on_decks(number, decks, corners) for number in range(len(places.points))]
+    asks = any(deck.grid is not None for deck in decks)
+    all_steerings = [
+        steering_at_start(places.transporter, places) if asks else np.zeros(len(places.points))
         for places in all_places
+    ]
+    on_decks = [
+        [places.on_decks(number, decks, steering) for number, steering in enumerate(steerings)]
+        for places, steerings in zip(all_places, all_steerings, strict=True)
     ]
     loads_of = {
         places.transporter.name: loads
@@ -167,6 +173,7 @@ def pack_transporters(
                 weight,
                 transporter.travel_speed is not None,
                 transporter.travel_speed or 0.0,
+                transporter.tyres is not None,
                 float(places.world[:, 2].mean()),
                 float(np.repeat(loads, counts_of).mean()) or np.inf,
                 *_levelling(transporter, column),
@@ -245,13 +252,27 @@ def pack_transporters(
                     for deck in decks
                 ]
             )
-        if transporter.legs:
+        on_path = np.repeat(loads, counts_of), weight
+        at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
+        if transporter.tyres is not None:
+            # a block of three rows a body with decks, one of the drive
+            made = tyres.add(
+                transporter,
+                places,
+                (free_block, at),
+                (first_bogie, stands_on[first_bogie:], *on_path),
+                law,
+                attachment,
+            )
+            blocks += made
+            free_block += sum(law.block_count for law in made)
+        else:
+            tyres.skip(len(places.points))
+        if transporter.legs and transporter.tyres is None:
             block = free_block
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
-            share = np.repeat(loads, counts_of)
-            at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
-            paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
+            paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, *on_path))
             blocks.append(LawBlock(transporter.name, tuple(ends), scale, compliance=0.0, rows=3))
             free_block += blocks[-1].block_count
         else:
@@ -267,13 +288,15 @@ def pack_transporters(
         records(BogieData, bogies),
         records(PumpRow, pumps),
         corners,
+        grids,
         np.array(sides, dtype=np.int64).reshape(len(groups), len(decks)),
         np.array(starts, dtype=np.float64).reshape(len(bogies), 2 * len(decks)),
+        np.column_stack([np.concatenate(all_steerings), np.zeros(len(bogies))]),
         records(VehicleState, len(vehicles)),
         state,
         of_bogies,
     )
-    return [kind, *paths.kinds(of_bogies)], blocks
+    return [kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind)], blocks
 
 
 def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:
@@ -331,19 +354,20 @@ def _refuse_overlaps(decks: Sequence[Deck], places: Places) -> None:
             if first.body == second.body:
                 continue
             origin, axes = frames[a]
-            corners = [(x, y, 0.0) for x in second.profile[0][[0, -1]] for y in second.sides]
+            of_first, of_second = np.reshape(first.borders, (2, 2)), np.reshape(second.borders, (2, 2))
+            corners = [(x, y, 0.0) for x in of_second[0] for y in of_second[1]]
             seen = (np.array(corners) @ frames[b][1].T + frames[b][0] - origin) @ axes
-            low = np.maximum(seen.min(axis=0)[:2], [first.profile[0][0], first.sides[0]])
-            high = np.minimum(seen.max(axis=0)[:2], [first.profile[0][-1], first.sides[1]])
+            low = np.maximum(seen.min(axis=0)[:2], of_first[:, 0])
+            high = np.minimum(seen.max(axis=0)[:2], of_first[:, 1])
             if np.any(high - low < ALIKE):
                 continue
             x, y = (grid.ravel() for grid in np.meshgrid(*np.linspace(low, high, SAMPLES).T))
-            z = np.interp(x, *first.profile)
+            z = first.heights_at(x, y)
             world = np.column_stack([x, y, z]) @ axes.T + origin
             u, v, w = ((world - frames[b][0]) @ frames[b][1]).T
-            under = (u >= second.profile[0][0]) & (u <= second.profile[0][-1])
-            under &= (v >= second.sides[0]) & (v <= second.sides[1])
-            alike = under & (np.abs(w - np.interp(u, *second.profile)) < ALIKE)
+            under = np.all((np.column_stack([u, v]) >= of_second[:, 0]), axis=1)
+            under &= np.all((np.column_stack([u, v]) <= of_second[:, 1]), axis=1)
+            alike = under & (np.abs(w - second.heights_at(u, v)) < ALIKE)
             if np.count_nonzero(alike) > SAMPLES:
                 raise InputError(
                     f"it overlaps deck {first.name!r} of body {first.body!r} at the same height, from station "
@@ -427,22 +451,25 @@ class Places:
             self._arms = x, y, z
         return book.point(name, node, FORCES), *(self._arms or none), tuple(map(float, arm))
 
-    def on_decks(
-        self, number: int, decks: Sequence[Deck], corners: NDArray[np.float64]
-    ) -> tuple[int, float, list[float]]:
+    def on_decks(self, number: int, decks: Sequence[Deck], steering: float) -> tuple[int, float, list[float]]:
         """Deck under a bogie, what it lifts its wheel [m], and its station and offset on every deck [m]."""
-        found, lift, first = -1, 0.0, 0
+        found, lift, radius = -1, 0.0, self.transporter.wheel_radius
         places: list[float] = []
+        heading = np.cos(steering) * self.axes[0] + np.sin(steering) * self.axes[1]
         for d, deck in enumerate(decks):
             frame = self.frame(deck.body, deck.origin)
-            x, y, z = deck.axes() @ frame.axes.T @ (self.world[number] - frame.point)
+            axes = deck.axes() @ frame.axes.T
+            x, y, z = axes @ (self.world[number] - frame.point)
             places += [float(x), float(y)]
-            count = len(deck.profile[0])
-            if deck.sides[0] <= y <= deck.sides[1]:
-                height = float(wheel_heights(corners, first, count, self.transporter.wheel_radius, [x])[0])
-                if height > NO_ROAD and (found < 0 or height - z > lift):
-                    found, lift = d, float(height - z)
-            first += count
+            height = NO_ROAD
+            if deck.grid is not None:
+                ahead = axes @ self.turn @ heading if self.transporter.travel_speed is None else (1.0, 0.0)
+                height = grid_heights(deck.grid, radius, x, y, np.arctan2(ahead[1], ahead[0]))[0]
+            elif deck.borders[2] <= y <= deck.borders[3]:
+                corners = np.column_stack(deck.profile)
+                height = wheel_heights(corners, 0, len(corners), radius, [x])[0]
+            if height > NO_ROAD and (found < 0 or height - z > lift):
+                found, lift = d, float(height - z)
         if found < 0:
             x, y, z = self.world[number]
             raise InputError(

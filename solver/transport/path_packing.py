@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from heavylift.solver.transport.routes import Route
     from heavylift.solver.transport.transporters import BogieState, Transporter
 
-__all__ = ["PathPacking"]
+__all__ = ["PathPacking", "steering_at_start"]
 
 
 class PathPacking:
@@ -84,10 +84,8 @@ class PathPacking:
         """
         on, share, weight = loads
         middle = places.world.mean(axis=0)
-        local = (places.world - middle) @ places.level.T[:, :2]
-        yaw = math.atan2(places.level[0, 1], places.level[0, 0])
         try:
-            route = make_route(transporter.legs, local, np.array([0.0, 0.0, yaw]))
+            route, local = _route(transporter, places)
             turns = steering_turns(route, local, transporter.steering_limit)
             drive, driven = self._drive(transporter.drive, route, local)
         except InputError as error:
@@ -130,6 +128,7 @@ class PathPacking:
                 weight,
                 drive,
                 int(np.count_nonzero(driven)),
+                any(deck.grid is not None for deck in self._scene.decks),
             )
         )
         first_leg = sum(len(rows) for _, rows in self._turns)
@@ -174,7 +173,7 @@ class PathPacking:
         self._capacity += table
         return len(self._drives) - 1, driven
 
-    def kinds(self, bogie_state: Records[BogieState]) -> list[Paths]:
+    def kinds(self, bogie_state: Records[BogieState], steering: NDArray[np.float64]) -> list[Paths]:
         """The kind; none without paths."""
         if not self._paths:
             return []
@@ -201,5 +200,27 @@ class PathPacking:
                 state,
                 plans,
                 bogie_state,
+                steering,
             )
         ]
+
+
+def _route(transporter: Transporter, places: Places) -> tuple[Route, NDArray[np.float64]]:
+    """The route of a transporter, and places of its bogies from their middle, along and to the left [m]."""
+    local = (places.world - places.world.mean(axis=0)) @ places.level.T[:, :2]
+    yaw = math.atan2(places.level[0, 1], places.level[0, 0])
+    return make_route(transporter.legs, local, np.array([0.0, 0.0, yaw])), local
+
+
+def steering_at_start(transporter: Transporter, places: Places) -> NDArray[np.float64]:
+    """Steering angles of the bogies of a transporter at the start, but for half turns [rad], shape (n,)."""
+    if not transporter.legs:
+        return np.zeros(len(places.points))
+    try:
+        route, local = _route(transporter, places)
+    except InputError as error:
+        raise InputError(
+            error.problem, source=transporter.name, key=error.key, expected=error.expected
+        ) from None
+    along, across = rolling(route.nodes[:1], local)
+    return np.arctan2(across, along)[0]

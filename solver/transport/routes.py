@@ -196,6 +196,27 @@ def _spin(turn: float, radius: float) -> Curve:
     )
 
 
+def _refuse_centre_inside(
+    way: NDArray[np.float64],
+    curvature: NDArray[np.float64],
+    f: NDArray[np.float64],
+    bogies: NDArray[np.float64],
+) -> None:
+    """Refuse a curve about a centre between the wheels: some of them would have to turn round on the way to it."""
+    right, left = bogies[:, 1].min() - f[1], bogies[:, 1].max() - f[1]
+    sharp = np.flatnonzero(curvature)
+    across = 1.0 / curvature[sharp]
+    inside = (across >= right) & (across <= left)
+    if inside.any():
+        first = int(np.argmax(inside))
+        raise InputError(
+            f"at {way[sharp[first]]:.6g} m it turns about a point {abs(across[first]):.4g} m to the "
+            f"{'left' if across[first] > 0.0 else 'right'}, between its own wheels",
+            key="radius",
+            expected=f"radii beyond {max(left, -right):.4g} m, where its wheels are; or steering 'carousel'",
+        )
+
+
 def _leg_rows(leg: PathLeg, bogies: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rows of a leg from way 0 on, of a vehicle whose middle stands at the origin along x."""
     carousel, crab = leg.steering == "carousel", leg.steering == "crab"
@@ -241,6 +262,8 @@ def _leg_rows(leg: PathLeg, bogies: NDArray[np.float64]) -> NDArray[np.float64]:
         else:
             yaw, yaw_way = turn - (turn[0] if reverse else 0.0), curvature
             slip, slip_way = np.full(len(turn), math.pi if reverse else 0.0), 0.0 * turn
+        if not crab:
+            _refuse_centre_inside(way, yaw_way, f, bogies)
     rows = np.zeros((len(way), len(COLUMNS)))
     c, s = np.cos(yaw), np.sin(yaw)
     # the middle is -f from what follows the curve, which begins at f

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from heavylift.pipeline.pictures.roads import deck_strips, wheel_centres
-from heavylift.solver.scene.transport import BogieGroup
-from heavylift.solver.transport.decks import Deck
+from heavylift.solver.scene.transport import BogieGroup, HeightGrid
+from heavylift.solver.transport.decks import Deck, grid_heights
 from heavylift.solver.transport.transporters import Transporter
 
 
@@ -30,6 +30,25 @@ def test_a_strip_has_the_area_of_its_profile_by_its_width() -> None:
     assert area == pytest.approx(3.0 * (3.0 + 1.0 + 5.0))
     np.testing.assert_allclose(points.min(axis=0), [1.0, 2.0, 3.0 - 2.0])
     np.testing.assert_allclose(points.max(axis=0), [5.0, 9.0, 3.0 + 1.0])
+
+
+def test_a_grid_is_drawn_as_the_triangles_on_which_wheels_roll() -> None:
+    """Each point of each triangle is at the height that a wheel without radius has there, between corners too."""
+    rng = np.random.default_rng(1)
+    grid = HeightGrid(
+        stations=np.array([0.0, 1.0, 1.5, 4.0]),
+        offsets=np.array([-1.0, 0.0, 3.0]),
+        heights=rng.random((4, 3)),
+    )
+    ((_, points, triangles),) = deck_strips([Deck(name="d", grid=grid, origin=np.array([1.0, 2.0, 3.0]))])
+    assert len(triangles) == 4 * 3 * 2
+    for share in ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.2, 0.3, 0.5]):
+        x, y, z = np.einsum("k,nkj->jn", share, points[triangles] - [1.0, 2.0, 3.0])
+        np.testing.assert_allclose(grid_heights(grid, 0.0, x, y), z, atol=1e-14)
+    corners = points[triangles][:, :, :2]
+    edges = corners[:, 1:] - corners[:, :1]
+    area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
+    assert area.sum() == pytest.approx(4.0 * 4.0)
 
 
 def test_a_wheel_stands_on_its_place_by_its_radius_and_stroke() -> None:

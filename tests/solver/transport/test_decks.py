@@ -10,9 +10,9 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.scene.scene import RigidBody
-from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.scene.transport import BogieGroup, HeightGrid, PathLeg
 from heavylift.solver.simulation import Simulation
-from heavylift.solver.transport.decks import NO_ROAD, Deck, dilated_height
+from heavylift.solver.transport.decks import NO_ROAD, Deck, grid_heights, wheel_heights
 from heavylift.solver.transport.packing import vehicle_tipping
 
 R = 0.37
@@ -21,7 +21,7 @@ R = 0.37
 def height(corners, x: float, radius: float = R) -> float:
     """Height of a wheel."""
     table = np.array(corners, dtype=np.float64)
-    return dilated_height(table, 0, len(table), radius, x)
+    return float(wheel_heights(table, 0, len(table), radius, [x])[0])
 
 
 @pytest.mark.parametrize(("width", "dip"), [(0.1, 0.0033939), (0.2, 0.0137697), (0.3, 0.0317693)])
@@ -111,6 +111,222 @@ def test_roads_that_no_wheel_can_stand_on_are_refused(decks, words) -> None:
     limits = np.array([-0.35, 0.35])
     with pytest.raises(InputError, match=words):
         Simulation(scene(vehicle(wheel_radius=R, stroke_limits=limits), decks), step=5e-3)
+
+
+def _rough(lines: tuple[int, int] = (9, 7)) -> HeightGrid:
+    """Heights at random over lines at random."""
+    rng = np.random.default_rng(1)
+    x, y = (np.sort(rng.uniform(-2.0, 2.0, count)) for count in lines)
+    return HeightGrid(stations=x, offsets=y, heights=0.1 * rng.standard_normal(lines))
+
+
+def _surface(grid: HeightGrid, px, py):
+    """Cells of four plane triangles, by similar triangles along the ray from the middle of a cell to its border."""
+    x, y, h = grid.stations, grid.offsets, grid.heights
+    i = np.clip(np.searchsorted(x, px, side="right") - 1, 0, len(x) - 2)
+    k = np.clip(np.searchsorted(y, py, side="right") - 1, 0, len(y) - 2)
+    p, q = 2.0 * (px - x[i]) / (x[i + 1] - x[i]) - 1.0, 2.0 * (py - y[k]) / (y[k + 1] - y[k]) - 1.0
+    a, b, c, d = h[i, k], h[i + 1, k], h[i + 1, k + 1], h[i, k + 1]
+    far = np.maximum(np.maximum(np.abs(p), np.abs(q)), 1e-300)
+    s, t = 0.5 * (p / far + 1.0), 0.5 * (q / far + 1.0)
+    across = np.where(p > 0.0, b + (c - b) * t, a + (d - a) * t)
+    along = np.where(q > 0.0, d + (c - d) * s, a + (b - a) * s)
+    middle = 0.25 * (a + b + c + d)
+    return middle + far * (np.where(np.abs(p) >= np.abs(q), across, along) - middle)
+
+
+def test_a_wheel_on_a_grid_is_the_upper_envelope_of_circles_along_its_heading() -> None:
+    """Against the definition on a fine cut, in all directions, along lines of the grid too; over all borders."""
+    rng, grid = np.random.default_rng(2), _rough()
+    fine = R * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 20_001))  # close where the circle is steep
+    seen = 0
+    for turn in [*rng.uniform(0.0, 2.0 * np.pi, 150), *0.5 * np.pi * rng.integers(0, 4, 50)]:
+        px, py = rng.uniform(-2.3, 2.3, 2)
+        qx, qy = px + fine * np.cos(turn), py + fine * np.sin(turn)
+        on = (qx >= grid.stations[0]) & (qx <= grid.stations[-1])
+        on &= (qy >= grid.offsets[0]) & (qy <= grid.offsets[-1])
+        (found,) = grid_heights(grid, R, px, py, turn)
+        if not np.any(on):
+            assert found == NO_ROAD
+            continue
+        seen += 1
+        circles = _surface(grid, qx[on], qy[on]) + np.sqrt(R * R - fine[on] ** 2)
+        assert found == pytest.approx(circles.max() - R, abs=1e-4 if np.all(on) else 2e-3)
+        assert found >= circles.max() - R - 1e-12
+    assert seen > 100
+
+
+def test_a_point_follows_the_triangles_of_a_grid() -> None:
+    """Radius 0, whatever its heading; a triangle differs from the bilinear surface by a sixteenth of the twist."""
+    rng, grid = np.random.default_rng(3), _rough()
+    x = rng.uniform(grid.stations[0], grid.stations[-1], 1000)
+    y = rng.uniform(grid.offsets[0], grid.offsets[-1], 1000)
+    for heading in (0.0, 1.0, -2.5):
+        np.testing.assert_allclose(grid_heights(grid, 0.0, x, y, heading), _surface(grid, x, y), atol=1e-15)
+    saddle = HeightGrid(
+        stations=np.array([0.0, 1.0]),
+        offsets=np.array([0.0, 1.0]),
+        heights=np.array([[1.0, 0.0], [0.0, 0.0]]),
+    )
+    x, y = rng.uniform(0.0, 1.0, (2, 4000))
+    off = np.abs(grid_heights(saddle, 0.0, x, y) - (1.0 - x) * (1.0 - y)).max()
+    assert 0.95 / 16.0 < off <= 1.0 / 16.0
+
+
+@pytest.mark.parametrize("heading", [0.0, np.pi])
+def test_a_grid_of_one_profile_is_that_profile(heading: float) -> None:
+    """Along stations, 1e-12; off them the profile is longer by the cosine of the heading."""
+    rng, grid = np.random.default_rng(4), _rough()
+    profile = 0.1 * rng.standard_normal(len(grid.stations))
+    same = HeightGrid(stations=grid.stations, offsets=grid.offsets, heights=np.repeat(profile[:, None], 7, 1))
+    x = rng.uniform(-2.2, 2.2, 500)
+    y = rng.uniform(grid.offsets[0], grid.offsets[-1], 500)
+    corners = np.column_stack([grid.stations, profile])
+    expected = wheel_heights(corners, 0, len(corners), R, x)
+    np.testing.assert_allclose(grid_heights(same, R, x, y, heading), expected, rtol=0.0, atol=1e-12)
+    middle = np.full(20, 0.5 * (grid.offsets[0] + grid.offsets[-1]))
+    corners[:, 0] /= np.cos(0.6)
+    found = grid_heights(same, R, x[:20], middle, heading + 0.6)
+    expected = wheel_heights(corners, 0, len(corners), R, x[:20] / np.cos(0.6))
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12)
+
+
+def _table(sides: tuple[float, float], **more) -> Deck:
+    """The smooth bump of 2 m and 100 mm at 4.5 m as a table, over part of the road."""
+    stations, heights = bump(4.5, 2.0, sides, "smooth").profile
+    offsets = np.linspace(*sides, 4)
+    grid = HeightGrid(stations=stations, offsets=offsets, heights=np.repeat(heights[:, None], 4, 1))
+    return Deck(name="bump", grid=grid, **more)
+
+
+@pytest.mark.parametrize("travels", [True, False])
+def test_a_table_under_the_left_wheels_is_the_bump_under_them(travels: bool) -> None:
+    """All channels as those of the deck with the profile; wheels that travel by themselves, or that the body takes."""
+    found = []
+    for deck in (_table((0.2, 1.5)), bump(4.5, 2.0, (0.2, 1.5), "smooth")):
+        more = {"travel_speed": 1.0} if travels else {}
+        body = block() if travels else block(velocity=np.array([1.0, 0.0, 0.0]))
+        made = scene(
+            vehicle(wheel_radius=R, line_damping=2e4, tyre_damping=1.5e4, **more), (yard(), deck), body
+        )
+        found.append(histories(made, 5e-3, 6.0, 10)[2])
+    assert found[0]["spmt.roll"].max() > 5e-3
+    assert found[0]["spmt.road_under"][:, 3:6].max() == 0.0
+    for name in found[0]:
+        scale = max(np.abs(found[1][name]).max(), 1e-6)
+        np.testing.assert_allclose(found[0][name], found[1][name], rtol=0.0, atol=1e-9 * scale, err_msg=name)
+
+
+def test_steered_wheels_roll_along_their_own_cut_of_a_grid() -> None:
+    """A crab leg at 30 degrees and one that bends: each wheel stands on the envelope along the way it rolls."""
+    rng = np.random.default_rng(5)
+    lines = np.linspace(-12.0, 12.0, 41)
+    grid = HeightGrid(stations=lines, offsets=lines, heights=0.03 * rng.standard_normal((41, 41)))
+    tan = np.tan(np.radians(30.0))
+    legs = (
+        PathLeg(steering="crab", points=np.array([[3.0, 3.0 * tan]]), speed=0.5, acceleration=0.5),
+        PathLeg(steering="carousel", turn=0.5, speed=0.5, acceleration=0.5),
+    )
+    made = scene(
+        vehicle(wheel_radius=R, line_damping=2e5, tyre_damping=1.5e5, legs=legs),
+        (Deck(name="field", grid=grid),),
+    )
+    run, times, found = histories(made, 2e-3, 13.0, 100)
+    assert run.outcome is Outcome.COMPLETED
+    places = np.vstack([group.bogies for group in made.transporters[0].groups])
+    turned = 0
+    for n in range(len(times)):
+        turn = found["block.orientation"][n]
+        w, x, y, z = turn
+        axes = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        world = found["block.position"][n] + places @ axes.T
+        wheels = np.column_stack([np.cos(found["spmt.steering"][n]), np.sin(found["spmt.steering"][n])])
+        ahead = np.column_stack([wheels, np.zeros(12)]) @ axes.T
+        expected = grid_heights(grid, R, world[:, 0], world[:, 1], np.arctan2(ahead[:, 1], ahead[:, 0]))
+        np.testing.assert_allclose(found["spmt.road_under"][n], expected, rtol=0.0, atol=1e-9)
+        turned += np.ptp(found["spmt.steering"][n]) > 0.5
+    assert turned > 10
+    parts = [found[f"energy.{name}"] for name in ("kinetic", "potential", "elastic", "dissipated")]
+    total = np.sum(parts, axis=0) - found["energy.drive_work"]
+    assert np.ptp(total) < 0.02 * found["energy.dissipated"][-1]
+
+
+@pytest.mark.parametrize(
+    ("decks", "words"),
+    [
+        ((Deck(name="d", grid=_rough(), sides=np.array([-1.0, 1.0])),), "d: sides: 'sides' of a deck with a 'grid'"),
+        ((_table((0.2, 1.5), bump=bump(0.0, 1.0, (0, 1)).bump),), "bump: stations: 'bump' and 'grid'"),
+        ((Deck(name="d", grid=HeightGrid()),), "grid.file: neither 'file' nor 'stations'"),
+        ((_table((0.2, 1.5)),), "no deck is below bogie 1"),
+        (
+            (yard(), Deck(name="d", grid=HeightGrid(
+                stations=np.array([0.0, 1.0, 1.1, 9.0]), offsets=np.array([0.0, 9.0]),
+                heights=np.array([[0, 0], [0, 0], [1, 0], [0, 0]]),
+            ))),
+            "d: grid: a rise of 1 m within 0.1 m at offset 0 m, station 1 m",
+        ),
+        (
+            (yard(), Deck(name="d", grid=HeightGrid(
+                stations=np.array([0.0, 1.0]), offsets=np.array([0.0, 1.0]), heights=np.zeros((3, 2))
+            ))),
+            "d: grid.heights: 3 rows of heights at 2 stations",
+        ),
+    ],
+)  # fmt: skip
+def test_grids_that_are_none_are_refused(decks, words) -> None:
+    """Each with its name and what was expected."""
+    with pytest.raises(InputError, match=words):
+        Simulation(scene(vehicle(wheel_radius=R), decks), step=5e-3)
+
+
+def test_a_grid_over_a_deck_of_another_body_at_one_height_is_refused() -> None:
+    """A level table over the yard; a hump on it does not hide that."""
+    beam = RigidBody("beam", 1e5, np.eye(3) * 1e6, motion=Fixed())
+    heights = np.zeros((5, 5))
+    heights[2, 2] = 0.1
+    lines = np.linspace(-2.0, 2.0, 5)
+
+    def start(rise: float) -> None:
+        grid = HeightGrid(stations=20.0 + lines, offsets=lines, heights=heights + rise)
+        made = scene(
+            vehicle(bogie_mass=0.0),
+            (yard(), Deck(name="link", body="beam", grid=grid)),
+            bodies=(beam, block()),
+        )
+        Simulation(made, step=5e-3)
+
+    with pytest.raises(InputError, match="link: stations: it overlaps deck 'yard'"):
+        start(0.0)
+    start(0.02)
+
+
+def test_a_wheel_leaves_a_grid_over_any_of_its_borders() -> None:
+    """Sideways in a crab leg, by the radius beyond its border; a wall in it stops the run by its name."""
+    lines, leg = np.linspace(-5.0, 5.0, 11), PathLeg(
+        steering="crab", points=np.array([[0.0, 6.0]]), speed=0.5, acceleration=1.0
+    )  # fmt: skip
+    level = HeightGrid(stations=lines, offsets=lines, heights=np.zeros((11, 11)))
+    run, times, _ = histories(
+        scene(vehicle(wheel_radius=R, legs=(leg,)), (Deck(name="d", grid=level),)), 5e-3, 12.0
+    )
+    assert run.outcome is Outcome.OFF_ROAD
+    assert "bogie 1 " in run.message
+    assert "offset 5.3" in run.message
+    assert times[-1] == pytest.approx(0.25 + (5.0 + R - 0.725) / 0.5, abs=0.02)
+    wall = Deck(
+        name="wall",
+        grid=HeightGrid(stations=lines, offsets=np.array([3.0, 4.0]), heights=np.full((11, 2), 0.6)),
+    )
+    decks = (Deck(name="d", grid=level), wall)
+    run, _, _ = histories(scene(vehicle(wheel_radius=R, legs=(leg,)), decks), 5e-3, 12.0)
+    assert run.outcome is Outcome.OFF_ROAD
+    assert "meets a step that it cannot climb" in run.message
 
 
 def _link(height: float, begin: float) -> Deck:
