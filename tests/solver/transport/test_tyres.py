@@ -372,7 +372,7 @@ def test_no_wheel_has_more_than_its_friction() -> None:
 
 
 def test_a_vehicle_on_a_cant_as_steep_as_friction_starts() -> None:
-    """Treads at the start are at their limit, as rounded: it slides off while its groups settle, and is then in balance."""
+    """Treads at the start are at their limit, as rounded: it slides while its groups settle, and is then in balance."""
     for mu in (0.3, 0.0404, 0.07):
         deck, body = canted(math.atan(mu))
         drive = Drive(friction=mu, rolling_resistance=0.0)
