@@ -61,6 +61,7 @@ _GLASS = 0.3  # opacity of boxes that hide other bodies
 _EDGES = np.array(
     [(i, i | bit) for bit in (1, 2, 4) for i in range(8) if not i & bit]
 )  # of a box of eight corners
+_BESIDE = 0.02  # of the size of a surface: what is attached so near to it is attached to it
 _APART = 0.01  # sides of a joint that are farther apart are joined by a line: distances, slides
 _LOOKS = 24  # records by which it is seen where bodies get
 _SMALL = 1.0e-2  # deformation relative to the scene below which it is drawn larger
@@ -230,6 +231,16 @@ class Others:
         self._glass = any(self._encloses(name) or name in ridden for name in self._boxes)
         self._wide = [solid for solid in self._solids if self._is_wide(*solid[:2])]
         self._solids = [solid for solid in self._solids if not self._is_wide(*solid[:2])]
+        # a surface holds what is attached to it: a rod would lie across its deck, or hang over it
+        near = [(body, *_grown_box(points)) for body, points, _ in self._solids]
+        self._rods = [
+            (centre, place)
+            for centre, place in self._rods
+            if not any(
+                body == place.body and np.all((place.point >= low) & (place.point <= high))
+                for body, low, high in near
+            )
+        ]
         if not (attached or self._touching or self._fenders or scene.collisions):
             self._factor = self._exaggerated()
 
@@ -588,6 +599,13 @@ class Others:
         R = np.eye(3) if on_mesh else self._pose(place.body, record)[1]
         axis: NDArray[np.float64] = R @ (stop.axis / np.linalg.norm(stop.axis))
         return axis
+
+
+def _grown_box(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner of a box around points, and a little more."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    more = _BESIDE * float(np.linalg.norm(high - low))
+    return low - more, high + more
 
 
 def _kept(line: Lines, which: NDArray[np.bool_]) -> Lines:
