@@ -279,6 +279,7 @@ class Case(SceneTables, _CaseHeading):
             "tanks": frozenset(tank.name for tank in self.tanks),
             "drives": drives_of(self.joints, frames),
             "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
+            "vehicles": {one.name: one for one in self.transporters if one.legs},
         }
 
     @property
@@ -298,7 +299,8 @@ class Case(SceneTables, _CaseHeading):
                 every = [f"{part}.{axis}" for part in parts]
                 together |= {one: tuple(other for other in every if other != one) for one in every}
             together[f"{parts[0]}.x"] = tuple(f"{part}.x" for part in parts[1:])
-        return Known(self._names, tuple(wire), tanks, tuple(movable["drives"]), hooks, others, together)
+        drives, vehicles = tuple(movable["drives"]), tuple(movable["vehicles"])
+        return Known(self._names, tuple(wire), tanks, drives, hooks, others, together, vehicles)
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

@@ -48,6 +48,8 @@ from heavylift.solver.scene.scenario import (
     DriveTo,
     Limit,
     Note,
+    PathGoOn,
+    PathSpeed,
     Phase,
     Release,
     Scenario,
@@ -93,6 +95,8 @@ class Known:
         By drive those that it does not go without: of a gantry crane, whose girder and trolleys are driven each.
     hooks
         Falls by name.
+    vehicles
+        Names of transporters with a path.
     """
 
     names: Declared
@@ -102,6 +106,7 @@ class Known:
     hooks: Mapping[str, Hook] = field(default_factory=dict)
     other_ropes: tuple[str, ...] = ()
     together: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    vehicles: tuple[str, ...] = ()
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -136,7 +141,8 @@ class Known:
 _WHAT = {
     **dict.fromkeys(("winch", "release", "connect", "taut", "slack"), "rope"),
     "of": "body",
-    "arrived": "rope, hook, tank or drive",
+    "path": "transporter with 'legs'",
+    "arrived": "rope, hook, tank, drive or transporter on a path",
 }
 """What a key names, if it is not called so itself."""
 
@@ -341,7 +347,7 @@ class ConditionSection(_Comparison):
             return Condition(Signal((), "told"), 0.5, hold=self.hold)
         if self.arrived is not None:
             hooks = {name: known.rope_of(name) for name in known.hooks}
-            every = [*known.ropes, *hooks, *known.tanks, *known.drives]
+            every = [*known.ropes, *hooks, *known.tanks, *known.drives, *known.vehicles]
             fits = known.fitting("arrived", self.arrived, every)
             terms = tuple(Term(name) for name in dict.fromkeys(hooks.get(name, name) for name in fits))
             return Condition(
@@ -462,6 +468,7 @@ _OWN = {
     "hook": {"speed", "distance", "height", "brake", "level", "dead_band", *_RAMPS},
     "drive": {"speed", "position", "distance", *_RAMPS},
     "tank": {"rate", "mass"},
+    "path": {"speed", "ramp", "acceleration", "planned"},
     "release": set(),
     "connect": {"slack"},
     "note": set(),
@@ -476,7 +483,7 @@ _TELLS = {
 
 
 class ActionSection(Section):
-    """What happens when a phase begins: what is told to a winch, hook, drive or tank; a release, connection or note."""
+    """What happens when a phase begins: what is told to a winch, hook, drive, tank, path; release, connection, note."""
 
     winch: Names | None = None
     """Ropes whose winches get another speed, or a length to go to, ...: a name, a pattern such as ``"fall_*"``, or a
@@ -487,9 +494,13 @@ class ActionSection(Section):
     """Joints with a drive, or bodies with an axis whose frame is driven or fixed: ``"trolley.x"``, ``"mast.angle"``."""
     tank: Names | None = None
     """Tanks whose pumps run."""
+    path: Names | None = None
+    """Transporters with `legs`: with a `speed` they go to the end of the leg on which they are, or stop if it is 0."""
+    planned: Literal[True] | None = None
+    """A transporter goes on: this leg and all others as they are planned."""
     speed: Value | None = None
-    """Of winch, hook or drive [m/s], [rad/s]; hauls in, or hoists, if positive. With a place to go to the largest
-    one, as with `tension` and `level`."""
+    """Of winch, hook, drive or transporter [m/s], [rad/s]; hauls in, or hoists, if positive. With a place to go to the
+    largest one, as with `tension` and `level`."""
     length: Annotated[float, Positive("length")] | None = None
     """Unstretched length of the rope at which its winch stops [m]."""
     distance: Value | None = None
@@ -560,6 +571,8 @@ class ActionSection(Section):
             )
         if subject == "tank":
             self._check_pump()
+        elif subject == "path":
+            self._check_path()
         elif subject in _TELLS:
             self._check_move(subject)
         return self
@@ -569,6 +582,19 @@ class ActionSection(Section):
             reject("a tank without 'rate'", "'rate' of its pump", key="rate")
         if self.mass is not None and not self.rate > 0.0:
             reject(f"{self.rate:g} kg/s with a mass", "a positive rate: its sense follows", key="rate")
+
+    def _check_path(self) -> None:
+        if (self.speed is None) == (self.planned is None):
+            problem = "both 'speed' and 'planned'" if self.planned else "a path without 'speed'"
+            reject(problem, "'speed', 0 to stop, or 'planned = true' to go on", key="speed")
+        if self.planned:
+            odd = sorted(self.model_fields_set - {"path", "planned"})
+            if odd:
+                reject(f"{odd[0]!r} beside 'planned'", "what the legs say", key=odd[0])
+        elif self.speed is not None and self.speed < 0.0:
+            reject(f"{self.speed:g} m/s", "a speed of 0 or more: it goes along its path", key="speed")
+        if self.ramp and self.acceleration is not None:
+            reject("both 'ramp' and 'acceleration'", "one of them", key="acceleration")
 
     def _check_move(self, subject: str) -> None:
         told = [key for key in _TELLS[subject] if getattr(self, key) is not None]
@@ -622,6 +648,12 @@ class ActionSection(Section):
                 TankRate(name, self.rate, self.mass) for name in known.fitting("tank", self.tank, known.tanks)
             )
         limits: dict[str, Any] = {"acceleration": self.acceleration or 0.0, "jerk": self.jerk or 0.0}
+        if self.path is not None:
+            vehicles = known.fitting("path", self.path, known.vehicles)
+            if self.planned:
+                return tuple(PathGoOn(name) for name in vehicles)
+            assert self.speed is not None
+            return tuple(PathSpeed(name, self.speed, self.ramp, **limits) for name in vehicles)
         if self.drive is not None:
             assert self.speed is not None
             place, by = (self.position, False) if self.distance is None else (self.distance, True)

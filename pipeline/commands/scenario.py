@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.assemble.operation_plan import Range, check_plan, plan, starts_of
+from heavylift.pipeline.assemble.operation_plan import Range, check_plan, plan, routes_of, starts_of
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages.stages import load_changed_case, run_case
 from heavylift.solver.scene.scenario import Release
@@ -59,8 +59,9 @@ def scenario_command(
         layout = pack_scene(scene)
     scenario = scene.scenario
     assert scenario is not None
-    starts = starts_of(scene, Operation(layout.director, scenario, layout.channels))
-    phases = plan(scenario, starts)
+    operation = Operation(layout.director, scenario, layout.channels)
+    starts = starts_of(scene, operation)
+    phases = plan(scenario, starts, routes_of(scene, operation))
     check_plan(case, phases, starts)
     told = {name: starts[name] for row in phases for name in row[0].values}
     lines = [

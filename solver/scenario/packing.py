@@ -34,6 +34,7 @@ from heavylift.solver.scenario.director import (
     KEEP,
     KEEP_LEVEL,
     NOTE,
+    PATH,
     PLAIN_ROPE,
     RELEASE,
     RUBBING_ROPE,
@@ -47,6 +48,7 @@ from heavylift.solver.scenario.director import (
     LogEntry,
     Mover,
     MoverState,
+    PathPieces,
     PhaseEntry,
     SignalEntry,
     TermEntry,
@@ -67,6 +69,8 @@ from heavylift.solver.scene.scenario import (
     DriveTo,
     Movable,
     Note,
+    PathGoOn,
+    PathSpeed,
     Release,
     Scenario,
     Signal,
@@ -79,9 +83,11 @@ from heavylift.solver.scene.scenario import (
     WinchLevel,
     WinchSpeed,
     WinchTension,
+    acted_on,
     check_scenario,
     drives_of,
 )
+from heavylift.solver.transport.paths import Paths
 from heavylift.solver.water.hulls.kind import Hulls, TankData, TankLevel
 
 __all__ = ["pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
@@ -106,7 +112,8 @@ def with_drives(scene: Any) -> Any:
     drives = drives_of(scene.joints, motions)
     ropes = {rope.name: rope for rope in scene.ropes}
     pumped = {} if scene.sea is None else {tank: pump.name for pump in scene.sea.pumps for tank in pump.tanks}
-    movable = Movable(ropes, frozenset(tank.name for tank in tanks), drives, pumped=pumped)
+    vehicles = {one.name: one for one in scene.transporters if one.legs}
+    movable = Movable(ropes, frozenset(tank.name for tank in tanks), drives, pumped=pumped, vehicles=vehicles)
     check_scenario(scene.scenario, movable)
     told = {
         action.drive.rpartition(".")[::2]
@@ -167,6 +174,8 @@ def reserve_tables(
     for kind in kinds[1]:
         if isinstance(kind, Ropes):
             connections.append(_with_winch_rows(kind, winches, max(MOVE_ROWS, longest if follows else 0)))
+        elif isinstance(kind, Paths):
+            connections.append(_with_pieces(kind, _told_paths(scene)))
         elif "profiles" in kind._fields and any(int(entry.column) in joints for entry in kind.table):
             connections.append(_with_profiles(kind, joints))
         else:
@@ -291,6 +300,29 @@ def _with_frame_profiles(kind: Any, told: Mapping[int, set[int]]) -> Any:
     return kind._replace(constants=flat)
 
 
+def _vehicles(scene: Any) -> list[str]:
+    """Transporters of the kind of paths, in its order."""
+    return [one.name for one in scene.transporters if one.legs and one.tyres is None]
+
+
+def _told_paths(scene: Any) -> set[int]:
+    """Numbers of paths that are told something."""
+    names = _vehicles(scene)
+    return {names.index(a.path) for a in scene.scenario.actions if isinstance(a, (PathSpeed, PathGoOn))}
+
+
+def _with_pieces(kind: Paths, told: set[int]) -> Paths:
+    """Room for plans in the pieces of some paths."""
+    rows: list[NDArray[np.float64]] = []
+    for number, path in enumerate(kind.table):
+        own = kind.pieces[path.first_piece : path.first_piece + path.pieces]
+        if number in told:
+            own = np.vstack([own, np.repeat(own[-1:], MOVE_ROWS, axis=0)])
+        path.first_piece, path.pieces = sum(map(len, rows)), len(own)
+        rows.append(own)
+    return kind._replace(pieces=np.ascontiguousarray(np.vstack(rows)))
+
+
 class _Movers:
     """Everything that can be told something, with its place in the tables of its kind."""
 
@@ -386,6 +418,9 @@ def pack_scenario(
     )
     for name in drives:
         movers.add(name, DRIVE, _profile_start(name, kinds, columns, profiles), told=True)
+    paths = next((kind for kind in kinds[1] if isinstance(kind, Paths)), None)
+    for number in sorted(_told_paths(scene)):
+        movers.add(_vehicles(scene)[number], PATH, number, told=True)
     states = records(MoverState, len(movers.rows))
     states["leader"], states["arrives"] = -1, math.inf
     for name, leader in followers.items():
@@ -424,6 +459,12 @@ def pack_scenario(
         tanks=records(TankData, 0) if hulls is None else hulls.tanks,
         levels=records(TankLevel, 0) if hulls is None else hulls.tank_levels,
         profiles=profiles,
+        paths=_table(
+            PathPieces, [] if paths is None else [(path.first_piece, path.pieces) for path in paths.table]
+        ),
+        path_pieces=np.zeros((0, 4)) if paths is None else paths.pieces,
+        path_legs=np.zeros((0, 5)) if paths is None else paths.legs,
+        path_plan=np.zeros((0, 4)) if paths is None else paths.pieces.copy(),
         state=state,
         track_state=records(TrackState, len(tables.tracks)),
         mover_state=states,
@@ -635,12 +676,13 @@ def _action(
         0.0,
     )
     if not isinstance(action, Note):
-        name = action.tank if isinstance(action, TankRate) else getattr(action, "drive", "") or action.rope  # type: ignore[union-attr]
-        mover = numbers[name]
-    if isinstance(action, (*MOVES, DriveSpeed, DriveTo)):
+        mover = numbers[acted_on(action)]
+    if isinstance(action, (*MOVES, DriveSpeed, DriveTo, PathSpeed)):
         speed, ramp, acceleration, jerk = action.speed, action.ramp, action.acceleration, action.jerk
-    if isinstance(action, (WinchSpeed, DriveSpeed)):
+    if isinstance(action, (WinchSpeed, DriveSpeed, PathSpeed)):
         code, value = SPEED, action.speed
+    elif isinstance(action, PathGoOn):
+        code = GO_TO
     elif isinstance(action, WinchLength):
         code, value = GO_TO, action.length
     elif isinstance(action, WinchHaul):

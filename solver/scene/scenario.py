@@ -24,6 +24,8 @@ __all__ = [
     "Limit",
     "Movable",
     "Note",
+    "PathGoOn",
+    "PathSpeed",
     "Phase",
     "Release",
     "Scenario",
@@ -416,6 +418,42 @@ class DriveTo(_Ramp):
 
 
 @dataclass(frozen=True)
+class PathSpeed(_Ramp):
+    """A transporter goes along its path at a speed to the end of the leg on which it is, and stops there.
+
+    Attributes
+    ----------
+    path
+        Name of the transporter.
+    speed
+        [m/s]; 0 stops it where it is.
+    """
+
+    path: str
+    speed: float
+    ramp: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        if self.speed == 0.0:
+            return f"{self.path!r} stops on its path{self._in_ramp}"
+        return f"{self.path!r} along its leg at {self.speed:g} m/s{self._in_ramp}"
+
+
+@dataclass(frozen=True)
+class PathGoOn:
+    """A transporter goes on along its path, this leg and all others as they are planned."""
+
+    path: str
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"{self.path!r} goes on along its path"
+
+
+@dataclass(frozen=True)
 class Release:
     """A rope lets go: from now on it does nothing, and what it had stored is lost."""
 
@@ -464,7 +502,8 @@ RopeAction: TypeAlias = (
     | Connect
 )
 DriveAction: TypeAlias = DriveSpeed | DriveTo
-Action: TypeAlias = RopeAction | TankRate | DriveAction | Note
+PathAction: TypeAlias = PathSpeed | PathGoOn
+Action: TypeAlias = RopeAction | TankRate | DriveAction | PathAction | Note
 MOVES = (WinchSpeed, WinchLength, WinchHaul)
 """What a winch is told that it does by itself."""
 
@@ -586,6 +625,8 @@ class Movable:
         Of the run [s]; infinite if it is not known.
     pumped
         Tanks with `[[pumps]]`, which nothing else is to fill, and one of these each.
+    vehicles
+        Transporters with a path by name: of the scene, or sections of a case.
     """
 
     ropes: Mapping[str, Any]
@@ -593,6 +634,7 @@ class Movable:
     drives: Mapping[str, bool] = field(default_factory=dict)
     duration: float = math.inf
     pumped: Mapping[str, str] = field(default_factory=dict)
+    vehicles: Mapping[str, Any] = field(default_factory=dict)
 
 
 def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
@@ -671,6 +713,9 @@ class _Checker:
         if isinstance(action, (DriveSpeed, DriveTo)):
             self._drive(action, f"{key}.drive")
             return
+        if isinstance(action, (PathSpeed, PathGoOn)):
+            self._path(action, key)
+            return
         word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
         place = f"{key}.{word}"
         rope = self.rope(action.rope, place)
@@ -711,6 +756,26 @@ class _Checker:
             )
         if isinstance(action, DriveTo) or action.speed == 0.0:
             self.arriving.add(action.drive)
+
+    def _path(self, action: PathAction, key: str) -> None:
+        """A vehicle whose plan waits for nothing else, and whose drive can do the speed."""
+        vehicle = _known("transporter with 'legs'", action.path, self.movable.vehicles, f"{key}.path")
+        if vehicle.tyres is not None:
+            raise InputError(
+                f"{action.path!r} has 'tyres', and its plan waits for what its drives can",
+                key=f"{key}.path",
+                expected="a transporter without 'tyres'",
+            )
+        self.arriving.add(action.path)
+        if not isinstance(action, PathSpeed) or vehicle.drive is None or not len(vehicle.drive.speeds):
+            return
+        fastest = max(leg.speed for leg in vehicle.legs)
+        if action.speed > fastest * (1.0 + 1e-12):
+            raise InputError(
+                f"{action.speed:g} m/s, and the drives of {action.path!r} are planned for {fastest:g} m/s",
+                key=f"{key}.speed",
+                expected="at most the speed of its fastest leg, or a drive without 'speeds'",
+            )
 
     def _control(self, action: WinchTension | WinchLevel | WinchBrake, rope: Any, key: str) -> None:
         """The winch answers to its tension; its brake is off, and is set while it rests."""
@@ -833,7 +898,8 @@ class _Checker:
 
 def acted_on(action: Action) -> str:
     """Name of what an action is for; empty of a note."""
-    return str(getattr(action, "rope", "") or getattr(action, "tank", "") or getattr(action, "drive", ""))
+    words = (getattr(action, key, "") for key in ("rope", "tank", "drive", "path"))
+    return str(next(filter(None, words), ""))
 
 
 LARGEST_STRAIN = 0.02
