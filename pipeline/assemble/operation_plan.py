@@ -20,6 +20,7 @@ from heavylift.numerics.records import records
 from heavylift.solver.drive import pack_profile, profile_value
 from heavylift.solver.scenario.director import PATH
 from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move, plan_speed
+from heavylift.solver.scene.bodies import Driven, Fixed
 from heavylift.solver.scene.scenario import (
     AXES,
     Connect,
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scenario import Action, Phase, Scenario
     from heavylift.solver.scene.scene import Scene
 
-__all__ = ["PlannedPhase", "Range", "check_plan", "plan", "routes_of", "starts_of"]
+__all__ = ["PlannedPhase", "Range", "check_hooks", "check_plan", "plan", "routes_of", "starts_of"]
 
 
 @dataclass(frozen=True)
@@ -516,6 +517,11 @@ def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Map
     """
     ropes = {rope.name for rope in case.ropes}
     falls = {f"{one.name}_rope": one for one in case.falls}
+    trolleys = {
+        f"{crane.name}_trolley_{i + 1}.x": (f"{crane.name}_girder.x", trolley.position, 0.5 * crane.span)
+        for crane in case.gantry_cranes
+        for i, trolley in enumerate(crane.trolleys)
+    }
     duration = math.inf if case.simulate is None else case.simulate.duration or math.inf
     for row, track in enumerate(phases):
         needed = 0.0
@@ -530,6 +536,8 @@ def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Map
                 )
             key = f"scenario.tracks.{row - 1}.phases.{i}" if row else f"scenario.phases.{i}"
             for name, value in phase.values.items():
+                if name in trolleys:
+                    _check_trolley(case, key, phase, name, *trolleys[name])
                 if name not in ropes or not math.isfinite(value.high):
                     continue
                 if value.high <= 0.0:
@@ -550,3 +558,72 @@ def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Map
                         key=key,
                         expected=f"less than {hook.drop - 2.0 * hook.sheave_radius:.6g} m",
                     )
+
+
+def _check_trolley(
+    case: Case, key: str, phase: PlannedPhase, name: str, girder: str, position: float, half: float
+) -> None:
+    """Refuse a trolley that is certain to be beyond the end of its girder behind a phase."""
+    at, moved = phase.values[name], phase.values.get(girder, Range(0.0, 0.0))
+    low, high = at.low - moved.high + position, at.high - moved.low + position
+    if low > half * (1.0 + 1e-9) or high < -half * (1.0 + 1e-9):
+        raise InputError(
+            f"phase {phase.name!r} drives {name.removesuffix('.x')!r} to {low if low > 0.0 else high:.6g} m from the "
+            f"middle of a girder of {2.0 * half:.6g} m",
+            source=case.file,
+            key=key,
+            expected=f"at most {half:.6g} m",
+        )
+
+
+def check_hooks(case: Case, scene: Scene) -> None:
+    """Refuse a hook that is told a height above the crown of its falls, where that stays at its height.
+
+    Raises
+    ------
+    InputError
+        The first one.
+    """
+    scenario = scene.scenario
+    assert scenario is not None
+    bodies = {body.name: body for body in scene.bodies}
+    told = {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}
+    tops = {}
+    for falls in case.falls:
+        carrier, block = bodies.get(falls.crown.body), bodies[f"{falls.name}_block"]
+        if carrier is None or _keeps_its_height(carrier, told):
+            crown = float(np.asarray(block.position)[2]) + falls.drop
+            tops[f"{falls.name}_rope"] = falls, crown - 2.0 * falls.sheave_radius
+    for number, phase in enumerate(scenario.all_phases):
+        for action in phase.actions:
+            if not isinstance(action, WinchHaul) or action.signal is None or action.rope not in tops:
+                continue
+            falls, top = tops[action.rope]
+            if action.length >= top:
+                depth = falls.block.hook_depth
+                raise InputError(
+                    f"phase {phase.name!r} hoists {falls.name!r} to {action.length - depth:.6g} m, and its crown stops "
+                    f"it at {top - depth:.6g} m",
+                    source=case.file,
+                    key=_key_of_phase(scenario, number),
+                    expected="a hook below its crown",
+                )
+
+
+def _keeps_its_height(body: Any, told: set[str]) -> bool:
+    """Whether a body is driven, or fixed, and neither rises nor turns."""
+    motion = getattr(body, "motion", None)
+    if not isinstance(motion, (Fixed, Driven)):
+        return False
+    return all(
+        getattr(motion, axis, None) is None and f"{body.name}.{axis}" not in told for axis in ("z", "angle")
+    )
+
+
+def _key_of_phase(scenario: Scenario, number: int) -> str:
+    """Key in a case of a phase by its number among all tracks."""
+    for row, phases in enumerate(scenario.rows):
+        if number < len(phases):
+            return f"scenario.tracks.{row - 1}.phases.{number}" if row else f"scenario.phases.{number}"
+        number -= len(phases)
+    raise AssertionError(number)

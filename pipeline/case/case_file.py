@@ -292,6 +292,7 @@ class Case(SceneTables, _CaseHeading):
         hooks = {one.name: Hook(one.parts, one.block.hook_depth) for one in self.falls}
         tanks = tuple(tank.name for tank in self.tanks)
         together: dict[str, tuple[str, ...]] = {}
+        girders: dict[str, tuple[str, float]] = {}
         for crane in self.gantry_cranes:
             parts = [f"{crane.name}_girder"]
             parts += [f"{crane.name}_trolley_{i + 1}" for i in range(len(crane.trolleys))]
@@ -299,8 +300,9 @@ class Case(SceneTables, _CaseHeading):
                 every = [f"{part}.{axis}" for part in parts]
                 together |= {one: tuple(other for other in every if other != one) for one in every}
             together[f"{parts[0]}.x"] = tuple(f"{part}.x" for part in parts[1:])
+            girders |= dict.fromkeys(parts[1:], (parts[0], 0.5 * crane.span))
         drives, vehicles = tuple(movable["drives"]), tuple(movable["vehicles"])
-        return Known(self._names, tuple(wire), tanks, drives, hooks, others, together, vehicles)
+        return Known(self._names, tuple(wire), tanks, drives, hooks, others, together, vehicles, girders)
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

@@ -4,7 +4,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import Annotated, Any, Literal, NamedTuple
@@ -97,6 +97,8 @@ class Known:
         Falls by name.
     vehicles
         Names of transporters with a path.
+    girders
+        By trolley of a gantry crane: its girder, and how far it may go from the middle of that [m].
     """
 
     names: Declared
@@ -107,6 +109,7 @@ class Known:
     other_ropes: tuple[str, ...] = ()
     together: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     vehicles: tuple[str, ...] = ()
+    girders: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -829,8 +832,25 @@ def scenario_of(section: ScenarioSection, known: Known) -> Scenario:
                 )
             )
         rows.append(tuple(row))
+    ends = _girder_ends(rows, known)
+    rows = [tuple(replace(phase, limits=(*phase.limits, *ends)) for phase in row) for row in rows]
     tracks = tuple(Track(said.name, row) for said, row in zip(section.tracks, rows[1:], strict=True))
     return Scenario(rows[0], section.prepared, section.at_end == "stop", tracks)
+
+
+def _girder_ends(rows: Iterable[tuple[Phase, ...]], known: Known) -> list[Limit]:
+    """Limits that end a run where a trolley that is told something leaves its girder."""
+    actions = [action for row in rows for phase in row for action in phase.actions]
+    told = [action.drive for action in actions if isinstance(action, (DriveSpeed, DriveTo))]
+    found = []
+    for trolley in dict.fromkeys(name.removesuffix(".x") for name in told if name.endswith(".x")):
+        if trolley in known.girders:
+            girder, half = known.girders[trolley]
+            terms = (Term(f"{trolley}.position", "x"), Term(f"{girder}.position", "x", -1.0))
+            way = Signal(terms, "sum", f"way of {trolley!r} from the middle of its girder")
+            slack = 1e-6 * half
+            found += [Limit(way, half + slack), Limit(way, -half - slack, below=False)]
+    return found
 
 
 def _told(key: str, make: Any) -> Any:

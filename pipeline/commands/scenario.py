@@ -6,7 +6,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.assemble.operation_plan import Range, check_plan, plan, routes_of, starts_of
+from heavylift.pipeline.assemble.operation_plan import (
+    Range,
+    check_hooks,
+    check_plan,
+    plan,
+    routes_of,
+    starts_of,
+)
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages.stages import load_changed_case, run_case
 from heavylift.solver.scene.scenario import Release
@@ -63,6 +70,7 @@ def scenario_command(
     starts = starts_of(scene, operation)
     phases = plan(scenario, starts, routes_of(scene, operation))
     check_plan(case, phases, starts)
+    check_hooks(case, scene)
     told = {name: starts[name] for row in phases for name in row[0].values}
     lines = [
         line for said, row in zip(scenario.rows, phases, strict=True) for line in _table(said, row, starts)

@@ -113,7 +113,10 @@ def with_drives(scene: Any) -> Any:
     ropes = {rope.name: rope for rope in scene.ropes}
     pumped = {} if scene.sea is None else {tank: pump.name for pump in scene.sea.pumps for tank in pump.tanks}
     vehicles = {one.name: one for one in scene.transporters if one.legs}
-    movable = Movable(ropes, frozenset(tank.name for tank in tanks), drives, pumped=pumped, vehicles=vehicles)
+    capacities = {tank.name: tank.capacity(scene.sea.water) for tank in tanks}
+    movable = Movable(
+        ropes, frozenset(capacities), drives, pumped=pumped, vehicles=vehicles, capacities=capacities
+    )
     check_scenario(scene.scenario, movable)
     told = {
         action.drive.rpartition(".")[::2]

@@ -627,6 +627,8 @@ class Movable:
         Tanks with `[[pumps]]`, which nothing else is to fill, and one of these each.
     vehicles
         Transporters with a path by name: of the scene, or sections of a case.
+    capacities
+        Masses of full tanks [kg], as far as they are known.
     """
 
     ropes: Mapping[str, Any]
@@ -635,6 +637,7 @@ class Movable:
     duration: float = math.inf
     pumped: Mapping[str, str] = field(default_factory=dict)
     vehicles: Mapping[str, Any] = field(default_factory=dict)
+    capacities: Mapping[str, float] = field(default_factory=dict)
 
 
 def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
@@ -676,6 +679,10 @@ class _Checker:
         self.loose = set(prepared)
         self.braked: set[str] = set()
         self.planned: dict[str, float] = {}
+        self.largest: dict[str, tuple[float, float]] = {}
+        """Speeds of what moves by itself, at most: in the phase, and behind it."""
+        self.levels: dict[str, float] = {}
+        """Speeds at most of winches that keep a level, beside that."""
         self.lengths: dict[str, float] = {}
         self.arriving: set[str] = set()
 
@@ -706,6 +713,13 @@ class _Checker:
                     f"the pump {self.movable.pumped[action.tank]!r} fills or empties {action.tank!r}",
                     key=f"{key}.tank",
                     expected="a tank without [[pumps]]",
+                )
+            room = self.movable.capacities.get(action.tank, math.inf)
+            if action.mass is not None and action.mass > room * (1.0 + 1e-9):
+                raise InputError(
+                    f"{action.mass:g} kg, and {action.tank!r} is full with {room:.6g} kg",
+                    key=f"{key}.mass",
+                    expected=f"at most {room:.6g} kg",
                 )
             if action.mass is not None or action.rate < 0.0:
                 self.arriving.add(action.tank)
@@ -794,6 +808,7 @@ class _Checker:
                     expected="a speed of 0 before, or a length to go to",
                 )
             self.followed.pop(name, None)
+            self.levels.pop(name, None)
             (self.braked.add if action.on else self.braked.discard)(name)
             return
         if not controlled(rope):
@@ -806,6 +821,7 @@ class _Checker:
         if isinstance(action, WinchTension):
             self.followed.pop(name, None)
             self.planned[name] = 0.0
+            self.largest.pop(name, None)
             if action.tension > LARGEST_STRAIN * rope.axial_stiffness:
                 raise InputError(
                     f"{action.tension:g} N is a strain of {action.tension / rope.axial_stiffness:.3g}",
@@ -820,6 +836,33 @@ class _Checker:
                     expected=f"less than {brake:g} N",
                 )
         self._check_speed(action.speed, rope, key)
+        if isinstance(action, WinchLevel) and action.share:
+            self.levels[name] = action.speed
+            self._check_both(rope, key)
+        else:
+            self.levels.pop(name, None)
+
+    def _check_both(self, rope: Any, key: str) -> None:
+        """What a winch is told and what it does for a level are together no faster than it can be."""
+        name = rope.name
+        most = getattr(getattr(rope, "winch", None), "fastest", None)
+        told, level = self.largest.get(name, (0.0, 0.0))[0], self.levels.get(name, 0.0)
+        if most is not None and level > 0.0 and told + level > most * (1.0 + 1e-12):
+            raise InputError(
+                f"{told:g} m/s that the winch of {name!r} is told and {level:g} m/s to keep its level",
+                key=f"{key}.speed",
+                expected=f"at most {most:g} m/s together",
+            )
+
+    def end(self, phase: Phase) -> None:
+        """What has arrived in a phase that waits for it rests."""
+        for name, (_, behind) in self.largest.items():
+            self.largest[name] = behind, behind
+        if phase.ends_with == "any" and len(phase.until) > 1:
+            return
+        for one in phase.until:
+            if one.signal is not None and one.signal.function == "arrived":
+                self.largest |= {term.channel: (0.0, 0.0) for term in one.signal.terms}
 
     def _is_off(self, name: str, key: str) -> None:
         """Nothing moves a drum whose brake is set."""
@@ -882,9 +925,15 @@ class _Checker:
             self._check_follower(action, rope, key)
             self.followed[name] = action.leader
             self.planned[name] = action.ratio * self.planned.get(action.leader, 0.0)
+            self.largest[name] = (abs(action.ratio) * self.largest.get(action.leader, (0.0, 0.0))[0],) * 2
+            self._check_both(rope, key)
             self.arriving.add(name)
             return
         self._check_speed(action.speed, rope, key)
+        at_once = not action.ramp and not action.acceleration
+        before = 0.0 if at_once else self.largest.get(name, (0.0, 0.0))[0]
+        self.largest[name] = max(before, abs(action.speed)), abs(action.speed)
+        self._check_both(rope, key)
         self.followed.pop(name, None)
         self.planned[name] = action.speed if isinstance(action, WinchSpeed) else 0.0
         self.lengths.pop(name, None)
@@ -956,6 +1005,7 @@ def check_scenario(scenario: Scenario, movable: Movable) -> None:
             for number, action in enumerate(phase.actions):
                 checker.act(action, f"{key}.actions.{number}")
             _can_end(phase, checker, f"{key}.until")
+            checker.end(phase)
 
 
 def _can_end(phase: Phase, checker: _Checker, key: str) -> None:
