@@ -218,7 +218,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.scenario.packing import pack_scenario
 
         copied = np.zeros(0) if scene.touches else carried
-        director = pack_scenario(scene, kinds[:2], channels, phase_column, column, copied, profiles)
+        director = pack_scenario(scene, kinds, channels, phase_column, column, copied, profiles)
         forces.append(director)
         groups |= {SCENARIO}
     controllers = None

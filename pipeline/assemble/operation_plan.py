@@ -30,6 +30,7 @@ from heavylift.solver.scene.scenario import (
     PathGoOn,
     PathSpeed,
     Release,
+    ReleaseJoint,
     TankRate,
     WinchBrake,
     WinchFollow,
@@ -355,7 +356,7 @@ def _plan_row(
 ) -> list[PlannedPhase]:
     told = [action for phase in phases for action in phase.actions]
     names = dict.fromkeys(
-        acted_on(a) for a in told if not isinstance(a, (Note, Release, Connect, WinchBrake))
+        acted_on(a) for a in told if not isinstance(a, (Note, Release, ReleaseJoint, Connect, WinchBrake))
     )
     courses = {
         name: _PathCourse(routes[name]) if name in routes else _Course(Range(starts[name], starts[name]))

@@ -37,7 +37,7 @@ from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of
+from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of, releases_of
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -280,6 +280,7 @@ class Case(SceneTables, _CaseHeading):
             "drives": drives_of(self.joints, frames),
             "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
             "vehicles": {one.name: one for one in self.transporters if one.legs},
+            "releases": releases_of(self.joints, self.forces),
         }
 
     @property
@@ -302,7 +303,18 @@ class Case(SceneTables, _CaseHeading):
             together[f"{parts[0]}.x"] = tuple(f"{part}.x" for part in parts[1:])
             girders |= dict.fromkeys(parts[1:], (parts[0], 0.5 * crane.span))
         drives, vehicles = tuple(movable["drives"]), tuple(movable["vehicles"])
-        return Known(self._names, tuple(wire), tanks, drives, hooks, others, together, vehicles, girders)
+        return Known(
+            self._names,
+            tuple(wire),
+            tanks,
+            drives,
+            hooks,
+            others,
+            together,
+            vehicles,
+            girders,
+            tuple(movable["releases"]),
+        )
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

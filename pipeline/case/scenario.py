@@ -52,6 +52,7 @@ from heavylift.solver.scene.scenario import (
     PathSpeed,
     Phase,
     Release,
+    ReleaseJoint,
     Scenario,
     Signal,
     TankRate,
@@ -97,6 +98,8 @@ class Known:
         Falls by name.
     vehicles
         Names of transporters with a path.
+    joints
+        Names.
     girders
         By trolley of a gantry crane: its girder, and how far it may go from the middle of that [m].
     """
@@ -110,6 +113,7 @@ class Known:
     together: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     vehicles: tuple[str, ...] = ()
     girders: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    joints: tuple[str, ...] = ()
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -123,7 +127,7 @@ class Known:
         known = list(known)
         for pattern in patterns:
             fits = [name for name in known if fnmatchcase(name, pattern)]
-            if not fits and _WHAT.get(key) == "rope" and pattern in self.other_ropes:
+            if not fits and _WHAT.get(key, "").startswith("rope") and pattern in self.other_ropes:
                 fits = [pattern]
             if not fits:
                 near = get_close_matches(pattern, known, 1)
@@ -142,7 +146,8 @@ class Known:
 
 
 _WHAT = {
-    **dict.fromkeys(("winch", "release", "connect", "taut", "slack"), "rope"),
+    **dict.fromkeys(("winch", "connect", "taut", "slack"), "rope"),
+    "release": "rope or joint",
     "of": "body",
     "path": "transporter with 'legs'",
     "arrived": "rope, hook, tank, drive or transporter on a path",
@@ -538,7 +543,7 @@ class ActionSection(Section):
     mass: Annotated[float, Quantity("mass", minimum=0.0, closed=True)] | None = None
     """At which the pump stops [kg]; the rate is positive then."""
     release: Names | None = None
-    """Ropes that let go."""
+    """Ropes and joints that let go."""
     connect: Names | None = None
     """Ropes that hold from now on."""
     slack: Annotated[float, Quantity("length")] = 0.0
@@ -640,7 +645,8 @@ class ActionSection(Section):
         if self.note is not None:
             return (Note(self.note),)
         if self.release is not None:
-            return tuple(Release(name) for name in known.fitting("release", self.release, known.ropes))
+            names = known.fitting("release", self.release, [*known.ropes, *known.joints])
+            return tuple(ReleaseJoint(name) if name in known.joints else Release(name) for name in names)
         if self.connect is not None:
             return tuple(
                 Connect(name, self.slack) for name in known.fitting("connect", self.connect, known.ropes)

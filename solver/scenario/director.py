@@ -16,7 +16,8 @@ Between its legs a transporter stands, since its wheels turn there. So where it 
 its leg and stops there; and it brakes harder than it was told if it would not stop before.
 
 A rope lets go by losing its stiffness: what the scene stores less then counts as dissipated. One that is connected gets
-the length of its path and its slack; what less than no slack stores is work of its winch.
+the length of its path and its slack; what less than no slack stores is work of its winch. A joint lets go by becoming
+so soft that its rows are none; it is rigid, so it has stored nothing.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from heavylift.numerics.arrays import Arrays, Floats1, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import LaneRecords, Record, Records
 from heavylift.solver.drive import profile_value
 from heavylift.solver.integrate.loop import TOTAL_COLUMNS, write_record
 from heavylift.solver.interface import (
@@ -50,6 +51,7 @@ from heavylift.solver.laws.winch_control import (
     WinchControl,
 )
 from heavylift.solver.laws.wire_rope import RopeEntry, Ropes, WinchRow, winch_state
+from heavylift.solver.rows.structure import ABSENT, Row
 from heavylift.solver.scenario.interface import direct, keep_state, take_back
 from heavylift.solver.scenario.moves import MoveRow, plan_move, plan_speed
 from heavylift.solver.scene.speed_profiles import FOREVER
@@ -79,6 +81,7 @@ __all__ = [
     "PATH",
     "PLAIN_ROPE",
     "RELEASE",
+    "RELEASE_JOINT",
     "ROPE_USED_UP",
     "RUBBING_ROPE",
     "SPEED",
@@ -109,7 +112,7 @@ FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
 """Of signals, by their numbers. `arrived`: time since the last of some movers came to rest where it was told to go;
 `told`: whether someone outside said "continue" since the phase began that waits for it."""
 SUM, NORM, LARGEST, SMALLEST, ARRIVED, CONTINUED = range(6)
-SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE = range(10)
+SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE, RELEASE_JOINT = range(11)
 """Actions."""
 BEGUN, ACTION, DONE, LIMIT_WARNING, LIMIT_STOP, TIMED_OUT, ROPE_USED_UP, NOT_CONNECTED, TOLD = range(9)
 """Events of the log."""
@@ -209,7 +212,7 @@ class ActionEntry(Record):
     acceleration, jerk
         Limits; 0 is none.
     other
-        Mover that is followed, signal that a way is reckoned from, or number of a group; -1 is none.
+        Mover that is followed, signal that a way is reckoned from, number of a group, or block of a joint; -1 is none.
     factor
         Ratio to what is followed, way per difference of the signal, or dead band.
     """
@@ -353,6 +356,8 @@ class Director(Arrays):
         What is carried; values of all signals at the end of the last step.
     trial
         Those of the step that is looked at.
+    joint_rows, lanes
+        Rows of the joints, and how many there are in a block.
     row, plan
         Record of scratch, and a plan.
     column
@@ -418,6 +423,8 @@ class Director(Arrays):
     values: Floats1
     log: Records[LogEntry]
     trial: Floats1
+    joint_rows: LaneRecords[Row]
+    lanes: int
     row: Floats1
     plan: Records[MoveRow]
     column: int
@@ -846,6 +853,18 @@ def _let_go(kind: Director, said: Mover) -> None:
 
 
 @kernel(internal=True)
+def _let_joint_go(kind: Director, block: int) -> None:
+    """The rows of a joint do nothing from now on."""
+    row = kind.joint_rows[block]
+    for r in range(kind.lanes):
+        if row.scale[r] > 0.0:
+            row.compliance[r] = row.hold[r] = row.softness[r] = ABSENT * row.scale[r]
+        row.relaxation[r] = row.rigid[r] = row.target[r] = 0.0
+        row.impulse[r] = row.half_impulse[r] = row.reaction[r] = row.last_reaction[r] = 0.0
+        row.slope[r] = row.slope_before[r] = 0.0
+
+
+@kernel(internal=True)
 def _hold(kind: Director, said: Mover, time: float, slack: float) -> float:
     """A rope holds from now on; its unstretched length [m], negative if it would be too short for its path."""
     ropes = _ropes_of(kind, said.sort)
@@ -878,6 +897,9 @@ def _act(
     time: float,
 ) -> float:
     """Do something; a value for the log, negative for a connection that is too short."""
+    if action.action == RELEASE_JOINT:
+        _let_joint_go(kind, action.other)
+        return 0.0
     if action.action not in (RELEASE, CONNECT):
         if action.action == GO_BY and action.other >= 0:
             _measure(kind, forces, bodies, joints, systems, work, time)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, lane_records, records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.carried import LINE
@@ -21,6 +21,7 @@ from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
 from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
 from heavylift.solver.laws.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
+from heavylift.solver.rows.structure import Row, RowSystem
 from heavylift.solver.scenario.director import (
     BRAKE,
     CONNECT,
@@ -37,6 +38,7 @@ from heavylift.solver.scenario.director import (
     PATH,
     PLAIN_ROPE,
     RELEASE,
+    RELEASE_JOINT,
     RUBBING_ROPE,
     SPEED,
     TANK,
@@ -72,6 +74,7 @@ from heavylift.solver.scene.scenario import (
     PathGoOn,
     PathSpeed,
     Release,
+    ReleaseJoint,
     Scenario,
     Signal,
     TankRate,
@@ -86,6 +89,7 @@ from heavylift.solver.scene.scenario import (
     acted_on,
     check_scenario,
     drives_of,
+    releases_of,
 )
 from heavylift.solver.transport.paths import Paths
 from heavylift.solver.water.hulls.kind import Hulls, TankData, TankLevel
@@ -115,7 +119,13 @@ def with_drives(scene: Any) -> Any:
     vehicles = {one.name: one for one in scene.transporters if one.legs}
     capacities = {tank.name: tank.capacity(scene.sea.water) for tank in tanks}
     movable = Movable(
-        ropes, frozenset(capacities), drives, pumped=pumped, vehicles=vehicles, capacities=capacities
+        ropes,
+        frozenset(capacities),
+        drives,
+        pumped=pumped,
+        vehicles=vehicles,
+        capacities=capacities,
+        releases=releases_of(scene.joints, scene.forces),
     )
     check_scenario(scene.scenario, movable)
     told = {
@@ -366,7 +376,7 @@ def share_profiles(
 
 def pack_scenario(
     scene: Any,
-    kinds: tuple[tuple[Any, ...], tuple[Any, ...]],
+    kinds: tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]],
     channels: Sequence[Channel],
     column: int,
     width: int,
@@ -380,7 +390,7 @@ def pack_scenario(
     scene
         With a scenario.
     kinds
-        Of bodies and joints, in which `reserve_tables` has made room.
+        Of bodies and joints, in which `reserve_tables` has made room, and systems.
     channels
         Of the whole record.
     column, width
@@ -431,7 +441,9 @@ def pack_scenario(
             states[movers.numbers[name]].leader = movers.numbers[leader]
             states[movers.numbers[name]].ratio = ratios[name]
     weight = _Weights(scene)
-    tables = _Tables(scenario, movers.numbers, known, weight)
+    blocks = _joint_blocks(kinds[1], columns, scenario)
+    tables = _Tables(scenario, movers.numbers | blocks, known, weight)
+    system = next((one for one in kinds[2] if isinstance(one, RowSystem)), None)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
     state = DirectorState.one()
@@ -476,6 +488,8 @@ def pack_scenario(
         values=np.zeros(len(tables.signals)),
         log=records(LogEntry, logged),
         trial=np.zeros(len(tables.signals)),
+        joint_rows=lane_records(Row, 0, 1) if system is None else system.rows,
+        lanes=1 if system is None else system.lanes,
         row=np.zeros(width),
         plan=records(MoveRow, MOVE_ROWS),
         column=column,
@@ -523,6 +537,20 @@ def _profile_start(
                     place = DRIVE_HEAD - len(AXES) + AXES.index(axis)
                     return int(base + entry.drive + array[int(entry.drive) + place])
     raise AssertionError(name)
+
+
+def _joint_blocks(joints: Sequence[Any], columns: Mapping[str, int], scenario: Scenario) -> dict[str, int]:
+    """Blocks of the joints that are released, by name."""
+    names = {
+        columns[action.joint]: action.joint for action in scenario.actions if isinstance(action, ReleaseJoint)
+    }
+    return {
+        names[int(entry.column)]: int(entry.block)
+        for kind in joints
+        if names and "table" in kind._fields and "block" in kind.table.dtype.names
+        for entry in kind.table
+        if int(entry.column) in names
+    }
 
 
 class _Weights:
@@ -706,6 +734,8 @@ def _action(
         code, value = SPEED, action.rate
         if action.mass is not None:
             code, value, speed = GO_TO, action.mass, abs(action.rate)
+    elif isinstance(action, ReleaseJoint):
+        code, mover, other = RELEASE_JOINT, -1, mover
     elif isinstance(action, Release):
         code = RELEASE
     elif isinstance(action, Connect):

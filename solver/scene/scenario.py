@@ -28,6 +28,7 @@ __all__ = [
     "PathSpeed",
     "Phase",
     "Release",
+    "ReleaseJoint",
     "Scenario",
     "Signal",
     "TankRate",
@@ -44,6 +45,7 @@ __all__ = [
     "check_scenario",
     "drives_of",
     "loose_ropes",
+    "releases_of",
 ]
 
 
@@ -466,6 +468,18 @@ class Release:
 
 
 @dataclass(frozen=True)
+class ReleaseJoint:
+    """A joint lets go: from now on its rows do nothing."""
+
+    joint: str
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"release of joint {self.joint!r}"
+
+
+@dataclass(frozen=True)
 class Connect:
     """A rope that does nothing gets the length of its path, and some slack [m], and holds from now on."""
 
@@ -503,7 +517,7 @@ RopeAction: TypeAlias = (
 )
 DriveAction: TypeAlias = DriveSpeed | DriveTo
 PathAction: TypeAlias = PathSpeed | PathGoOn
-Action: TypeAlias = RopeAction | TankRate | DriveAction | PathAction | Note
+Action: TypeAlias = RopeAction | ReleaseJoint | TankRate | DriveAction | PathAction | Note
 MOVES = (WinchSpeed, WinchLength, WinchHaul)
 """What a winch is told that it does by itself."""
 
@@ -629,6 +643,8 @@ class Movable:
         Transporters with a path by name: of the scene, or sections of a case.
     capacities
         Masses of full tanks [kg], as far as they are known.
+    releases
+        Joints by name, and why they cannot be released: in words, empty if they can.
     """
 
     ropes: Mapping[str, Any]
@@ -638,6 +654,7 @@ class Movable:
     pumped: Mapping[str, str] = field(default_factory=dict)
     vehicles: Mapping[str, Any] = field(default_factory=dict)
     capacities: Mapping[str, float] = field(default_factory=dict)
+    releases: Mapping[str, str] = field(default_factory=dict)
 
 
 def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
@@ -661,6 +678,42 @@ def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bo
         for axis in AXES:
             profile = getattr(motion, axis, None)
             found[f"{name}.{axis}"] = profile is not None and bool(profile.harmonics)
+    return found
+
+
+RELEASABLE = frozenset(
+    {"ball", "cylindrical", "fixed", "hinge", "planar", "slider", "slider_hinge", "universal"}
+)
+"""Words of joints that can be released: each is one block of rows, and nothing but these."""
+
+
+def releases_of(joints: Iterable[Any], users: Iterable[Any]) -> dict[str, str]:
+    """Names of all joints, and why one cannot be released; empty if it can.
+
+    Parameters
+    ----------
+    joints
+        Of a scene or a case.
+    users
+        What may act along a joint, as springs and motors do.
+    """
+    used = {one.joint: one.name for one in users if isinstance(getattr(one, "joint", None), str)}
+    own = ("limits", "angle_limits", "travel_limits", "friction", "angle_friction", "travel_friction")
+    found = {}
+    for joint in joints:
+        word = getattr(joint, "DESCRIBED", type(joint)).WORD
+        reason = ""
+        if word not in RELEASABLE:
+            reason = f"is a joint of type {word!r}"
+        elif joint.compliance > 0.0:
+            reason = "gives way, and what it stores then is counted nowhere"
+        elif getattr(joint, "drive", None) is not None:
+            reason = "has a drive"
+        elif any(getattr(joint, key, None) for key in own):
+            reason = "has stops or friction"
+        elif joint.name in used:
+            reason = f"has {used[joint.name]!r} along it"
+        found[joint.name] = reason
     return found
 
 
@@ -730,6 +783,9 @@ class _Checker:
         if isinstance(action, (PathSpeed, PathGoOn)):
             self._path(action, key)
             return
+        if isinstance(action, ReleaseJoint):
+            self._release(action.joint, f"{key}.release")
+            return
         word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
         place = f"{key}.{word}"
         rope = self.rope(action.rope, place)
@@ -770,6 +826,19 @@ class _Checker:
             )
         if isinstance(action, DriveTo) or action.speed == 0.0:
             self.arriving.add(action.drive)
+
+    def _release(self, name: str, key: str) -> None:
+        """A joint that is there still, and is rows alone."""
+        reason = _known("joint", name, self.movable.releases, key)
+        if reason:
+            raise InputError(
+                f"{name!r} {reason}",
+                key=key,
+                expected=f"a rigid joint of type {', '.join(sorted(RELEASABLE))} that nothing drives, stops or loads",
+            )
+        if name in self.loose:
+            raise InputError(f"{name!r} is released then", key=key, expected="a joint that is not")
+        self.loose.add(name)
 
     def _path(self, action: PathAction, key: str) -> None:
         """A vehicle whose plan waits for nothing else, and whose drive can do the speed."""
@@ -947,7 +1016,7 @@ class _Checker:
 
 def acted_on(action: Action) -> str:
     """Name of what an action is for; empty of a note."""
-    words = (getattr(action, key, "") for key in ("rope", "tank", "drive", "path"))
+    words = (getattr(action, key, "") for key in ("rope", "joint", "tank", "drive", "path"))
     return str(next(filter(None, words), ""))
 
 

@@ -385,7 +385,7 @@ def barge(*phases: Phase, **tank: Any) -> Scene:
         water=Water(density=RHO, gravity=G),
         hulls=(Hull(body="barge", restoring=restoring, damping=np.diag([1e5, 1e5, 4e7, 1e9, 1e9, 1e8])),),
         tanks=(
-            Tank(name="aft", hull="barge", point=np.zeros(3), **({"mass": 0.0} | tank)),
+            Tank(name="aft", hull="barge", **({"mass": 0.0, "point": np.zeros(3)} | tank)),
             Tank(name="bow", hull="barge", point=np.zeros(3), mass=0.0),
         ),
     )
