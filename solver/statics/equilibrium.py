@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.threads import one_blas_thread
 from heavylift.solver.start.consistent_start import close_positions, close_velocities, project_start
 from heavylift.solver.start.rows import StartRows
 from heavylift.solver.statics.forces import OneSided, StaticForces
@@ -151,6 +152,7 @@ class _Search:
         kind = free - rows.owner_starts[np.searchsorted(rows.owner_starts, free, side="right") - 1]
         self._moves, self._turns = kind < 3, (kind >= 3) & (kind < 6)
 
+    @one_blas_thread
     def run(self) -> None:
         """Go on until nothing is left."""
         forces = self.forces

@@ -127,8 +127,7 @@ class TyrePacking:
             at_origin = np.asarray(deck.origin, dtype=np.float64)
             x, y = (self._book.direction(deck.body, axis, FORCES, at=at_origin) for axis in deck.axes()[:2])
             origin = self._book.point(deck.body, at_origin, FORCES)
-            self._rows.append((origin, x, y, own, side_of.get(deck.body, -1), vehicle_side, 0.0))
-        local = (places.world - places.world.mean(axis=0)) @ places.level.T[:, :2]
+            self._rows.append((origin, x, y, own, side_of.get(deck.body, -1), vehicle_side))
         self._table.append(
             (
                 len(self._table),
@@ -141,7 +140,7 @@ class TyrePacking:
                 said.cornering,
                 said.relaxation_length,
                 said.damping_time,
-                float(np.hypot(*local.T).max()),
+                float(np.linalg.norm(places.world - places.world.mean(axis=0), axis=1).max()),
             )
         )
         self._paths.add(
@@ -166,12 +165,15 @@ class TyrePacking:
         (paths,) = self._paths.kinds(transporters.bogie_state, transporters.steering)
         state, wheels = records(TyreState, len(self._table)), records(WheelState, len(self._wheels))
         state["fresh"] = True
+        planes = records(PlaneRows, len(self._rows))
+        for name, column in zip(PlaneRows.fields_of, zip(*self._rows, strict=True), strict=False):
+            planes[name] = column
         wheels["x"] = wheels["held_x"] = 1.0
         wheels["plane"] = -1
         return [
             TyredVehicles(
                 records(TyreData, self._table),
-                records(PlaneRows, self._rows),
+                planes,
                 records(WheelData, self._wheels),
                 np.array(self._deck_planes, dtype=np.int64),
                 paths,

@@ -211,6 +211,11 @@ class PlaneRows(Record):
         Of the vehicle in the block of the drive.
     grip
         Friction of all wheels on it in the step [N].
+    driven
+        Parts of its rates in the row of the drive.
+    rates, motor, forces
+        Rates of its rows and force of a motor for which the forces of its wheels were found last, and sums of these
+        against the rates [m/s, rad/s; N; N, N m].
     """
 
     origin: int
@@ -220,6 +225,10 @@ class PlaneRows(Record):
     drive_side: int
     vehicle_side: int
     grip: float
+    driven: VectorField
+    rates: VectorField
+    motor: float
+    forces: VectorField
 
 
 class WheelData(Record):
@@ -256,8 +265,8 @@ class WheelState(Record):
         Force of the slope of the road, in the axes of the vehicle [N].
     end_along, end_aside
         Deflection along and across the wheel at the end of the step [m].
-    force, side, slip
-        Of the tread along and across the wheel in the mean of the step [N]; slip angle [rad].
+    force, side, forwards, across
+        Of the tread along and across the wheel in the mean of the step [N]; velocity over the deck likewise [m/s].
     """
 
     along: float
@@ -283,7 +292,8 @@ class WheelState(Record):
     end_aside: float
     force: float
     side: float
-    slip: float
+    forwards: float
+    across: float
 
 
 class TyredVehicles(Arrays):
@@ -510,7 +520,6 @@ def _block(kind: TyredVehicles, v: int, j: int) -> int:
 def _write_rows(kind: TyredVehicles, v: int, work: Workspace, system: RowArrays) -> None:
     """Rows of the planes, and of the drive with the directions of the wheels that are known."""
     data = kind.table[v]
-    path = kind.paths.table[data.path]
     _clear(system, 2 * data.drive_block, data.attachments, 1)
     for j in range(data.first_plane, data.first_plane + data.planes):
         rows, block = kind.planes[j], _block(kind, v, j)
@@ -519,14 +528,27 @@ def _write_rows(kind: TyredVehicles, v: int, work: Workspace, system: RowArrays)
         _add_row(kind, v, j, sides, 0, (1.0, 0.0, 0.0), work, system)
         _add_row(kind, v, j, sides, 1, (0.0, 1.0, 0.0), work, system)
         _add_row(kind, v, j, sides, 2, (0.0, 0.0, 1.0), work, system)
-        a, b, yaw = 0.0, 0.0, 0.0
-        for i in range(path.first_bogie, path.first_bogie + path.bogies):
-            wheel, bogie = kind.wheel_state[i], kind.paths.bogies[i]
-            if wheel.plane == j and wheel.weight > 0.0:
-                x, y = wheel.weight * wheel.x, wheel.weight * wheel.y
-                a, b, yaw = a + x, b + y, yaw + bogie.x * y - bogie.y * x
+        a, b, yaw = rows.driven[0], rows.driven[1], rows.driven[2]
         if a != 0.0 or b != 0.0 or yaw != 0.0:
             _add_row(kind, v, j, (rows.vehicle_side, rows.drive_side), 0, (a, b, yaw), work, system)
+
+
+@kernel(internal=True)
+def _sum_drive(kind: TyredVehicles, v: int) -> None:
+    """Parts of the row of the drive on each plane, with the directions of the wheels that are known."""
+    data = kind.table[v]
+    path = kind.paths.table[data.path]
+    for j in range(data.first_plane, data.first_plane + data.planes):
+        for r in range(3):
+            kind.planes[j].driven[r] = 0.0
+    for i in range(path.first_bogie, path.first_bogie + path.bogies):
+        wheel, at = kind.wheel_state[i], kind.paths.bogies[i]
+        if wheel.weight > 0.0:
+            x, y = wheel.weight * wheel.x, wheel.weight * wheel.y
+            rows = kind.planes[wheel.plane]
+            rows.driven[0] += x
+            rows.driven[1] += y
+            rows.driven[2] += at.x * y - at.y * x
 
 
 @kernel(internal=True)
@@ -561,7 +583,7 @@ def _aim(kind: TyredVehicles, v: int, way: float) -> None:
     for k in range(path.first_bogie, path.first_bogie + path.bogies):
         wheel, bogie = kind.wheel_state[k], paths.bogies[k]
         x, y = u - turn * (bogie.y - paths.nodes[i, 11]), w + turn * (bogie.x - paths.nodes[i, 10])
-        wheel.size = math.hypot(x, y)
+        wheel.size = math.sqrt(x * x + y * y)
         if wheel.size > 0.0:
             x, y = x / wheel.size, y / wheel.size
         else:
@@ -760,6 +782,10 @@ def _sum_forces(
         xx, yy, xy = kx * c * c + ky * s * s, kx * s * s + ky * c * c, (kx - ky) * c * s
         by_a, by_b = by_a + xx, by_b + yy
         by_yaw += at.y * at.y * xx + at.x * at.x * yy - 2.0 * at.x * at.y * xy
+    rows = kind.planes[j]
+    rows.motor = motor
+    rows.rates[0], rows.rates[1], rows.rates[2] = rates[0], rates[1], rates[2]
+    rows.forces[0], rows.forces[1], rows.forces[2] = a, b, yaw
     return (a, b, yaw), (by_a, by_b, by_yaw)
 
 
@@ -813,6 +839,7 @@ def set_tyre_targets(
             if state.fresh:
                 _settle(kind, v, time, step, False, work)
             _aim(kind, v, state.way)
+            _sum_drive(kind, v)
             _write_rows(kind, v, work, system)
             if not state.fresh and not state.rests and state.branch == 0 and state.wheels > 0.0:
                 _, speed = way_at(kind.paths, path, time - state.wait)
@@ -826,6 +853,7 @@ def set_tyre_targets(
         _look_at_loads(kind, v, time, step)
         _look_at_rates(kind, v, step, work)
         _share_plans(kind, v, step)
+        _sum_drive(kind, v)
         _write_rows(kind, v, work, system)
         _put_drive(kind, v, state.flow, step, system)
         state.rounds = 0
@@ -861,7 +889,7 @@ def relinearise_tyres(
         data, state = kind.table[v], kind.state[v]
         block = data.drive_block
         state.rounds += 1
-        motor = 2.0 * system.rows[block].impulse[0] / step
+        motor = 0.0 if state.rests else 2.0 * system.rows[block].impulse[0] / step
         if state.wheels > 0.0 and not state.rests:
             first = 2 * block
             u = rate_of_row(system, first, first + data.attachments, 0, work.velocity)
@@ -921,7 +949,11 @@ def update_tyres(kind: TyredVehicles, time: float, step: float, work: Workspace,
             if not kind.planes[j].grip > 0.0:
                 continue
             rates = _rates(kind, v, j, work, system)
-            forces, _ = _sum_forces(kind, v, j, rates, motor, step)
+            rows = kind.planes[j]
+            known = rows.rates[0] == rates[0] and rows.rates[1] == rates[1] and rows.rates[2] == rates[2]
+            if not (known and rows.motor == motor):  # else they were fitted to that last
+                _sum_forces(kind, v, j, rates, motor, step)
+            forces = rows.forces[0], rows.forces[1], rows.forces[2]
             spent += step * (forces[0] * rates[0] + forces[1] * rates[1] + forces[2] * rates[2])
             a, b, yaw = a - forces[0], b - forces[1], yaw - forces[2]
             for i in range(path.first_bogie, path.first_bogie + path.bogies):
@@ -937,10 +969,7 @@ def update_tyres(kind: TyredVehicles, time: float, step: float, work: Workspace,
                 state.work += step * (p * u + q * w)
                 x, y = wheel.weight * motor * wheel.x, wheel.weight * motor * wheel.y
                 a, b, yaw = a + x, b + y, yaw + at.x * y - at.y * x
-                if state.rests:
-                    wheel.slip = 0.0
-                else:
-                    wheel.slip = math.atan2(wheel.x * w - wheel.y * u, abs(wheel.x * u + wheel.y * w))
+                wheel.forwards, wheel.across = wheel.x * u + wheel.y * w, wheel.x * w - wheel.y * u
         state.push[0], state.push[1], state.push[2] = a, b, yaw
         state.loss += spent - (stored - state.stored)
         state.stored = stored
@@ -965,15 +994,16 @@ def _shares(kind: TyredVehicles, v: int) -> None:
     data, state = kind.table[v], kind.state[v]
     path = kind.paths.table[data.path]
     drive = kind.paths.drives[path.drive]
-    state.traction = state.brake = 0.0
+    most, state.brake = 0.0, 0.0
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         wheel = kind.wheel_state[i]
         if wheel.load > 0.0:
-            used = math.hypot(wheel.force, wheel.side) / (drive.friction * wheel.load)
-            state.traction = max(state.traction, used)
+            used = (wheel.force * wheel.force + wheel.side * wheel.side) / (wheel.load * wheel.load)
+            most = max(most, used)
             if state.rests and kind.paths.bogies[i].driven:
                 held = max(abs(wheel.force) - drive.resistance * wheel.load, 0.0)
                 state.brake = max(state.brake, held / drive.brake)
+    state.traction = math.sqrt(most) / drive.friction
     state.power = 0.0 if state.rests else abs(state.force) / state.capacity
 
 
@@ -1028,7 +1058,7 @@ def record_tyres(
             row[at + i] = math.atan2(w, u) + half + kind.wheels[bogie].error
             row[at + n + i] = speed * math.hypot(u, w)
             row[at + 2 * n + 7 + i] = wheel.side
-            row[at + 3 * n + 7 + i] = wheel.slip
+            row[at + 3 * n + 7 + i] = 0.0 if state.rests else math.atan2(wheel.across, abs(wheel.forwards))
         at += 2 * n
         driven = 0.0
         for i in range(path.first_bogie, path.first_bogie + n):

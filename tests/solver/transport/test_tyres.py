@@ -13,6 +13,7 @@ from vehicles import FRONT, MASS, REAR, G, block, histories, scene, vehicle, yar
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.planar import Planar
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
 from heavylift.solver.scene.scene import RigidBody
 from heavylift.solver.scene.transport import Drive, HeightGrid, PathLeg, Tyres
 from heavylift.solver.simulation import Simulation
@@ -320,6 +321,17 @@ def test_a_vehicle_on_a_cant_starts_in_equilibrium() -> None:
     _, records = run.advance(1000)
     places = next(c for c in run.channels if c.name == "block.position")
     assert np.ptp(records[:, places.column : places.column + 3], axis=0).max() < 1e-7
+
+
+def test_scenes_with_a_scenario_have_the_same_tyres() -> None:
+    """There carried states lie in one array: all that tyres look at is there."""
+    made = scene(tyred(leg([5, 0]), drive=Drive()), (WIDE,))
+    never = Condition(Signal((Term("block.position", "z"),)), 1e6)
+    watched = replace(made, scenario=Scenario((Phase("rolls", until=(never,)),)))
+    _, _, plain = histories(made, 1e-2, 6.0, 50)
+    _, _, found = histories(watched, 1e-2, 6.0, 50)
+    for name in ("spmt.drive_demand", "spmt.side_force", "spmt.off_path", "energy.dissipated"):
+        np.testing.assert_array_equal(found[name], plain[name])
 
 
 def test_a_drive_that_cannot_lets_the_plan_wait() -> None:
