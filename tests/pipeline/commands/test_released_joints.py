@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
 
 import numpy as np
@@ -89,7 +90,7 @@ def test_a_weld_of_a_case_lets_go(tmp_path: Path) -> None:
     case = load_case(tmp_path)
     _, lines = scenario_command(tmp_path, log=Log(quiet=True))
     assert "released: weld_top" in lines
-    assert run_case(case).outcome is Outcome.COMPLETED
+    assert run_case(case, stages=("simulate",)).outcome is Outcome.COMPLETED
     results = load_results(tmp_path)
     late = results.time > 0.51
     np.testing.assert_allclose(results["weld_lug.reaction_force"][late], 0.0, atol=1e-6)
@@ -97,6 +98,15 @@ def test_a_weld_of_a_case_lets_go(tmp_path: Path) -> None:
         results["load.position"] - results["lug.position"], [[0, 0, -1]] * len(late), atol=1e-9
     )
     assert all(check.passed for check in evaluate_checks(case, case.output_folder))
+
+
+@pytest.mark.slow
+def test_a_report_of_a_released_weld(tmp_path: Path) -> None:
+    """Its phases are in it."""
+    (tmp_path / "case.toml").write_text(CASE)
+    assert run_case(load_case(tmp_path)).outcome is Outcome.COMPLETED
+    report = (tmp_path / "out" / "report" / "report.html").read_text(encoding="utf-8")
+    assert "release of joint 'weld_top'" in html.unescape(report)
 
 
 @pytest.mark.parametrize(
