@@ -361,7 +361,7 @@ class Director(Arrays):
     row, plan
         Record of scratch, and a plan.
     column
-        Record column of the number of the phase of the first track.
+        Record column of the number of the phase of the first track; those of the others are behind it.
     stops_at_end
         Whether the run ends with the last phase.
     carried, saved
@@ -442,8 +442,9 @@ def add_nothing(kind: Director, time: float, work: Workspace) -> None:
 @implement(record_forces, Director)
 @kernel(internal=True)
 def record_phase(kind: Director, time: float, work: Workspace, row: Floats1) -> None:
-    """Number of the phase of the first track."""
-    row[kind.column] = kind.track_state[0].phase
+    """Numbers of the phases of all tracks."""
+    for track in range(kind.tracks.shape[0]):
+        row[kind.column + track] = kind.track_state[track].phase
 
 
 @implement(keep_state, Director)

@@ -11,7 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import controlled
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = [
     "AXES",
@@ -607,15 +607,24 @@ class Scenario:
         return tuple(found)
 
 
-def loose_ropes(scenario: Scenario, phase: int) -> set[str]:
-    """Names of ropes that are not connected in a phase, by its number from 1; one more than there are is the end."""
+def loose_ropes(scenario: Scenario, phases: Sequence[int]) -> set[str]:
+    """Names of ropes that are not connected, by the numbers of the phases of all tracks.
+
+    Parameters
+    ----------
+    scenario
+        Phases.
+    phases
+        Of each track from 1 on; one more than there are is the end.
+    """
     loose = set(scenario.prepared)
-    for done in scenario.phases[:phase]:
-        for action in done.actions:
-            if isinstance(action, Release):
-                loose.add(action.rope)
-            elif isinstance(action, Connect):
-                loose.discard(action.rope)
+    for row, number in zip(scenario.rows, phases, strict=True):
+        for done in row[:number]:
+            for action in done.actions:
+                if isinstance(action, Release):
+                    loose.add(action.rope)
+                elif isinstance(action, Connect):
+                    loose.discard(action.rope)
     return loose
 
 

@@ -464,7 +464,7 @@ def test_tracks_go_on_beside_each_other() -> None:
     made = replace(scene(loads, ropes=ropes), scenario=Scenario(main, (), True, (Track("crane", side),)))
     simulation = Simulation(made, 0.01)
     simulation.record()
-    times, _ = simulation.advance(1000)
+    times, rows = simulation.advance(1000)
     found = dict(ends(simulation))
     rest = REACH / (1.0 + MASS * G / 1e8)
     assert found["up"] == pytest.approx(1.234, abs=1e-9)
@@ -472,6 +472,13 @@ def test_tracks_go_on_beside_each_other() -> None:
     assert found["wait"] == pytest.approx(1.237, abs=1e-9)
     assert found["haul"] == pytest.approx(1.237 + (rest - 9.0) / 0.5 + 0.5, abs=1e-6)
     assert simulation.ended  # with the last of all tracks
+    number = {c.name: rows[:, c.column] for c in simulation.channels}
+    for name, first, second in (
+        ("phase", found["up"], found["drop"]),
+        ("track_phase", found["wait"], found["haul"]),
+    ):
+        expected = 1.0 + (times >= first - 1e-9) + (times >= second - 1e-9)
+        np.testing.assert_array_equal(number[f"scenario.{name}"], expected)
     assert times[-1] == pytest.approx(found["haul"], abs=0.0101)
 
 
