@@ -30,7 +30,7 @@ from heavylift.solver.scene.connections import (
 )
 from heavylift.solver.scene.contacts import PointShape
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
-from heavylift.solver.scene.scenario import Connect, Release, loose_ropes
+from heavylift.solver.scene.scenario import loose_ropes
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
 
 if TYPE_CHECKING:
@@ -283,17 +283,13 @@ class Others:
 
     def _loose(self, record: int) -> set[str]:
         """Names of ropes that are not connected at a record."""
-        phase = None if self._scenario is None else self._channel("scenario.phase", record)
-        if self._scenario is None or phase is None:
+        if self._scenario is None:
             return set()
-        loose = loose_ropes(self._scenario, int(np.ravel(phase)[0]))
-        for track in self._scenario.tracks:  # how far they are is not recorded
-            for name in {
-                one.rope for p in track.phases for one in p.actions if isinstance(one, (Release, Connect))
-            }:
-                tension = self._channel(f"{name}.tension", record)
-                (loose.add if tension is not None and not np.any(tension) else loose.discard)(name)
-        return loose
+        keys = ("scenario.phase", "scenario.track_phase")[: 1 + bool(self._scenario.tracks)]
+        known = [numbers for key in keys if (numbers := self._channel(key, record)) is not None]
+        if len(known) < len(keys):
+            return set()
+        return loose_ropes(self._scenario, [int(number) for numbers in known for number in np.ravel(numbers)])
 
     def seen(self, record: int, *, around: bool = True) -> Seen:
         """What is drawn at a record, lengths in metres; `around` adds ground, water and moorings."""
