@@ -431,7 +431,7 @@ def tread(
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if wheel.locked:
         size = math.hypot(ex, ey)
-        back = (1.0 - 1e-15) * limit / size if size > limit else 1.0  # within it, also as rounded
+        back = limit / size if size > limit else 1.0
         ex, ey = ex * back, ey * back
         x, y, end_x, end_y, _, slope_x, slope_y = rub(ex, ey, dx, dy, 1.0, limit)
         x, y = x + damping * (end_x - ex), y + damping * (end_y - ey)
