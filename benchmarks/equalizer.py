@@ -1,4 +1,4 @@
-"""Times of a step of a load on one equalizer, with pulleys as bodies and as one row of all lines.
+"""Times of a step of a load on one equalizer, with pulleys as bodies and without their masses, each also with friction.
 
     python benchmarks/equalizer.py
 
@@ -42,9 +42,10 @@ def main() -> None:
     """Print both."""
     text = CASE.read_text(encoding="utf-8")
     text = text[: text.index("# the same lines")]
-    print(f"pulleys as bodies  {step_time(text):6.1f} us a step")
-    massless = text.replace(PULLEY, 'model = "massless"')
-    print(f"one row of lines   {step_time(massless):6.1f} us a step")
+    for name, model in (("pulleys as bodies", PULLEY), ("no mass of pulleys", 'model = "massless"')):
+        for efficiency in (1.0, 0.98):
+            made = text.replace(PULLEY, f"{model}\nefficiency = {efficiency}")
+            print(f"{name:18} efficiency {efficiency:4} {step_time(made):6.1f} us a step")
 
 
 if __name__ == "__main__":

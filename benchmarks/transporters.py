@@ -1,4 +1,6 @@
-"""Time of a step with transporters on three decks: 12 and 144 bogies in four groups, with and without dampers.
+"""Time of a step with transporters on three decks: 12 and 144 bogies in four groups.
+
+They travel by themselves, with and without dampers; or are driven along a path; or roll along it on tyres that slip.
 
 python benchmarks/transporters.py
 """
@@ -10,7 +12,7 @@ import time
 import numpy as np
 
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
-from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.scene.transport import BogieGroup, Drive, PathLeg, Tyres
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck
 from heavylift.solver.transport.transporters import Transporter
@@ -18,7 +20,7 @@ from heavylift.solver.transport.transporters import Transporter
 STEP, STEPS = 2e-2, 4000
 
 
-def vehicle(rows: int, offsets: tuple[float, ...], load: float, height: float, *, damped: bool) -> Scene:
+def vehicle(rows: int, offsets: tuple[float, ...], load: float, height: float, way: str) -> Scene:
     """Front and rear rows, left and right, on a quay, a link and a barge that all stand still."""
     x = 1.4 * (np.arange(rows) - 0.5 * (rows - 1))
     groups = tuple(
@@ -41,9 +43,12 @@ def vehicle(rows: int, offsets: tuple[float, ...], load: float, height: float, *
         groups=groups,
         wheel_radius=0.37,
         tyre_stiffness=3.0e6,
-        tyre_damping=1.5e4 * damped,
-        line_damping=2.0e4 * damped,
-        travel_speed=0.0694,
+        tyre_damping=1.5e4 * (way != "no dampers"),
+        line_damping=2.0e4 * (way != "no dampers"),
+        travel_speed=None if way in {"path", "tyres"} else 0.0694,
+        legs=(PathLeg(points=np.array([[10.0, 0.0]]), speed=0.0694),) if way in {"path", "tyres"} else (),
+        drive=Drive() if way in {"path", "tyres"} else None,
+        tyres=Tyres(cornering=8.0) if way == "tyres" else None,
     )
     mass = load * rows * len(offsets)
     inertia = mass * np.array([9.0, 16.0, 20.0]) * (offsets[-1] / 6.0 + 0.5)
@@ -59,14 +64,14 @@ def main() -> None:
         ("12 bogies", 6, (-0.725, 0.725), 3.58),
         ("144 bogies", 18, trains, 9.93),
     ):
-        for damped in (False, True):
-            scene = vehicle(rows, offsets, 13.1e3, height, damped=damped)
+        for way in ("no dampers", "damped", "path", "tyres"):
+            scene = vehicle(rows, offsets, 13.1e3, height, way)
             run = Simulation(scene, step=STEP, integrator="dele2", record_every=50)
             run.advance(50)
             begin = time.process_time()
             run.advance(STEPS)
             spent = 1e6 * (time.process_time() - begin) / STEPS
-            print(f"{words}, {'damped' if damped else 'no dampers'}: {spent:.1f} us a step")
+            print(f"{words}, {way}: {spent:.1f} us a step")
 
 
 if __name__ == "__main__":

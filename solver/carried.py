@@ -40,7 +40,8 @@ def share_state(
     ]
     whole = aligned(max(1, sum(sizes)))
     start = 0
-    made = []
+    made: list[list[Any]] = []
+    moved: dict[int, NDArray[Any]] = {}
     for kinds in groups:
         changed = []
         for kind in kinds:
@@ -50,12 +51,26 @@ def share_state(
                 memory = whole[start : start + old.nbytes // whole.itemsize]
                 views[field] = memory.view(old.dtype).reshape(old.shape)
                 views[field][...] = old
+                moved[id(old)] = views[field]
                 start += _lines(old)
             replaced = kind._replace(**views)
             # parts of a kind that have a state of their own keep it in that of the kind
             changed.append(replaced.sharing_state() if hasattr(replaced, "sharing_state") else replaced)
-        made.append(tuple(changed))
-    return tuple(made), whole
+        made.append(changed)
+    return tuple(tuple(_following(kind, moved) for kind in kinds) for kinds in made), whole
+
+
+def _following(kind: Any, moved: dict[int, NDArray[Any]]) -> Any:
+    """A kind that looks at what others carry where that has gone; so do the groups of arrays in it."""
+    views = {}
+    for field in kind._fields:
+        value = getattr(kind, field)
+        if id(value) in moved:
+            views[field] = moved[id(value)]
+        elif isinstance(value, Arrays):
+            views[field] = _following(value, moved)
+    changed = {field: value for field, value in views.items() if value is not getattr(kind, field)}
+    return kind._replace(**changed) if changed else kind
 
 
 def carried_words(kind: Arrays) -> Iterator[tuple[str, NDArray[np.float64]]]:

@@ -267,6 +267,9 @@ def drive_warning(layout: Layout) -> str:
     for kind in layout.joints:
         if "plan_state" not in kind._fields:
             continue
+        if "wheel_state" in kind._fields:
+            parts += _tyres_at_their_limit(layout, kind)
+            continue
         for path, state in zip(kind.table, kind.state, strict=True):
             told = (
                 (state.most_traction, "times the friction that a driven bogie has: its wheels would slip"),
@@ -282,6 +285,27 @@ def drive_warning(layout: Layout) -> str:
                 name = layout.block_names[int(path.block)]
                 parts.append(f"{name!r} follows its path, and needs {', '.join(words)}")
     return "; ".join(parts)
+
+
+AT_LIMIT = 1.0 - 1e-9
+"""Share of what tyres, motors and brakes can do from which on it is told that they were at their end."""
+
+
+def _tyres_at_their_limit(layout: Layout, kind: Any) -> list[str]:
+    """Vehicles on tyres that slid, or were slower than planned."""
+    parts = []
+    for path, state in zip(kind.paths.table, kind.state, strict=True):
+        name = layout.block_names[int(path.block)]
+        if state.most_traction.value > AT_LIMIT:
+            parts.append(
+                f"{name!r} slides: some of its wheels have all the friction that there is (first at t = "
+                f"{state.most_traction.time:.6g} s)"
+            )
+        if state.wait > 0.0:
+            parts.append(
+                f"{name!r} is slower than its plan, by {state.wait:.4g} s in all: motors or friction had no more"
+            )
+    return parts
 
 
 LARGEST_RINGING = 0.05

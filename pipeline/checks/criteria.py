@@ -907,6 +907,10 @@ def _slack(run: _Run, c: SlackCriterion) -> list[CriterionResult]:
     return rows
 
 
+_NOT_AT_ITS_END = 1.0 - 1e-9
+"""Share of what tyres that slip and their motors have from which on they are at their end."""
+
+
 def _transport(run: _Run, c: TransportCriterion) -> list[CriterionResult]:
     name = c.transporter
     transporter: Any = next(one for one in run.case.transporters if one.name == name)
@@ -955,8 +959,12 @@ def _transport(run: _Run, c: TransportCriterion) -> list[CriterionResult]:
     if drive is not None and math.isfinite(drive.brake_force or math.inf):
         used["brake"] = "force of a driven bogie at rest over what its brakes hold"
     for key, what in used.items():
-        channel = f"channel.{name}.{key}_used_max"
-        series = [_Series(name, run.history(channel, "max"), getattr(c, f"{key}_share"))]
+        channel, limit = f"channel.{name}.{key}_used_max", getattr(c, f"{key}_share")
+        if transporter.tyres is not None:
+            limit = min(
+                limit, _NOT_AT_ITS_END
+            )  # then nothing is asked for more than there is: it slides at 1
+        series = [_Series(name, run.history(channel, "max"), limit)]
         rows.append(run.result(what, "1", series, clauses[f"{key}_share"], seen=run.seen([channel], "max")))
     return rows
 

@@ -11,7 +11,8 @@ Sheaves with an efficiency eta hold tensions that differ: forces of two lines th
 from eta^2 to its inverse, and the ends of it while the rope runs past.
 
 A pulley at a stop is an anchor: its line takes what balance gives. As ``massless`` all lines are one rope whose path
-jumps from lug to lug, see `heavylift.solver.laws.equalized`.
+jumps from lug to lug, see `heavylift.solver.laws.equalized`, and with an efficiency
+`heavylift.solver.laws.equalized_friction`.
 
 Equal forces have their resultant in the centroid of the lugs: a load on one equalizer hangs on that point, and turns
 over if its centre of mass lies above it.
@@ -153,8 +154,8 @@ class Equalizer:
 
     name: str
     model: Literal["pulleys", "massless"] = "pulleys"
-    """``pulleys``: bodies on guides with stops; ``massless``: one row for all lines, no mass of pulleys, and stops that
-    do not yield."""
+    """``pulleys``: bodies on guides with stops; ``massless``: one row for all lines, or one each with an efficiency, no
+    mass of pulleys, and stops that do not yield."""
     hook: EqualizerHook
     """What it hangs on, by a hinge with a vertical axis."""
     along: Annotated[tuple[float, float, float], Quantity("number")] = (1.0, 0.0, 0.0)
@@ -199,12 +200,6 @@ class Equalizer:
         for key, given in (("friction", said.friction > 0.0), ("extension", extended)):
             if given and said.model == "massless":
                 raise InputError(f"{key!r} with model 'massless'", key=key, expected="model 'pulleys'")
-        if said.efficiency < 1.0 and said.model == "massless":
-            raise InputError(
-                f"{said.efficiency:.6g} with model 'massless', in which one row has one force for all lines",
-                key="efficiency",
-                expected="model 'pulleys', whose lines have forces of their own, or 1",
-            )
         if said.travel.up >= said.part_length:
             raise InputError(
                 f"{said.travel.up:.6g} m upwards, and part_length = {said.part_length:.6g} m: pulleys would "
@@ -519,5 +514,5 @@ def _add_massless(said: Any, layout: _Layout, _places: Places, made: Made) -> No
         "rope_length": _rope_length(said),
         "line_stiffness": said.line.axial_stiffness,
         "damping": said.line.damping,
-    }
+    } | _rubs(said)
     made.add("ropes", rope, "lines")

@@ -694,16 +694,15 @@ class _Builder:
 
     def _loose(self) -> dict[str, NDArray[np.bool_]]:
         """When each rope is not connected, of those that ever are not."""
-        phase = self._values("scenario.phase")
         scenario = self.scene.scenario
         if scenario is None:
             return {}
-        numbers = np.zeros(len(self.records)) if phase is None else phase[:, 0]
-        found = {int(n): loose_ropes(scenario, int(n)) for n in np.unique(numbers[np.isfinite(numbers)])}
+        keys = ["scenario.phase", "scenario.track_phase"][: 1 + bool(scenario.tracks)]
+        known = [np.zeros((len(self.records), 1)) if (v := self._values(key)) is None else v for key in keys]
+        numbers = [tuple(map(int, row)) for row in np.nan_to_num(np.hstack(known))]
+        found = {row: loose_ropes(scenario, row) for row in set(numbers)}
         names = set().union(*found.values()) if found else set()
-        return {
-            name: np.array([name in found.get(int(n), ()) for n in np.nan_to_num(numbers)]) for name in names
-        }
+        return {name: np.array([name in found[row] for row in numbers]) for name in names}
 
     def _reeved(self, leg: Sequence[Any]) -> dict[str, NDArray[Any]]:
         """A rope about pulleys: its points at every pose, in the axes of the bodies that carry them."""

@@ -31,7 +31,7 @@ from heavylift.solver.scene.connections import (
 )
 from heavylift.solver.scene.contacts import PointShape
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene.scenario import Connect, Release, loose_ropes
+from heavylift.solver.scene.scenario import loose_ropes
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
 
 if TYPE_CHECKING:
@@ -72,6 +72,7 @@ _GLASS = 0.3  # opacity of boxes that hide other bodies
 _EDGES = np.array(
     [(i, i | bit) for bit in (1, 2, 4) for i in range(8) if not i & bit]
 )  # of a box of eight corners
+_BESIDE = 0.02  # of the size of a surface: what is attached so near to it is attached to it
 _APART = 0.01  # sides of a joint that are farther apart are joined by a line: distances, slides
 _LOOKS = 24  # records by which it is seen where bodies get
 _SMALL = 1.0e-2  # deformation relative to the scene below which it is drawn larger
@@ -310,6 +311,16 @@ class Others:
         self._glass = any(self._encloses(name) or name in ridden for name in self._boxes)
         self._wide = [solid for solid in self._solids if self._is_wide(*solid[:2])]
         self._solids = [solid for solid in self._solids if not self._is_wide(*solid[:2])]
+        # a surface holds what is attached to it: a rod would lie across its deck, or hang over it
+        near = [(body, *_grown_box(points)) for body, points, _ in self._solids]
+        self._rods = [
+            (centre, place)
+            for centre, place in self._rods
+            if not any(
+                body == place.body and np.all((place.point >= low) & (place.point <= high))
+                for body, low, high in near
+            )
+        ]
         if not (attached or self._touching or self._fenders or scene.collisions):
             self._factor = self._exaggerated()
 
@@ -352,17 +363,13 @@ class Others:
 
     def _loose(self, record: int) -> set[str]:
         """Names of ropes that are not connected at a record."""
-        phase = None if self._scenario is None else self._channel("scenario.phase", record)
-        if self._scenario is None or phase is None:
+        if self._scenario is None:
             return set()
-        loose = loose_ropes(self._scenario, int(np.ravel(phase)[0]))
-        for track in self._scenario.tracks:  # how far they are is not recorded
-            for name in {
-                one.rope for p in track.phases for one in p.actions if isinstance(one, (Release, Connect))
-            }:
-                tension = self._channel(f"{name}.tension", record)
-                (loose.add if tension is not None and not np.any(tension) else loose.discard)(name)
-        return loose
+        keys = ("scenario.phase", "scenario.track_phase")[: 1 + bool(self._scenario.tracks)]
+        known = [numbers for key in keys if (numbers := self._channel(key, record)) is not None]
+        if len(known) < len(keys):
+            return set()
+        return loose_ropes(self._scenario, [int(number) for numbers in known for number in np.ravel(numbers)])
 
     def seen(self, record: int, *, around: bool = True) -> Seen:
         """What is drawn at a record, lengths in metres; `around` adds ground, water and moorings."""
@@ -679,6 +686,13 @@ class Others:
         R = np.eye(3) if on_mesh else self._pose(place.body, record)[1]
         axis: NDArray[np.float64] = R @ (stop.axis / np.linalg.norm(stop.axis))
         return axis
+
+
+def _grown_box(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner of a box around points, and a little more."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    more = _BESIDE * float(np.linalg.norm(high - low))
+    return low - more, high + more
 
 
 def _kept(line: Lines, which: NDArray[np.bool_]) -> Lines:

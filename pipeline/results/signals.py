@@ -171,6 +171,8 @@ def _leakage(frequency: float, source: float, width: float) -> float:
 def scaled_unit(unit: str, arrays: Sequence[NDArray[np.float64]]) -> Scaled:
     """Prefix of a unit (or power of ten) that brings the largest of some SI values between 1 and 1000.
 
+    Nobody counts time in kiloseconds: long ones are in seconds.
+
     Examples
     --------
     >>> scaled_unit("m/s", [np.array([0.012, -0.2])])
@@ -182,7 +184,8 @@ def scaled_unit(unit: str, arrays: Sequence[NDArray[np.float64]]) -> Scaled:
     if not (largest > 0.0 and np.isfinite(largest)):
         return Scaled(1.0, unit)
     # 0.9: what reaches almost to one is better read with its prefix than as 900 of the next
-    divisor, prefix = next(((d, p) for d, p in _PREFIXES if largest >= 0.9 * d), _PREFIXES[-1])
+    prefixes = [(d, p) for d, p in _PREFIXES if unit != "s" or d <= 1.0]
+    divisor, prefix = next(((d, p) for d, p in prefixes if largest >= 0.9 * d), prefixes[-1])
     if largest < 1.0e-3 * divisor or not _TAKES_PREFIX.match(unit):
         exponent = 3 * int(np.floor(np.log10(largest / 0.9) / 3.0))
         if -3 < exponent <= 3 and unit in {"", "-", "1"}:

@@ -15,6 +15,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from heavylift.numerics.threads import one_blas_thread
 from heavylift.preprocess.hydrodynamics.database import length_scales, mass_scales
 from heavylift.preprocess.hydrodynamics.exponentials import ExponentialKernel, fit_exponentials
 from heavylift.preprocess.hydrodynamics.repairs import passive_damping
@@ -63,6 +64,7 @@ def database_memory(
     return kernel, length or max(memory_length(kernel, least=felt_scales(database)), SHORTEST_MEMORY)
 
 
+@one_blas_thread
 def fit_memory(
     database: HydrodynamicDatabase, length: float | None = None, *, tolerance: float = 1e-3
 ) -> ExponentialKernel:

@@ -58,6 +58,20 @@ __all__ = [
     "EqualizedState",
     "LineState",
     "SharedLines",
+    "aim_lines",
+    "all_lines",
+    "carry_lines",
+    "compare_depth",
+    "depth_of_stop",
+    "energy_of",
+    "find_depth",
+    "fit_lines",
+    "force_of_all",
+    "force_of_one",
+    "line_force",
+    "rate_of",
+    "record_equalized",
+    "watch_equalized",
 ]
 
 SETTLING = 50
@@ -99,6 +113,8 @@ class SharedLines:
     """EA of the lines [N]."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Of each line: tension per rate of elongation [N s/m], while it is taut."""
+    efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0
+    """Of all sheaves, moving and fixed, as that of a place in the path of a rope."""
 
     @staticmethod
     def check(said: Any) -> None:
@@ -114,9 +130,9 @@ class SharedLines:
                 raise InputError("a pulley", key=f"path.{place}.radius", expected="places without 'radius'")
             if stop.efficiency < 1.0:
                 raise InputError(
-                    f"{stop.efficiency:.6g}, and all lines have one force",
+                    f"{stop.efficiency:.6g} of a place of lines",
                     key=f"path.{place}.efficiency",
-                    expected="places without 'efficiency'",
+                    expected="the 'efficiency' of the equalizer",
                 )
         if len({stop.body for stop in said.path[::2]}) > 1:
             raise InputError("outlets on several bodies", key="path", expected="all outlets on one body")
@@ -227,6 +243,8 @@ class LineState(Record):
         Derivatives of the depth by lug and guide; by the outlet minus that by the lug.
     cosine
         Of its angle to the guide.
+    force
+        Along the guide at the end of the last step [N].
     """
 
     depth: float
@@ -236,6 +254,7 @@ class LineState(Record):
     by_lug: VectorField
     by_guide: VectorField
     cosine: float
+    force: float
 
 
 class EqualizedState(Record):
@@ -255,6 +274,8 @@ class EqualizedState(Record):
         Of the tension.
     agreement
         Of twice the recorded tension with the depths of the geometry.
+    rubbed
+        Whether sheaves with an efficiency have made forces differ in the last step.
     """
 
     fresh: bool
@@ -265,6 +286,7 @@ class EqualizedState(Record):
     tension: float
     extremes: Extremes
     agreement: Agreement
+    rubbed: bool
 
 
 class EqualizedLines(Arrays):
@@ -310,7 +332,7 @@ class EqualizedLines(Arrays):
 
 
 @kernel(internal=True)
-def _find_depth(kind: EqualizedLines, k: int, work: Workspace) -> float:
+def find_depth(kind: EqualizedLines, k: int, work: Workspace) -> float:
     """Depth at which a line reaches its lug [m]; its derivatives are kept. No number beyond its length."""
     entry, state = kind.lines[k], kind.line[k]
     w0 = work.markers[entry.lug].point[0] - work.markers[entry.outlet].point[0]
@@ -330,13 +352,13 @@ def _find_depth(kind: EqualizedLines, k: int, work: Workspace) -> float:
 
 
 @kernel(inline=True, internal=True)
-def _at_stop(kind: EqualizedLines, k: int) -> float:
+def depth_of_stop(kind: EqualizedLines, k: int) -> float:
     """Depth of the stop at which a pulley is [m]."""
     return kind.lines[k].high if kind.line[k].stop > 0 else kind.lines[k].low
 
 
 @kernel(internal=True)
-def _all_lines(kind: EqualizedLines, i: int) -> tuple[float, float]:
+def all_lines(kind: EqualizedLines, i: int) -> tuple[float, float]:
     """Excess e of the depths [m] and stiffness K [N/m] of the row of all lines whose pulleys are at no stop."""
     entry = kind.table[i]
     excess, compliance = -entry.total, entry.compliance
@@ -345,18 +367,20 @@ def _all_lines(kind: EqualizedLines, i: int) -> tuple[float, float]:
             excess += kind.line[k].depth
             compliance += 1.0 / kind.lines[k].stiffness
         else:
-            excess += _at_stop(kind, k)
+            excess += depth_of_stop(kind, k)
     return excess, 1.0 / compliance
 
 
 @kernel(internal=True)
-def _energy(kind: EqualizedLines, i: int) -> float:
+def energy_of(kind: EqualizedLines, i: int) -> float:
     """Elastic energy [J]."""
-    excess, stiffness = _all_lines(kind, i)
+    excess, stiffness = all_lines(kind, i)
     energy = 0.5 * stiffness * max(0.0, excess) ** 2
     for k in range(kind.table[i].first, kind.table[i].first + kind.table[i].count):
         if kind.line[k].stop != 0:
-            energy += 0.5 * kind.lines[k].stiffness * max(0.0, kind.line[k].depth - _at_stop(kind, k)) ** 2
+            energy += (
+                0.5 * kind.lines[k].stiffness * max(0.0, kind.line[k].depth - depth_of_stop(kind, k)) ** 2
+            )
     return energy
 
 
@@ -365,7 +389,7 @@ def _settle(kind: EqualizedLines, i: int) -> None:
     """Send pulleys to their stops and take them off, until all agree: Newton's method on a broken line."""
     entry = kind.table[i]
     for _ in range(SETTLING):
-        excess, stiffness = _all_lines(kind, i)
+        excess, stiffness = all_lines(kind, i)
         force, changed = stiffness * max(0.0, excess), False
         for k in range(entry.first, entry.first + entry.count):
             line, state = kind.lines[k], kind.line[k]
@@ -374,7 +398,7 @@ def _settle(kind: EqualizedLines, i: int) -> None:
                 depth = state.depth - force / line.stiffness
                 stop = 1 if depth > line.high else (-1 if depth < line.low else 0)
             else:
-                own = line.stiffness * max(0.0, state.depth - _at_stop(kind, k))
+                own = line.stiffness * max(0.0, state.depth - depth_of_stop(kind, k))
                 if (stop > 0 and own < force) or (stop < 0 and own > force):
                     stop = 0
             if stop != state.stop:
@@ -384,17 +408,17 @@ def _settle(kind: EqualizedLines, i: int) -> None:
 
 
 @kernel(internal=True)
-def _compare(kind: EqualizedLines, i: int, k: int, depth: float) -> None:
+def compare_depth(kind: EqualizedLines, i: int, k: int, depth: float) -> None:
     """Take the geometry before the first step and while a line is slack; measure the drift."""
     state = kind.line[k]
     if kind.state[i].fresh:
         state.depth = depth
     elif state.stop == 0:
-        excess, _ = _all_lines(kind, i)
+        excess, _ = all_lines(kind, i)
         if excess <= 0.0:
             state.depth = min(depth, state.depth - excess)  # a drift must not make tension
-    elif state.depth <= _at_stop(kind, k):
-        state.depth = min(depth, _at_stop(kind, k))
+    elif state.depth <= depth_of_stop(kind, k):
+        state.depth = min(depth, depth_of_stop(kind, k))
     state.drift = depth - state.depth
 
 
@@ -430,9 +454,9 @@ def fill_equalized_rows(
     for i in range(kind.table.shape[0]):
         entry = kind.table[i]
         for k in range(entry.first, entry.first + entry.count):
-            depth = _find_depth(kind, k, work)
+            depth = find_depth(kind, k, work)
             if with_residual:
-                _compare(kind, i, k, depth)
+                compare_depth(kind, i, k, depth)
         if with_residual and kind.state[i].fresh:
             _settle(kind, i)
         _clear(system, entry.block, entry.attachments)
@@ -443,25 +467,39 @@ def fill_equalized_rows(
             if kind.line[k].stop == 0:
                 _add_line(kind, k, line.all_outlet, line.all_lug, work, system)
             if with_residual:
-                put_residual(system, line.block, kind.line[k].depth - _at_stop(kind, k))
+                put_residual(system, line.block, kind.line[k].depth - depth_of_stop(kind, k))
         if with_residual:
-            put_residual(system, entry.block, _all_lines(kind, i)[0])
+            put_residual(system, entry.block, all_lines(kind, i)[0])
 
 
 @kernel(internal=True)
-def _force_of_all(kind: EqualizedLines, i: int, u: float, h: float) -> tuple[float, float, float]:
+def force_of_all(kind: EqualizedLines, i: int, u: float, h: float) -> tuple[float, float, float]:
     """Elastic force, force, and its derivative by the rate u, mean over a step."""
-    excess, stiffness = _all_lines(kind, i)
+    excess, stiffness = all_lines(kind, i)
     elastic, force, slope = pull(excess, excess + h * u, stiffness, kind.table[i].damping, h)
     return elastic, force, h * slope
 
 
 @kernel(internal=True)
-def _force_of_one(kind: EqualizedLines, k: int, u: float, h: float) -> tuple[float, float, float]:
+def force_of_one(kind: EqualizedLines, k: int, u: float, h: float) -> tuple[float, float, float]:
     """The same of a line whose pulley is at a stop."""
-    line, e = kind.lines[k], kind.line[k].depth - _at_stop(kind, k)
+    line, e = kind.lines[k], kind.line[k].depth - depth_of_stop(kind, k)
     elastic, force, slope = pull(e, e + h * u, line.stiffness, line.damping, h)
     return elastic, force, h * slope
+
+
+@kernel(internal=True)
+def aim_lines(kind: EqualizedLines, i: int, step: float, system: RowArrays) -> None:
+    """Rows of an equalizer by the rates of the last step."""
+    entry, u = kind.table[i], kind.state[i].rate
+    _, force, slope = force_of_all(kind, i, u, step)
+    put_law(system, entry.block, step, u, force, slope)
+    for k in range(entry.first, entry.first + entry.count):
+        u = kind.line[k].rate
+        force = slope = 0.0
+        if kind.line[k].stop != 0:
+            _, force, slope = force_of_one(kind, k, u, step)
+        put_law(system, kind.lines[k].block, step, u, force, slope)
 
 
 @implement(set_targets, EqualizedLines)
@@ -473,21 +511,29 @@ def set_equalized_targets(
     if not at_midpoint:
         return
     for i in range(kind.table.shape[0]):
-        entry, u = kind.table[i], kind.state[i].rate
-        _, force, slope = _force_of_all(kind, i, u, step)
-        put_law(system, entry.block, step, u, force, slope)
-        for k in range(entry.first, entry.first + entry.count):
-            u = kind.line[k].rate
-            force = slope = 0.0
-            if kind.line[k].stop != 0:
-                _, force, slope = _force_of_one(kind, k, u, step)
-            put_law(system, kind.lines[k].block, step, u, force, slope)
+        aim_lines(kind, i, step, system)
 
 
 @kernel(inline=True, internal=True)
-def _rate(system: RowArrays, block: int, attachments: int, work: Workspace) -> float:
+def rate_of(system: RowArrays, block: int, attachments: int, work: Workspace) -> float:
     """Rate of a row in the middle of the step [m/s]."""
     return row_rate(system, 2 * block, 2 * block + attachments, work.velocity)
+
+
+@kernel(internal=True)
+def fit_lines(kind: EqualizedLines, i: int, step: float, work: Workspace, system: RowArrays) -> None:
+    """Fit the forces of an equalizer to the rates found."""
+    entry = kind.table[i]
+    u = rate_of(system, entry.block, entry.attachments, work)
+    _, force, slope = force_of_all(kind, i, u, step)
+    fit_law(system, entry.block, step, u, force, slope, work)
+    for k in range(entry.first, entry.first + entry.count):
+        if kind.line[k].stop == 0:
+            continue
+        line = kind.lines[k]
+        u = rate_of(system, line.block, line.attachments, work)
+        _, force, slope = force_of_one(kind, k, u, step)
+        fit_law(system, line.block, step, u, force, slope, work)
 
 
 @implement(relinearise, EqualizedLines)
@@ -497,17 +543,30 @@ def relinearise_equalized(
 ) -> None:
     """Fit the forces to the rates found."""
     for i in range(kind.table.shape[0]):
-        entry = kind.table[i]
-        u = _rate(system, entry.block, entry.attachments, work)
-        _, force, slope = _force_of_all(kind, i, u, step)
-        fit_law(system, entry.block, step, u, force, slope, work)
-        for k in range(entry.first, entry.first + entry.count):
-            if kind.line[k].stop == 0:
-                continue
-            line = kind.lines[k]
-            u = _rate(system, line.block, line.attachments, work)
-            _, force, slope = _force_of_one(kind, k, u, step)
-            fit_law(system, line.block, step, u, force, slope, work)
+        fit_lines(kind, i, step, work, system)
+
+
+@kernel(internal=True)
+def carry_lines(kind: EqualizedLines, i: int, step: float, work: Workspace, system: RowArrays) -> None:
+    """Carry the depths of an equalizer over a step; what dampers took; stops."""
+    entry, state = kind.table[i], kind.state[i]
+    u = rate_of(system, entry.block, entry.attachments, work)
+    elastic, force, _ = force_of_all(kind, i, u, step)
+    state.loss += (force - elastic) * step * u
+    for k in range(entry.first, entry.first + entry.count):
+        line, own = kind.lines[k], kind.line[k]
+        rate = rate_of(system, line.block, line.attachments, work)
+        if own.stop != 0:
+            elastic, force, _ = force_of_one(kind, k, rate, step)
+            state.loss += (force - elastic) * step * rate
+        own.depth += step * rate + RETURN * min(0.0, own.drift)
+        own.rate = rate
+    before = energy_of(kind, i)
+    _settle(kind, i)
+    state.loss += before - energy_of(kind, i)
+    state.growth = step / (step + work.control.last_step) * (u - state.rate)
+    state.rate, state.paced = u, not state.fresh
+    state.fresh = False
 
 
 @implement(update_rows, EqualizedLines)
@@ -517,31 +576,14 @@ def update_equalized(
 ) -> None:
     """Carry the depths over the step; what dampers took; stops."""
     for i in range(kind.table.shape[0]):
-        entry, state = kind.table[i], kind.state[i]
-        u = _rate(system, entry.block, entry.attachments, work)
-        elastic, force, _ = _force_of_all(kind, i, u, step)
-        state.loss += (force - elastic) * step * u
-        for k in range(entry.first, entry.first + entry.count):
-            line, own = kind.lines[k], kind.line[k]
-            rate = _rate(system, line.block, line.attachments, work)
-            if own.stop != 0:
-                elastic, force, _ = _force_of_one(kind, k, rate, step)
-                state.loss += (force - elastic) * step * rate
-            own.depth += step * rate + RETURN * min(0.0, own.drift)
-            own.rate = rate
-        before = _energy(kind, i)
-        _settle(kind, i)
-        state.loss += before - _energy(kind, i)
-        state.growth = step / (step + work.control.last_step) * (u - state.rate)
-        state.rate, state.paced = u, not state.fresh
-        state.fresh = False
+        carry_lines(kind, i, step, work, system)
 
 
 @kernel(internal=True)
 def _end_force(kind: EqualizedLines, i: int, rate: float) -> float:
     """Twice the tension of the rope at the end of a step [N], where the row of all lines grows at a rate [m/s]."""
     state = kind.state[i]
-    excess, stiffness = _all_lines(kind, i)
+    excess, stiffness = all_lines(kind, i)
     if excess <= 0.0:
         return 0.0
     stretching = steady_rate(state.rate, state.growth, rate) if state.paced else rate
@@ -549,13 +591,21 @@ def _end_force(kind: EqualizedLines, i: int, rate: float) -> float:
 
 
 @kernel(internal=True)
-def _line_force(kind: EqualizedLines, i: int, k: int) -> float:
+def line_force(kind: EqualizedLines, i: int, k: int) -> float:
     """Force of a line along its guide at the end of a step [N]."""
     line, own = kind.lines[k], kind.line[k]
     if own.stop == 0:
         return 2.0 * kind.state[i].tension
-    e = own.depth - _at_stop(kind, k)
+    e = own.depth - depth_of_stop(kind, k)
     return max(0.0, line.stiffness * e + line.damping * own.rate) if e > 0.0 else 0.0
+
+
+@kernel(internal=True)
+def _end_lines(kind: EqualizedLines, i: int, rate: float) -> None:
+    """Tension and forces of the lines at the end of a step, where the row of all lines grows at a rate [m/s]."""
+    kind.state[i].tension = 0.5 * _end_force(kind, i, rate)
+    for k in range(kind.table[i].first, kind.table[i].first + kind.table[i].count):
+        kind.line[k].force = line_force(kind, i, k)
 
 
 @kernel(internal=True)
@@ -565,7 +615,8 @@ def _show_lines(kind: EqualizedLines, i: int) -> None:
     if entry.shown < 0:
         return
     for k in range(entry.count):
-        own, force = kind.line[entry.first + k], _line_force(kind, i, entry.first + k)
+        own = kind.line[entry.first + k]
+        force = own.force
         outlet, lug = kind.pulls[entry.shown + 2 * k], kind.pulls[entry.shown + 2 * k + 1]
         outlet.tension, lug.tension = force / own.cosine, 0.0
         for j in range(3):
@@ -580,8 +631,9 @@ def watch_equalized(kind: EqualizedLines, work: Workspace, system: RowArrays) ->
         entry, state = kind.table[i], kind.state[i]
         for k in range(entry.first, entry.first + entry.count):
             check_drift(kind.lines[k].block, kind.line[k].drift, kind.lines[k].largest_drift, work)
-        rate = _rate(system, entry.block, entry.attachments, work) if entry.damping > 0.0 else 0.0
-        state.tension = 0.5 * _end_force(kind, i, rate)
+        rate = rate_of(system, entry.block, entry.attachments, work) if entry.damping > 0.0 else 0.0
+        if not state.rubbed:
+            _end_lines(kind, i, rate)
         note_value(state.extremes, work.control.interval, state.tension)
         _show_lines(kind, i)
 
@@ -590,7 +642,7 @@ def watch_equalized(kind: EqualizedLines, work: Workspace, system: RowArrays) ->
 def _compare_force(kind: EqualizedLines, i: int, time: float) -> None:
     """The force of all lines is that of the geometry and, of the damper, of the mean rates of the last two steps."""
     entry, state = kind.table[i], kind.state[i]
-    excess, stiffness = _all_lines(kind, i)
+    excess, stiffness = all_lines(kind, i)
     for k in range(entry.first, entry.first + entry.count):
         if kind.line[k].stop == 0:
             excess += kind.line[k].drift
@@ -611,19 +663,19 @@ def record_equalized(
     for i in range(kind.table.shape[0]):
         entry, state = kind.table[i], kind.state[i]
         for k in range(entry.first, entry.first + entry.count):
-            _compare(kind, i, k, _find_depth(kind, k, work))
+            compare_depth(kind, i, k, find_depth(kind, k, work))
             work.sums.drift = max(work.sums.drift, abs(kind.line[k].drift))
         if state.fresh:
             _settle(kind, i)
-            state.tension = 0.5 * _end_force(kind, i, 0.0)
-        elif state.paced:
+            _end_lines(kind, i, 0.0)
+        elif state.paced and not state.rubbed:
             _compare_force(kind, i, time)
         column, interval = entry.column, work.control.interval
         row[column] = state.tension
         row[column + 1] = largest_of(state.extremes, interval, state.tension)
         row[column + 2] = smallest_of(state.extremes, interval, state.tension)
         for k in range(entry.first, entry.first + entry.count):
-            row[column + 3 + k - entry.first] = _line_force(kind, i, k) / kind.line[k].cosine
+            row[column + 3 + k - entry.first] = kind.line[k].force / kind.line[k].cosine
         _show_lines(kind, i)
-        work.sums.elastic += _energy(kind, i)
+        work.sums.elastic += energy_of(kind, i)
         work.sums.dissipated += state.loss

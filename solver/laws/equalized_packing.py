@@ -92,12 +92,37 @@ def pack_equalized(
         table.append((block, len(held), first, count, column, shown, *of_all))
     state = records(EqualizedState, len(table))
     state["fresh"] = True
-    return EqualizedLines(
+    kind = EqualizedLines(
         records(EqualizedEntry, table),
         records(EqualizedLine, lines),
         state,
         records(LineState, len(lines)),
         watched.pulls,
+    )
+    return _with_friction(kind, members) if members[0].efficiency < 1.0 else kind
+
+
+def _with_friction(kind: EqualizedLines, members: Sequence[SharedLines]) -> EqualizedLines:
+    """The kind of lines over sheaves with an efficiency."""
+    from heavylift.solver.laws.equalized_friction import HeldLine, LineSheave, RubbingEntry, RubbingLines
+    from heavylift.solver.laws.sheave_states import make_search
+
+    rubs: list[tuple[Any, ...]] = []
+    sheaves = 0
+    for entry, rope in zip(kind.table, members, strict=True):
+        rubs.append((sheaves, entry.compliance / entry.count, 1.0 - rope.efficiency, False))
+        sheaves += 2 * int(entry.count) - 1
+    most = max(rope.segment_count for rope in members)
+    return RubbingLines(
+        **{name: getattr(kind, name) for name in kind._fields},
+        rubs=records(RubbingEntry, rubs),
+        held=records(HeldLine, len(kind.lines)),
+        sheaves=records(LineSheave, sheaves),
+        compliance=np.zeros(most),
+        way=np.zeros(most),
+        line_force=np.zeros(most),
+        matrix=np.zeros((2 * most - 1, 2 * most)),
+        search=make_search(2 * most - 1, 1),
     )
 
 

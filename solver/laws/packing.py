@@ -160,19 +160,20 @@ def pack_laws(
     if shared:
         from heavylift.solver.laws.equalized_packing import pack_equalized
 
-        places = [columns[rope.name] for rope in shared]
-        lines = pack_equalized(
-            shared,
-            places,
-            book,
-            attachment,
-            scales,
-            scene.bodies,
-            packing.add,
-            watched,
-            integrator=integrator,
-        )
-        made.joints.append(lines)
+        groups = [[rope for rope in shared if (rope.efficiency < 1.0) is rubs] for rubs in (False, True)]
+        for group in filter(None, groups):
+            lines = pack_equalized(
+                group,
+                [columns[rope.name] for rope in group],
+                book,
+                attachment,
+                scales,
+                scene.bodies,
+                packing.add,
+                watched,
+                integrator=integrator,
+            )
+            made.joints.append(lines)
         made.fitted = True
         scene = replace(scene, ropes=tuple(rope for rope in scene.ropes if rope not in shared))
     springs: list[tuple[Spring | JointSpring, NDArray[np.float64], bool]] = []

@@ -102,16 +102,17 @@ def pack_ropes(
         if as_forces:
             continue
         rows_left = 1 + len(rubbing_places(rope))
+        most = _rows_a_block(rows_left)
         while rows_left > 0:
             blocks.append(
                 LawBlock(
                     rope.name,
                     tuple(attachment(name) for name in held),
                     sum(scales(name)[0] for name in held),
-                    rows=min(rows_left, ROWS_A_BLOCK),
+                    rows=min(rows_left, most),
                 )
             )
-            rows_left -= ROWS_A_BLOCK
+            rows_left -= most
             block += blocks[-1].block_count
     carried = records(RopeState, len(state))
     carried["fresh"] = True
@@ -131,6 +132,11 @@ def pack_ropes(
     if any(controlled(rope) for rope in ropes):
         return _with_control(kind, ropes), blocks
     return kind, blocks
+
+
+def _rows_a_block(count: int) -> int:
+    """Rows in a block of a rope with some: as few blocks as can be, all alike, as the largest one decides for all."""
+    return -(-count // -(-count // ROWS_A_BLOCK))
 
 
 def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
@@ -178,6 +184,7 @@ def _with_friction(
     flow = 0
     for entry, rope in zip(kind.table, ropes, strict=True):
         rubbing, parts = rubbing_places(rope), len(rope.path) - 1
+        rows = _rows_a_block(1 + len(rubbing))
         stride = max(1, (entry.attachments + 1) // 2)
         winch = getattr(rope, "winch", None)
         winch_last = 0.0 if winch is None else {"first": 0.0, "both": 0.5, "last": 1.0}[winch.end]
@@ -185,15 +192,16 @@ def _with_friction(
         if rope.other_winch is not None:
             last = _winch_rows(rope, leaders, "winch" if winch_last == 1.0 else "other_winch")
         told = (winch_last, len(drums), len(last))
-        chains.append((len(sheaves), len(rubbing), stride, flow, *told, 0.0, 0, False, False, 0.0, 0.0))
+        chains.append((len(sheaves), len(rubbing), stride, rows, flow, *told, 0.0, 0, False, False, 0.0, 0.0))
         drums += last
-        flow += (len(rubbing) // ROWS_A_BLOCK + 1) * ROWS_A_BLOCK
         column = entry.column + len(ROPE_CHANNELS) - 1 + parts
         for row, place in enumerate(rubbing, start=1):
-            block = entry.block + row // ROWS_A_BLOCK * stride
-            stop = (entry.first + place - 1, block, row % ROWS_A_BLOCK, column + row - 1)
+            part, lane = divmod(row, rows)
+            block = entry.block + part * stride
+            stop = (entry.first + place - 1, block, lane, flow + part * ROWS_A_BLOCK + lane, column + row - 1)
             point = rope.path[place - 1]
             sheaves.append((*stop, point.efficiency, point.friction))
+        flow += (len(rubbing) // rows + 1) * ROWS_A_BLOCK
     places = len(kind.places)
     held = {stop.body for rope in ropes for stop in rope.path if stop.body != GROUND}
     widest = max(attachment(name).width for name in held)
@@ -209,6 +217,8 @@ def _with_friction(
         tension=np.zeros(places),
         slope=np.zeros(places),
         flows=np.zeros(flow),
+        by_place=np.zeros((places, widest)),
+        whole=np.zeros((int(kind.table["attachments"].max()), widest)),
         beyond=np.zeros((int(kind.table["attachments"].max()), widest)),
         search=make_search(len(sheaves), len(chains)),
     )

@@ -40,7 +40,7 @@ FREE_SOFTNESS = 1e20
 """Softness relative to the characteristic inverse mass of a row whose force is given."""
 
 ROWS_A_BLOCK = 8
-"""Rows of one rope in a block of the system, as many as the largest has; more of them go on in the next one."""
+"""Rows of one rope in a block of the system at most, as many as the largest has; more go on in the next one."""
 
 RETURN = 0.001
 """Part of the drift of a carried elongation that goes back each step, where that takes energy and gives none.

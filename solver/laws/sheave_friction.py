@@ -133,6 +133,8 @@ class Chain(Record):
         Its first sheave with an efficiency, and how many.
     stride
         Blocks from one that has rows of it to the next.
+    rows
+        How many a block has, at most.
     flow
         Place in `SheavedRopes.flows` of the first of its rows.
     winch_last
@@ -149,6 +151,7 @@ class Chain(Record):
     first: int
     count: int
     stride: int
+    rows: int
     flow: int
     winch_last: float
     drum: int
@@ -172,8 +175,9 @@ class Sheave(Record):
 
     Attributes
     ----------
-    place, block, lane, column
-        Its place in all paths, block and lane of its row, record column of its speed.
+    place, block, lane, flow, column
+        Its place in all paths, block and lane of its row, place of that in `SheavedRopes.flows`, record column of its
+        speed.
     efficiency
         Smaller over larger tension while the rope runs; of a blocked one that of its wrap.
     friction
@@ -183,6 +187,7 @@ class Sheave(Record):
     place: int
     block: int
     lane: int
+    flow: int
     column: int
     efficiency: float
     friction: float
@@ -254,8 +259,9 @@ class SheavedRopes(Ropes):
         Scratch: of the tension of the part behind each place by that of the first part.
     flows
         Scratch: minus ``G v`` of all rows, in blocks of `ROWS_A_BLOCK` [m/s].
-    beyond
-        Scratch: a row of what lies beyond a place, for each side of a rope.
+    by_place, whole, beyond
+        Scratch: derivatives of the length by each place as a row, their sum and that of what lies beyond a place, for
+        each side of a rope.
     search
         For states, where those of the last step and what contradicts them do not lead to any.
     """
@@ -272,6 +278,8 @@ class SheavedRopes(Ropes):
     tension: Floats1
     slope: Floats1
     flows: Floats1
+    by_place: Floats2
+    whole: Floats2
     beyond: Floats2
     search: SheaveSearch
 
@@ -302,17 +310,11 @@ def _find_shares(kind: SheavedRopes, i: int, work: Workspace) -> float:
 
 
 @kernel(inline=True, internal=True)
-def _panel(kind: SheavedRopes, system: RowArrays, i: int, row: int, side: int) -> int:
-    """Place in the panels of a row on one of the bodies of a rope."""
-    block = kind.table[i].block + row // ROWS_A_BLOCK * kind.chains[i].stride
-    return system.attachments[2 * block + side].panel + row % ROWS_A_BLOCK
-
-
-@kernel(inline=True, internal=True)
 def _add_direction(
-    row: NDArray[np.float64], width: int, J: NDArray[np.float64], x: float, y: float, z: float
+    row: NDArray[np.float64], width: int, J: NDArray[np.float64], c: NDArray[np.float64]
 ) -> None:
     """Add ``c . J`` to a row."""
+    x, y, z = c[0], c[1], c[2]
     if (
         x == 0.0 and y == 0.0 and z == 0.0
     ):  # as derivatives by axes are while ropes run in the planes of sheaves
@@ -327,66 +329,86 @@ def _add_direction(
 
 @kernel(internal=True)
 def _add_place(
-    kind: SheavedRopes, p: int, side: int, width: int, part: float, whole: float, work: Workspace
+    kind: SheavedRopes,
+    p: int,
+    by: PlaceGradient,
+    row: NDArray[np.float64],
+    width: int,
+    work: Workspace,
 ) -> None:
-    """Add derivatives by a place, those of the part behind it and of both parts with a factor each, to `beyond`."""
-    marker, axis = kind.places[p].marker, kind.places[p].axis
-    g, after, row = kind.gradient[p], kind.leaving[p], kind.beyond[side]
-    x = whole * g.centre[0] + part * after.centre[0]
-    y = whole * g.centre[1] + part * after.centre[1]
-    z = whole * g.centre[2] + part * after.centre[2]
-    _add_direction(row, width, work.jacobian[marker], x, y, z)
-    if axis >= 0:
-        x = whole * g.axis[0] + part * after.axis[0]
-        y = whole * g.axis[1] + part * after.axis[1]
-        z = whole * g.axis[2] + part * after.axis[2]
-        _add_direction(row, width, work.jacobian[axis], x, y, z)
+    """Add derivatives by a place to a row on its body."""
+    _add_direction(row, width, work.jacobian[kind.places[p].marker], by.centre)
+    if kind.places[p].axis >= 0:
+        _add_direction(row, width, work.jacobian[kind.places[p].axis], by.axis)
 
 
-@kernel(inline=True, internal=True)
-def _put_beyond(kind: SheavedRopes, i: int, row: int, system: RowArrays) -> None:
-    """Write what lies beyond a place as a row."""
-    lanes, sides, first = system.lanes, kind.table[i].attachments, 2 * kind.table[i].block
-    for side in range(sides):
-        panel, beyond = _panel(kind, system, i, row, side), kind.beyond[side]
-        for k in range(system.attachments[first + side].width):
-            system.panels[panel + k * lanes] = beyond[k]
+@kernel(internal=True)
+def _sum_places(kind: SheavedRopes, i: int, work: Workspace, system: RowArrays) -> None:
+    """Derivatives of the length by each place, and their sum on each side."""
+    block = kind.table[i].block
+    for side in range(kind.table[i].attachments):
+        whole, beyond = kind.whole[side], kind.beyond[side]
+        for k in range(system.attachments[2 * block + side].width):
+            whole[k] = beyond[k] = 0.0
+    for p in range(kind.table[i].first, kind.table[i].first + kind.table[i].places):
+        side = kind.places[p].attachment
+        if side < 0:
+            continue
+        width, whole, row = system.attachments[side].width, kind.whole[side - 2 * block], kind.by_place[p]
+        for k in range(width):
+            row[k] = 0.0
+        _add_place(kind, p, kind.gradient[p], row, width, work)
+        for k in range(width):
+            whole[k] += row[k]
+
+
+@kernel(internal=True)
+def _put_row(
+    kind: SheavedRopes, i: int, block: int, lane: int, of_beyond: float, of_whole: float, system: RowArrays
+) -> None:
+    """Write a row: a part of what lies beyond a place, and of the whole."""
+    lanes = system.lanes
+    for side in range(kind.table[i].attachments):
+        whole, beyond = kind.whole[side], kind.beyond[side]
+        panel = system.attachments[2 * block + side].panel + lane
+        for k in range(system.attachments[2 * block + side].width):
+            system.panels[panel + k * lanes] = of_beyond * beyond[k] + of_whole * whole[k]
 
 
 @implement(fill_rows, SheavedRopes)
 @kernel(internal=True)
 def fill_sheaved_rows(kind: SheavedRopes, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """The row of the length, then those of the flows without what winches bring, from the last end on."""
-    lanes = system.lanes
     for i in range(kind.table.shape[0]):
-        length = _find_shares(kind, i, work)
-        first_sheave, count = kind.chains[i].first, kind.chains[i].count
-        sides, block = kind.table[i].attachments, kind.table[i].block
-        for side in range(sides):
-            for k in range(system.attachments[2 * block + side].width):
-                kind.beyond[side, k] = 0.0
-        row, first = count, kind.table[i].first
+        length, block = _find_shares(kind, i, work), kind.table[i].block
+        _sum_places(kind, i, work, system)
+        _put_row(kind, i, block, 0, 0.0, 1.0, system)
+        first, s = kind.table[i].first, kind.chains[i].first + kind.chains[i].count - 1
         for p in range(first + kind.table[i].places - 1, first - 1, -1):
             side = kind.places[p].attachment
-            width = 0
-            if side >= 0:
-                width, side = system.attachments[side].width, side - 2 * block
-            if row > 0 and kind.sheaves[first_sheave + row - 1].place == p:
-                if width > 0:
-                    _add_place(kind, p, side, width, 1.0, 0.0, work)
-                _put_beyond(kind, i, row, system)
-                row -= 1
-                if width > 0:
-                    _add_place(kind, p, side, width, -1.0, 1.0, work)
-            elif width > 0:
-                _add_place(kind, p, side, width, 0.0, 1.0, work)
-        _put_beyond(kind, i, 0, system)
-        for side in range(sides):
-            width, whole = system.attachments[2 * block + side].width, kind.beyond[side]
-            for r in range(count):
-                panel, share = _panel(kind, system, i, r + 1, side), kind.sheave_state[first_sheave + r].share
+            width = system.attachments[side].width if side >= 0 else 0
+            beyond = kind.beyond[max(0, side - 2 * block)]
+            row = kind.by_place[p]
+            if s >= kind.chains[i].first and kind.sheaves[s].place == p:
+                if width > 0:  # the part behind it counts, that before it does not
+                    for k in range(width):
+                        row[k] += beyond[k]
+                    _add_place(kind, p, kind.leaving[p], beyond, width, work)
+                _put_row(
+                    kind,
+                    i,
+                    kind.sheaves[s].block,
+                    kind.sheaves[s].lane,
+                    1.0,
+                    -kind.sheave_state[s].share,
+                    system,
+                )
+                s -= 1
                 for k in range(width):
-                    system.panels[panel + k * lanes] -= share * whole[k]
+                    beyond[k] = row[k]
+                continue
+            for k in range(width):
+                beyond[k] += row[k]
         if with_residual:
             compare_length(kind, i, length)
             put_residual(system, block, length - kind.state[i].rest)
@@ -396,7 +418,7 @@ def fill_sheaved_rows(kind: SheavedRopes, with_residual: bool, work: Workspace, 
 def _find_flows(kind: SheavedRopes, i: int, velocity: NDArray[np.float64], system: RowArrays) -> None:
     """``G v`` of all rows of a rope."""
     chain, lanes = kind.chains[i], system.lanes
-    for part in range(chain.count // ROWS_A_BLOCK + 1):
+    for part in range(chain.count // chain.rows + 1):
         out = chain.flow + part * ROWS_A_BLOCK
         for r in range(ROWS_A_BLOCK):
             kind.flows[out + r] = 0.0
@@ -423,8 +445,7 @@ def _winched(kind: SheavedRopes, i: int, s: int, hauling: float) -> float:
 @kernel(inline=True, internal=True)
 def _flow(kind: SheavedRopes, i: int, s: int, hauling: float) -> float:
     """Speed of the rope over a sheave [m/s] while its winches haul in at a speed [m/s], by the flows found."""
-    chain = kind.chains[i]
-    return _winched(kind, i, s, hauling) - kind.flows[chain.flow + 1 + s - chain.first]
+    return _winched(kind, i, s, hauling) - kind.flows[kind.sheaves[s].flow]
 
 
 @kernel(inline=True, internal=True)

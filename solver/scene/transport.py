@@ -14,7 +14,17 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, Positive, Quantity, Shape, TableFile
 from heavylift.solver.scene.descriptions import Family, check_table, named, no_rows
 
-__all__ = ["TRANSPORT", "BogieGroup", "Bump", "Drive", "HeightGrid", "Levelling", "OilPump", "PathLeg"]
+__all__ = [
+    "TRANSPORT",
+    "BogieGroup",
+    "Bump",
+    "Drive",
+    "HeightGrid",
+    "Levelling",
+    "OilPump",
+    "PathLeg",
+    "Tyres",
+]
 
 TRANSPORT: Family[Any] = Family("table", "heavylift.solver.transport", typed=False)
 """Decks and transporters, by the lists of a case file in which they stand."""
@@ -333,4 +343,31 @@ class Drive:
         if len(said.speeds) and said.speeds[0] != 0.0:
             raise InputError(
                 f"they begin at {said.speeds[0]:g} m/s", key="speeds", expected="speeds from 0 on"
+            )
+
+
+@TRANSPORT.part
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tyres:
+    """Tyres with side slip, all alike: side forces by the angle between where a bogie rolls and where it goes."""
+
+    cornering: Annotated[float, Positive("number")]
+    """C: side force of a bogie over its load and the tangent of its slip angle; 5 to 10."""
+    relaxation_length: Annotated[float, Positive("length")] = 0.3
+    """sigma, way in which the side force comes up to ``1 - 1/e`` [m]. A tread that does not roll has the stiffness
+    ``C f / sigma``."""
+    damping_time: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.01
+    """tau: damping of a tread over its stiffness [s]; of steady forces it changes nothing."""
+    steering_errors: Annotated[NDArray[np.float64], Quantity("angle"), Shape((None,))] = field(
+        default_factory=no_rows
+    )
+    """By which bogies are off their steering, to the left [rad]: one for all, or one each, as groups list them."""
+
+    @staticmethod
+    def check(said: Any) -> None:
+        """Errors that are none of a wheel that stands across."""
+        worst = max((abs(float(error)) for error in said.steering_errors), default=0.0)
+        if worst >= 0.25 * np.pi:
+            raise InputError(
+                f"{np.degrees(worst):.6g} degrees", key="steering_errors", expected="less than 45 degrees"
             )

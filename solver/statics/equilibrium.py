@@ -153,6 +153,7 @@ class _Search:
         kind = free - rows.owner_starts[np.searchsorted(rows.owner_starts, free, side="right") - 1]
         self._moves, self._turns = kind < 3, (kind >= 3) & (kind < 6)
 
+    @one_blas_thread
     def run(self) -> None:
         """Go on until nothing is left."""
         forces = self.forces

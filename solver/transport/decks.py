@@ -261,6 +261,10 @@ def dilated_height(corners: NDArray[np.float64], first: int, count: int, radius:
         if abs(d) <= radius:
             best = max(best, h0 + math.sqrt(radius * radius - d * d) - radius)
         if i + 1 < last and corners[i + 1, 0] > x0:
+            if corners[i + 1, 1] == h0:
+                if x0 <= x <= corners[i + 1, 0]:
+                    best = max(best, h0)
+                continue
             slope = (corners[i + 1, 1] - h0) / (corners[i + 1, 0] - x0)
             secant = math.sqrt(1.0 + slope * slope)
             at = x + radius * slope / secant

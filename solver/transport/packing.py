@@ -37,6 +37,7 @@ from heavylift.solver.transport.transporters import (
     VehicleData,
     VehicleState,
 )
+from heavylift.solver.transport.tyre_packing import TyrePacking
 
 if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
@@ -97,7 +98,7 @@ def pack_transporters(
     _refuse_soft_decks(scene)
     corners, grids, deck_places = corner_table(decks)
     made_decks = [
-        (*_deck_markers(deck, book), *place, *deck.borders[2:])
+        (*_deck_markers(deck, book), *place, *deck.borders)
         for deck, place in zip(decks, deck_places, strict=True)
     ]
     vehicles: list[tuple[Any, ...]] = []
@@ -110,7 +111,7 @@ def pack_transporters(
     strokes: list[float] = []
     blocks: list[LawBlock] = []
     block = free_block = first_block
-    paths = PathPacking(scene, book)
+    paths, tyres = PathPacking(scene, book), TyrePacking(scene, book)
     gravity = _gravity(scene)
     for transporter in scene.transporters:
         _check_names(transporter)
@@ -172,6 +173,7 @@ def pack_transporters(
                 weight,
                 transporter.travel_speed is not None,
                 transporter.travel_speed or 0.0,
+                transporter.tyres is not None,
                 float(places.world[:, 2].mean()),
                 float(np.repeat(loads, counts_of).mean()) or np.inf,
                 *_levelling(transporter, column),
@@ -250,13 +252,27 @@ def pack_transporters(
                     for deck in decks
                 ]
             )
-        if transporter.legs:
+        on_path = np.repeat(loads, counts_of), weight
+        at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
+        if transporter.tyres is not None:
+            # a block of three rows a body with decks, one of the drive
+            made = tyres.add(
+                transporter,
+                places,
+                (free_block, at),
+                (first_bogie, stands_on[first_bogie:], *on_path),
+                law,
+                attachment,
+            )
+            blocks += made
+            free_block += sum(law.block_count for law in made)
+        else:
+            tyres.skip(len(places.points))
+        if transporter.legs and transporter.tyres is None:
             block = free_block
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
-            share = np.repeat(loads, counts_of)
-            at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
             on = stands_on[first_bogie:]
-            paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, share, weight))
+            paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, *on_path))
             blocks.append(LawBlock(transporter.name, tuple(ends), scale, compliance=0.0, rows=3))
             free_block += blocks[-1].block_count
         else:
@@ -280,7 +296,7 @@ def pack_transporters(
         state,
         of_bogies,
     )
-    return [kind, *paths.kinds(of_bogies, kind.steering)], blocks
+    return [kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind)], blocks
 
 
 def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:

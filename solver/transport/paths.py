@@ -44,9 +44,28 @@ from heavylift.solver.joints.row_writing import add_direction_row, dot, minus, r
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place
+from heavylift.solver.transport.path_ways import way_on_pieces
 from heavylift.solver.transport.transporters import BogieState
 
-__all__ = ["DriveData", "Largest", "PathBogie", "PathData", "PathPlan", "PathState", "Paths", "PlanState"]
+__all__ = [
+    "DriveData",
+    "Largest",
+    "PathBogie",
+    "PathData",
+    "PathPlan",
+    "PathState",
+    "Paths",
+    "PlanState",
+    "drive_capacity",
+    "hermite",
+    "keep_largest",
+    "pose_at",
+    "rolling_at",
+    "row_before",
+    "tell_steering",
+    "way_at",
+    "weigh_plans",
+]
 
 LEAST_LOAD = 1e-3
 """Of the force of a bogie: less load on the road counts as this, so what is in the air is used a thousandfold."""
@@ -194,6 +213,8 @@ class Paths(Arrays):
         What the user said.
     nodes, pieces, capacity
         Routes; speed and force of drives, shape (n, 2).
+    legs
+        Number of the path, and what `heavylift.solver.transport.routes.Route` says of its legs, shape (legs, 5).
     turns
         Half turns of the wheels by leg and bogie [rad]: legs of all paths one below the other, as the last column of
         `nodes` counts.
@@ -214,6 +235,7 @@ class Paths(Arrays):
     nodes: Floats2
     pieces: Floats2
     capacity: Floats2
+    legs: Floats2
     turns: Floats2
     deck_plans: Ints2
     state: Records[PathState]
@@ -226,7 +248,7 @@ class Paths(Arrays):
 
 
 @kernel(internal=True)
-def _row_before(table: NDArray[np.float64], first: int, count: int, value: float) -> int:
+def row_before(table: NDArray[np.float64], first: int, count: int, value: float) -> int:
     """Last row whose first column is not above a value, but not the last of all."""
     low, high = first, first + count - 1
     while high - low > 1:
@@ -239,18 +261,14 @@ def _row_before(table: NDArray[np.float64], first: int, count: int, value: float
 
 
 @kernel(internal=True)
-def _way(kind: Paths, path: PathData, time: float) -> tuple[float, float]:
+def way_at(kind: Paths, path: PathData, time: float) -> tuple[float, float]:
     """Way [m] and speed [m/s] at a time."""
-    i = path.first_piece
-    while i + 1 < path.first_piece + path.pieces and kind.pieces[i + 1, 0] <= time:
-        i += 1
-    t = max(time - kind.pieces[i, 0], 0.0)
-    speed = kind.pieces[i, 2] + t * kind.pieces[i, 3]
-    return kind.pieces[i, 1] + t * (kind.pieces[i, 2] + 0.5 * t * kind.pieces[i, 3]), speed
+    way, speed, _ = way_on_pieces(kind.pieces, path.first_piece, path.pieces, time)
+    return way, speed
 
 
 @kernel(internal=True)
-def _hermite(h: float, t: float, a: float, slope_a: float, b: float, slope_b: float) -> tuple[float, float]:
+def hermite(h: float, t: float, a: float, slope_a: float, b: float, slope_b: float) -> tuple[float, float]:
     """Cubic between two values with slopes, t from 0 to 1 over the length h; value and slope."""
     rise = b - a
     bend, twist = 3.0 * rise - h * (2.0 * slope_a + slope_b), h * (slope_a + slope_b) - 2.0 * rise
@@ -259,26 +277,26 @@ def _hermite(h: float, t: float, a: float, slope_a: float, b: float, slope_b: fl
 
 
 @kernel(internal=True)
-def _pose(
+def pose_at(
     kind: Paths, path: PathData, way: float
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Pose of the middle at a way [m, rad] and its rates by way."""
-    i = _row_before(kind.nodes, path.first_node, path.nodes, way)
+    i = row_before(kind.nodes, path.first_node, path.nodes, way)
     h = kind.nodes[i + 1, 0] - kind.nodes[i, 0]
     t = min(max((way - kind.nodes[i, 0]) / h, 0.0), 1.0)
-    x = _hermite(h, t, kind.nodes[i, 1], kind.nodes[i, 4], kind.nodes[i + 1, 1], kind.nodes[i + 1, 4])
-    y = _hermite(h, t, kind.nodes[i, 2], kind.nodes[i, 5], kind.nodes[i + 1, 2], kind.nodes[i + 1, 5])
-    yaw = _hermite(h, t, kind.nodes[i, 3], kind.nodes[i, 6], kind.nodes[i + 1, 3], kind.nodes[i + 1, 6])
+    x = hermite(h, t, kind.nodes[i, 1], kind.nodes[i, 4], kind.nodes[i + 1, 1], kind.nodes[i + 1, 4])
+    y = hermite(h, t, kind.nodes[i, 2], kind.nodes[i, 5], kind.nodes[i + 1, 2], kind.nodes[i + 1, 5])
+    yaw = hermite(h, t, kind.nodes[i, 3], kind.nodes[i, 6], kind.nodes[i + 1, 3], kind.nodes[i + 1, 6])
     return (x[0], y[0], yaw[0]), (x[1], y[1], yaw[1])
 
 
 @kernel(internal=True)
-def _rolling(kind: Paths, path: PathData, way: float, bogie: int) -> tuple[float, float, float]:
+def rolling_at(kind: Paths, path: PathData, way: float, bogie: int) -> tuple[float, float, float]:
     """Velocity of a bogie by way, along and to the left of the vehicle, and the half turns of its wheels [rad]."""
-    i = _row_before(kind.nodes, path.first_node, path.nodes, way)
+    i = row_before(kind.nodes, path.first_node, path.nodes, way)
     h = kind.nodes[i + 1, 0] - kind.nodes[i, 0]
     t = min(max((way - kind.nodes[i, 0]) / h, 0.0), 1.0)
-    slip, _ = _hermite(h, t, kind.nodes[i, 7], kind.nodes[i, 8], kind.nodes[i + 1, 7], kind.nodes[i + 1, 8])
+    slip, _ = hermite(h, t, kind.nodes[i, 7], kind.nodes[i, 8], kind.nodes[i + 1, 7], kind.nodes[i + 1, 8])
     speed = kind.nodes[i, 9]
     turn = kind.nodes[i, 6] + t * (kind.nodes[i + 1, 6] - kind.nodes[i, 6])
     x, y = kind.bogies[bogie].x - kind.nodes[i, 10], kind.bogies[bogie].y - kind.nodes[i, 11]
@@ -287,11 +305,11 @@ def _rolling(kind: Paths, path: PathData, way: float, bogie: int) -> tuple[float
 
 
 @kernel(internal=True)
-def _tell_steering(kind: Paths, path: PathData, way: float, moved: float) -> None:
+def tell_steering(kind: Paths, path: PathData, way: float, moved: float) -> None:
     """Tell bogies how they are steered at the start of the next step, and how they turn in it if it is as this one."""
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
-        u, v, _ = _rolling(kind, path, way, i)
-        a, b, _ = _rolling(kind, path, way + moved, i)
+        u, v, _ = rolling_at(kind, path, way, i)
+        a, b, _ = rolling_at(kind, path, way + moved, i)
         kind.steering[i, 0] = math.atan2(v, u)
         kind.steering[i, 1] = math.atan2(u * b - v * a, u * a + v * b)
 
@@ -343,7 +361,7 @@ def _place(kind: Paths, number: int, j: int, work: Workspace) -> tuple[tuple[flo
 
 
 @kernel(internal=True)
-def _weigh(kind: Paths, number: int) -> float:
+def weigh_plans(kind: Paths, number: int) -> float:
     """Loads on the plans of a path now [N]; their sum."""
     path, total = kind.table[number], 0.0
     for j in range(path.first_plan, path.first_plan + path.plans):
@@ -372,16 +390,16 @@ def set_path_targets(
     """Follow the route; weights of the step."""
     for p in range(kind.table.shape[0]):
         path, state = kind.table[p], kind.state[p]
-        total = _weigh(kind, p)
+        total = weigh_plans(kind, p)
         target = targets(system, path.block)
-        before, speed = _way(kind, path, time)
-        here, rates = _pose(kind, path, before)
+        before, speed = way_at(kind, path, time)
+        here, rates = pose_at(kind, path, before)
         if at_midpoint:
             last = system.rows[path.block].last_reaction
             for k in range(3):
                 state.work += last[k] * state.advance[k]
-            after, _ = _way(kind, path, time + step)
-            there, _ = _pose(kind, path, after)
+            after, _ = way_at(kind, path, time + step)
+            there, _ = pose_at(kind, path, after)
             state.yaw, state.step, state.moved = 0.5 * (here[2] + there[2]), step, after - before
             state.way, state.time = after, time + step
             part = -math.expm1(-step / path.delay)
@@ -402,7 +420,7 @@ def set_path_targets(
             for k in range(3):
                 target[k] += state.advance[k] / step
             if path.tells:
-                _tell_steering(kind, path, after, after - before)
+                tell_steering(kind, path, after, after - before)
             continue
         state.yaw = here[2]
         residual = residuals(system, path.block)
@@ -434,7 +452,7 @@ def update_paths(kind: Paths, time: float, step: float, work: Workspace, system:
 
 
 @kernel(internal=True)
-def _capacity(kind: Paths, drive: DriveData, speed: float) -> float:
+def drive_capacity(kind: Paths, drive: DriveData, speed: float) -> float:
     """Largest force of a driven bogie at a speed of its wheel [N]."""
     if drive.count == 0:
         return math.inf
@@ -452,7 +470,7 @@ def _push(kind: Paths, p: int, way: float, system: RowArrays) -> None:
     path, state = kind.table[p], kind.state[p]
     drive = kind.drives[path.drive]
     middle = way - 0.5 * state.moved
-    rates = _pose(kind, path, middle)[1]
+    rates = pose_at(kind, path, middle)[1]
     moves = state.moved > 0.0
     needed = 0.0
     for k in range(3):
@@ -460,7 +478,7 @@ def _push(kind: Paths, p: int, way: float, system: RowArrays) -> None:
     reach, fastest = 0.0, 0.0
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         bogie = kind.bogie_state[i]
-        u, v, _ = _rolling(kind, path, middle, i)
+        u, v, _ = rolling_at(kind, path, middle, i)
         size = math.hypot(u, v)
         if moves:
             needed += bogie.mean * bogie.road / state.moved
@@ -477,7 +495,7 @@ def _push(kind: Paths, p: int, way: float, system: RowArrays) -> None:
         if kind.bogies[i].driven and size > 0.0:
             held = max(drive.friction * (kind.bogie_state[i].mean + path.weight), LEAST_LOAD * size)
             state.traction = max(state.traction, size / held)
-    state.power = size / _capacity(kind, drive, fastest) if moves else 0.0
+    state.power = size / drive_capacity(kind, drive, fastest) if moves else 0.0
     state.brake = 0.0 if moves else size / drive.brake
 
 
@@ -495,13 +513,14 @@ def watch_paths(kind: Paths, work: Workspace, system: RowArrays) -> None:
         note_value(state.tractions, interval, state.traction)
         note_value(state.powers, interval, state.power)
         note_value(state.brakes, interval, state.brake)
-        _keep_largest(state.most_traction, state.traction, state.time)
-        _keep_largest(state.most_power, state.power, state.time)
-        _keep_largest(state.most_brake, state.brake, state.time)
+        keep_largest(state.most_traction, state.traction, state.time)
+        keep_largest(state.most_power, state.power, state.time)
+        keep_largest(state.most_brake, state.brake, state.time)
 
 
 @kernel(inline=True, internal=True)
-def _keep_largest(largest: Largest, value: float, time: float) -> None:
+def keep_largest(largest: Largest, value: float, time: float) -> None:
+    """Keep a value if it is larger."""
     if value > largest.value:
         largest.value, largest.time = value, time
 
@@ -515,7 +534,7 @@ def record_paths(
     interval = work.control.interval
     for p in range(kind.table.shape[0]):
         path, state = kind.table[p], kind.state[p]
-        way, speed = _way(kind, path, time)
+        way, speed = way_at(kind, path, time)
         off, reaction = residuals(system, path.block), system.rows[path.block].reaction
         c, s = math.cos(state.yaw), math.sin(state.yaw)
         at = path.column
@@ -526,7 +545,7 @@ def record_paths(
         row[at + 5] = reaction[2]
         at += 6
         for i in range(path.bogies):
-            u, v, half = _rolling(kind, path, way, path.first_bogie + i)
+            u, v, half = rolling_at(kind, path, way, path.first_bogie + i)
             row[at + i] = math.atan2(v, u) + half
             row[at + path.bogies + i] = speed * math.hypot(u, v)
         for k in range(3):

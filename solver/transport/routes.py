@@ -70,10 +70,13 @@ class Route(NamedTuple):
         Columns as `COLUMNS`, shape (n, 13).
     pieces
         Time, way, speed and acceleration from which on each holds, shape (m, 4).
+    legs
+        Way at the end of each leg [m], its speed [m/s] and acceleration [m/s2], and the number of its first piece.
     """
 
     nodes: NDArray[np.float64]
     pieces: NDArray[np.float64]
+    legs: NDArray[np.float64]
 
 
 def _along(elements: Sequence[tuple[float, float, float]]) -> Curve:
@@ -196,6 +199,27 @@ def _spin(turn: float, radius: float) -> Curve:
     )
 
 
+def _refuse_centre_inside(
+    way: NDArray[np.float64],
+    curvature: NDArray[np.float64],
+    f: NDArray[np.float64],
+    bogies: NDArray[np.float64],
+) -> None:
+    """Refuse a curve about a centre between the wheels: some of them would have to turn round on the way to it."""
+    right, left = bogies[:, 1].min() - f[1], bogies[:, 1].max() - f[1]
+    sharp = np.flatnonzero(curvature)
+    across = 1.0 / curvature[sharp]
+    inside = (across >= right) & (across <= left)
+    if inside.any():
+        first = int(np.argmax(inside))
+        raise InputError(
+            f"at {way[sharp[first]]:.6g} m it turns about a point {abs(across[first]):.4g} m to the "
+            f"{'left' if across[first] > 0.0 else 'right'}, between its own wheels",
+            key="radius",
+            expected=f"radii beyond {max(left, -right):.4g} m, where its wheels are; or steering 'carousel'",
+        )
+
+
 def _leg_rows(leg: PathLeg, bogies: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rows of a leg from way 0 on, of a vehicle whose middle stands at the origin along x."""
     carousel, crab = leg.steering == "carousel", leg.steering == "crab"
@@ -241,6 +265,8 @@ def _leg_rows(leg: PathLeg, bogies: NDArray[np.float64]) -> NDArray[np.float64]:
         else:
             yaw, yaw_way = turn - (turn[0] if reverse else 0.0), curvature
             slip, slip_way = np.full(len(turn), math.pi if reverse else 0.0), 0.0 * turn
+        if not crab:
+            _refuse_centre_inside(way, yaw_way, f, bogies)
     rows = np.zeros((len(way), len(COLUMNS)))
     c, s = np.cos(yaw), np.sin(yaw)
     # the middle is -f from what follows the curve, which begins at f
@@ -275,6 +301,7 @@ def make_route(legs: Sequence[PathLeg], bogies: NDArray[np.float64], pose: NDArr
     way, time = 0.0, 0.0
     nodes: list[NDArray[np.float64]] = []
     pieces: list[NDArray[np.float64]] = []
+    ends: list[tuple[float, float, float, float]] = []
     for number, leg in enumerate(legs):
         try:
             rows = _leg_rows(leg, bogies)
@@ -288,6 +315,7 @@ def make_route(legs: Sequence[PathLeg], bogies: NDArray[np.float64], pose: NDArr
         moves = speed_pieces(at, speeds, leg.acceleration)[1:, :4]
         moves[:, 1] += way - moves[0, 1]
         moves[-1, 1] = way + length
+        ends.append((way + length, leg.speed, leg.acceleration, sum(map(len, pieces))))
         pieces.append(moves)
         c, s = math.cos(yaw), math.sin(yaw)
         turned = rows.copy()
@@ -301,7 +329,7 @@ def make_route(legs: Sequence[PathLeg], bogies: NDArray[np.float64], pose: NDArr
         nodes.append(turned)
         way, x, y, yaw = (float(value) for value in turned[-1, :4])
         time = float(moves[-1, 0])
-    return Route(np.vstack(nodes), np.vstack(pieces))
+    return Route(np.vstack(nodes), np.vstack(pieces), np.array(ends, dtype=np.float64))
 
 
 def rolling(nodes: NDArray[np.float64], bogies: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:

@@ -71,7 +71,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg, Tyres
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height, grid_height
 
@@ -115,6 +115,9 @@ ROUNDS = 100
 PLAIN_ROUNDS = 5
 """Rounds of the iteration of the rows after which a law is fitted by chords too: tangents alone can go to and fro."""
 
+ROUNDED = 1e-6
+"""Of a load, below which what is left of it is not told from its change."""
+
 PATH_CHANNELS = ("path_way", "off_path", "off_heading", "push_along", "push_across", "push_turning")
 DRIVE_CHANNELS = (
     "drive_demand",
@@ -129,6 +132,9 @@ DRIVE_CHANNELS = (
 
 NEGLIGIBLE = 4e-15
 """Relative change of a pressure that ends its iteration: what the sum over a group is rounded by."""
+
+INCLINE_WAY = 1e-3
+"""To both sides, within which the slope under a wheel is taken [m]; farther if it rolls farther in a step."""
 
 
 def _forward() -> NDArray[np.float64]:
@@ -179,7 +185,8 @@ class Transporter:
         ChannelKind(
             "traction_used_max",
             "number",
-            "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record",
+            "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record; "
+            "with `tyres` of any bogie, with its side force",
             None,
         ),
         ChannelKind(
@@ -194,6 +201,13 @@ class Transporter:
             "at rest, over what its brakes hold, largest since the last record",
             None,
         ),
+        ChannelKind(
+            "side_force",
+            "force",
+            "of the tyres of each bogie, to the left of its wheels, in the last step",
+            None,
+        ),
+        ChannelKind("slip_angle", "angle", "of each bogie: its velocity is left of its wheels by that", None),
         ChannelKind("levelled", "length", "by which levelling has lifted the bogies of each group", None),
     )
     """What it records, in the order of its columns."""
@@ -234,6 +248,9 @@ class Transporter:
     """Largest steering angle of a bogie to both sides [rad]."""
     drive: Drive | None = None
     """Motors and brakes; with a path."""
+    tyres: Tyres | None = None
+    """With a path and a drive: side slip of its tyres. They hold the vehicle, which then leaves the path as far as they
+    slip; absent, it follows its path whatever it takes."""
     levelling: Levelling | None = None
     """What keeps it level; it stays as it is pumped if absent."""
     accept_unstable: bool = False
@@ -253,6 +270,12 @@ class Transporter:
         if said.drive is not None and not said.legs:
             raise InputError(
                 "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
+            )
+        if said.tyres is not None and (said.drive is None or not said.legs):
+            raise InputError(
+                f"'tyres' without {'legs' if not said.legs else 'a drive'!r}",
+                key="tyres",
+                expected="'legs' along which it is steered, and a 'drive' with friction and brakes",
             )
         if said.levelling is not None and any(group.constant_force for group in said.groups):
             raise InputError(
@@ -278,6 +301,8 @@ class Transporter:
             **of_drive,
             "steering": wheels,
             "rolling_speed": wheels,
+            "side_force": bogies if self.tyres else (),
+            "slip_angle": bogies if self.tyres else (),
             "group_force": tuple(group.name for group in self.groups),
             "levelled": tuple(group.name for group in self.groups) if self.levelling else (),
             "wheel_load": bogies,
@@ -295,7 +320,7 @@ class DeckData(Record):
         Markers of its origin and axes.
     first, count, across
         Corners of its profile; or where its grid begins, its stations and offsets. The last is 0 of a profile.
-    right, left
+    begin, end, right, left
         Its borders [m].
     """
 
@@ -306,6 +331,8 @@ class DeckData(Record):
     first: int
     count: int
     across: int
+    begin: float
+    end: float
     right: float
     left: float
 
@@ -327,6 +354,8 @@ class VehicleData(Record):
         Of a bogie [N].
     driven, speed
         Whether its wheels travel by themselves, and how fast [m/s].
+    tyred
+        Whether it has tyres that slip, which ask for slopes.
     start_height
         Mean height of the places of its bogies at the start, along z of the world [m].
     rest
@@ -353,6 +382,7 @@ class VehicleData(Record):
     weight: float
     driven: bool
     speed: float
+    tyred: bool
     start_height: float
     rest: float
     levels: bool
@@ -445,9 +475,21 @@ class GroupState(Record):
         Of the sum of r from the geometry [m].
     force
         Of a cylinder [N].
+    extra
+        Rate by which every r of a group with one row grows beside its prediction [m/s].
     fitted, follows
         `extra` for which `force` was found last [m/s], and by how much the force grows with it [N s/m]; of a group with
         one row.
+    at_force, at_extra, gone
+        Force and `extra` for which the loads of its bogies are known, and `_relaxed` of that step.
+    even
+        Whether all loads and strokes grow alike with both: of a group with one row, no bogie of which is at a stop, or
+        above the road.
+    total, loads, by_force, falls, by_lift, lifts
+        Sums of the mean strokes [m] and loads [N] then, and of their derivatives, as `_bogie` returns them: of loads
+        and strokes by the force, of loads and strokes by a lift.
+    least_load, least_stroke, most_stroke
+        Among them; of strokes in the mean and at the end.
     predicted, body_rate
         As predicted: rate of the row, and of the sum of r without the road [m/s].
     road
@@ -456,6 +498,9 @@ class GroupState(Record):
         [J].
     last_rate, last_force, rounds
         Scratch of the iteration.
+    unasked
+        How many times its row need not be written: at the end of a step, where it is not among those that hold, and at
+        the start of the next one, where it is written once shares are known.
     """
 
     fresh: bool
@@ -468,8 +513,22 @@ class GroupState(Record):
     strokes: float
     drift: float
     force: float
+    extra: float
     fitted: float
     follows: float
+    at_force: float
+    at_extra: float
+    gone: float
+    even: bool
+    total: float
+    loads: float
+    by_force: float
+    falls: float
+    by_lift: float
+    lifts: float
+    least_load: float
+    least_stroke: float
+    most_stroke: float
     predicted: float
     body_rate: float
     road: float
@@ -479,6 +538,7 @@ class GroupState(Record):
     last_rate: float
     last_force: float
     rounds: int
+    unasked: int
 
 
 class BogieData(Record):
@@ -517,6 +577,8 @@ class BogieState(Record):
         Rate of r without the road, as predicted [m/s]; scratch of the iteration of a row of its own.
     end_stroke
         Stroke at the end of the step [m].
+    incline_x, incline_y
+        Slope of the road under it along and across its deck, for tyres that slip.
     failure, station, offset
         Why and where it stopped the run; of a jolt how large it is, over the load at rest.
     """
@@ -540,6 +602,8 @@ class BogieState(Record):
     last_rate: float
     last_mean: float
     end_stroke: float
+    incline_x: float
+    incline_y: float
     failure: int
     station: float
     offset: float
@@ -684,13 +748,98 @@ def _bogie(
 
 
 @kernel(internal=True)
+def _weigh(kind: Transporters, g: int, h: float, p: float) -> None:
+    """Loads and strokes of the bogies of a group at a force of its cylinders; their sums."""
+    group, state = kind.groups[g], kind.group_state[g]
+    vehicle = kind.vehicles[group.vehicle]
+    gone = _relaxed(vehicle, h)
+    off = -state.drift / group.count
+    even = group.rows == 1
+    total = loads = by_force = falls = by_lift = lifts = 0.0
+    least_load = least_stroke = math.inf
+    most_stroke = -math.inf
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        if group.rows == 1:
+            bogie.extra = state.extra
+        tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
+        load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
+            vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h, gone
+        )
+        bogie.mean, bogie.end_stroke = load, end
+        bogie.slope, bogie.load_p = load_r, load_p
+        total += s
+        loads += load
+        by_force += load_p
+        falls += stroke_p
+        by_lift += load_r
+        lifts += stroke_r
+        even = even and load_p > 0.0
+        least_load = min(least_load, load)
+        least_stroke, most_stroke = min(least_stroke, s, end), max(most_stroke, s, end)
+    state.at_force, state.at_extra, state.gone, state.even = p, state.extra, gone, even
+    state.total, state.loads, state.by_force, state.falls = total, loads, by_force, falls
+    state.by_lift, state.lifts = by_lift, lifts
+    state.least_load, state.least_stroke, state.most_stroke = least_load, least_stroke, most_stroke
+
+
+@kernel(inline=True, internal=True)
+def _even_changes(
+    vehicle: VehicleData, group: GroupData, state: GroupState, h: float, p: float
+) -> tuple[float, float, float]:
+    """By how much load, mean stroke and stroke at the end of any bogie of an even group have changed since `_weigh`."""
+    n, k = group.count, vehicle.tyre
+    dp, x = p - state.at_force, state.extra - state.at_extra
+    load = (state.by_force * dp + state.by_lift * 0.5 * h * x) / n
+    s = (state.falls * dp + state.lifts * 0.5 * h * x) / n
+    if vehicle.pipe + vehicle.rubber == 0.0 or h == 0.0:
+        return load, s, s
+    return load, s, (h - vehicle.pipe / k * state.gone) * x - state.gone / k * dp
+
+
+@kernel(inline=True, internal=True)
+def _stays_even(vehicle: VehicleData, group: GroupData, state: GroupState, h: float, p: float) -> bool:
+    """Whether a group is even, and none of its bogies comes to a stop or leaves the road at a force."""
+    if not state.even:
+        return False
+    load, s, end = _even_changes(vehicle, group, state, h, p)
+    moved = max(abs(s), abs(end))
+    return (
+        state.least_load + load > ROUNDED * state.least_load
+        and state.least_stroke - moved > vehicle.low
+        and state.most_stroke + moved < vehicle.high
+    )
+
+
+@kernel(internal=True)
+def _settle(kind: Transporters, g: int, h: float) -> None:
+    """Tell the bogies of an even group what `_fit_group` has found; those of others know it."""
+    group, state = kind.groups[g], kind.group_state[g]
+    if not state.even or (state.force == state.at_force and state.extra == state.at_extra):
+        return
+    load, s, end = _even_changes(kind.vehicles[group.vehicle], group, state, h, state.force)
+    for i in range(group.first, group.first + group.count):
+        bogie = kind.bogie_state[i]
+        bogie.mean += load
+        bogie.end_stroke += end
+        bogie.extra = state.extra
+    moved = max(abs(s), abs(end))
+    state.total += group.count * s
+    state.loads += group.count * load
+    state.least_load += load
+    state.least_stroke -= moved
+    state.most_stroke += moved
+    state.at_force, state.at_extra = state.force, state.extra
+
+
+@kernel(internal=True)
 def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, float]:
-    """Loads of the bogies of a group.
+    """Loads of the bogies of a group. Those of an even one are told to them by `_settle`: sums suffice for its row.
 
     Parameters
     ----------
     kind
-        Carried; what `extra` makes of its bogies, and the force of its cylinders, are found.
+        Carried; what `extra` makes of its bogies, and the forces of its cylinders, are found.
     g
         The group.
     h
@@ -704,30 +853,17 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
     group, state = kind.groups[g], kind.group_state[g]
     vehicle = kind.vehicles[group.vehicle]
     n = group.count
-    gone = _relaxed(vehicle, h)
-    off = -state.drift / n
     oil = 0.5 * (state.oil + state.next_oil) if h > 0.0 else state.oil
     low, high = 0.0, math.inf
-    extra = kind.bogie_state[group.first].extra
+    extra = state.extra if group.rows == 1 else kind.bogie_state[group.first].extra
     p = max(state.force + state.follows * (extra - state.fitted), 0.0)
-    sum_load = by_p = falls = by_r = follows = stiffness = 0.0
+    stiffness = mean = 0.0
     for _ in range(ROUNDS):
-        total = sum_load = by_p = falls = by_r = follows = 0.0
-        for i in range(group.first, group.first + n):
-            bogie = kind.bogie_state[i]
-            tyre, x = kind.bogies[i].start_force / vehicle.tyre, bogie.extra
-            load, s, end, load_p, stroke_p, load_r, stroke_r = _bogie(
-                vehicle, bogie.middle + tyre + 0.5 * h * x + off, bogie.growth + x, bogie.stroke, p, h, gone
-            )
-            bogie.mean, bogie.end_stroke = load, end
-            bogie.slope, bogie.load_p = load_r, load_p
-            total += s
-            sum_load += load
-            by_p += load_p
-            falls += stroke_p
-            by_r += load_r
-            follows += stroke_r
-        force, stiffness = _oil_force(group, total + oil - state.strokes)
+        if not _stays_even(vehicle, group, state, h, p):
+            _weigh(kind, g, h, p)
+        load, s, _ = _even_changes(vehicle, group, state, h, p)
+        mean = state.loads / n + load
+        force, stiffness = _oil_force(group, state.total + n * s + oil - state.strokes)
         miss = force - p
         if abs(miss) <= NEGLIGIBLE * (p + force):
             break
@@ -735,13 +871,13 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
             low = p
         else:
             high = p
-        after = p - miss / (stiffness * falls - 1.0)
+        after = p - miss / (stiffness * state.falls - 1.0)
         if not low <= after <= high:
             after = 0.5 * (low + high) if high < math.inf else 2.0 * low + 1.0
         if abs(after - p) <= NEGLIGIBLE * p:
             break
         p = after
-    p_r = stiffness * follows / (1.0 - stiffness * falls)
+    p_r = stiffness * state.lifts / (1.0 - stiffness * state.falls)
     if group.rows == 1:
         state.fitted, state.follows = extra, 0.5 * h * p_r
     else:
@@ -749,7 +885,7 @@ def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, floa
             bogie = kind.bogie_state[i]
             bogie.slope = 0.5 * h * (bogie.slope + bogie.load_p * p_r)
     state.force = p
-    return p, sum_load / n, 0.5 * h * (by_r + by_p * p_r) / n
+    return p, mean, 0.5 * h * (state.by_lift + state.by_force * p_r) / n
 
 
 @kernel(internal=True)
@@ -811,25 +947,19 @@ def _level(kind: Transporters, v: int, time: float, work: Workspace) -> None:
 
 
 @kernel(inline=True, internal=True)
-def _places(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
-    """Station, offset and height of a place on a deck [m]."""
-    d = minus(place(work, at), vector(work, deck.origin))
-    return dot(d, vector(work, deck.x)), dot(d, vector(work, deck.y)), dot(d, vector(work, deck.z))
+def _along(work: Workspace, axis: int, off: Vector, moving: Vector) -> tuple[float, float]:
+    """Coordinate of a place along an axis of a deck [m] and its rate [m/s], from its origin and against that."""
+    e = vector(work, axis)
+    return dot(off, e), dot(moving, e) + dot(off, rate(work, axis))
 
 
 @kernel(inline=True, internal=True)
-def _place_rates(work: Workspace, deck: DeckData, at: PlaceData) -> Vector:
-    """Rates of `_places` [m/s]."""
-    d = minus(place(work, at), vector(work, deck.origin))
-    v = minus(place_rate(work, at), rate(work, deck.origin))
-    return (
-        dot(v, vector(work, deck.x)) + dot(d, rate(work, deck.x)),
-        dot(v, vector(work, deck.y)) + dot(d, rate(work, deck.y)),
-        dot(v, vector(work, deck.z)) + dot(d, rate(work, deck.z)),
-    )
+def _beyond(a: float, b: float, low: float, high: float, radius: float) -> bool:
+    """Whether a wheel touches nothing between two borders on its way from a to b."""
+    return (a < low - radius and b < low - radius) or (a > high + radius and b > high + radius)
 
 
-@kernel(inline=True, internal=True)
+@kernel(internal=True)
 def _height(kind: Transporters, d: int, vehicle: VehicleData, x: float, y: float) -> float:
     """Height of a wheel at a place on a deck with a profile [m]; `NO_ROAD` where there is none."""
     deck = kind.decks[d]
@@ -886,14 +1016,20 @@ def _stand(
     height
         Of the road for the wheel over that of the deck [m].
     """
-    at = kind.bogies[i].place
+    p = place(work, kind.bogies[i].place)
     found, best, above = -1, NO_ROAD, 0.0
     with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
-        x, y, z = _places(work, kind.decks[d], at)
-        if vehicle.driven:
-            x, y = kind.starts[i, 2 * d] + travelled, kind.starts[i, 2 * d + 1]
-        if with_grids and kind.decks[d].across > 0:
+        deck = kind.decks[d]
+        off = minus(p, vector(work, deck.origin))
+        x = kind.starts[i, 2 * d] + travelled if vehicle.driven else dot(off, vector(work, deck.x))
+        if _beyond(x, x, deck.begin, deck.end, vehicle.radius):
+            continue
+        y = kind.starts[i, 2 * d + 1] if vehicle.driven else dot(off, vector(work, deck.y))
+        if _beyond(y, y, deck.right, deck.left, vehicle.radius):
+            continue
+        z = dot(off, vector(work, deck.z))
+        if with_grids and deck.across > 0:
             height = _height_on_grid(kind, work, i, d, vehicle, x, y, 0.0)
         else:
             height = _height(kind, d, vehicle, x, y)
@@ -926,21 +1062,29 @@ def _roll(
         Way along, on a grid in any direction, and place at the end, on that deck; or on the one on which it stood
         before [m].
     """
-    at = kind.bogies[i].place
+    p, v = place(work, kind.bogies[i].place), place_rate(work, kind.bogies[i].place)
     first, found = -1, -1
     before, after = NO_ROAD, NO_ROAD
     rises = moved = station = offset = 0.0
     with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
-        deck = kind.decks[d]
-        x, y, z = _places(work, deck, at)
-        along, across, up = _place_rates(work, deck, at)
-        x0, x1, y0, y1 = x - 0.5 * h * along, x + 0.5 * h * along, y - 0.5 * h * across, y + 0.5 * h * across
+        deck, own = kind.decks[d], d == kind.bogie_state[i].deck
+        off, moving = minus(p, vector(work, deck.origin)), minus(v, rate(work, deck.origin))
+        x, along = _along(work, deck.x, off, moving)
+        x0, x1 = x - 0.5 * h * along, x + 0.5 * h * along
         if vehicle.driven:
             x0 = kind.starts[i, 2 * d] + vehicle.speed * time
             x1 = kind.starts[i, 2 * d] + vehicle.speed * (time + h)
+        if not own and _beyond(x0, x1, deck.begin, deck.end, vehicle.radius):
+            continue
+        y, across = _along(work, deck.y, off, moving)
+        y0, y1 = y - 0.5 * h * across, y + 0.5 * h * across
+        if vehicle.driven:
             y0 = y1 = kind.starts[i, 2 * d + 1]
-        if d == kind.bogie_state[i].deck and found < 0:
+        if not own and _beyond(y0, y1, deck.right, deck.left, vehicle.radius):
+            continue
+        z, up = _along(work, deck.z, off, moving)
+        if own and found < 0:
             station, offset = x1, y1
         if with_grids and deck.across > 0:
             h0 = _height_on_grid(kind, work, i, d, vehicle, x0, y0, 0.0)
@@ -957,6 +1101,37 @@ def _roll(
     before = before if first >= 0 else 0.0
     after = after if found >= 0 else 0.0
     return found, before, after, rises, moved, station, offset
+
+
+@kernel(internal=True)
+def _look_down(kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, h: float) -> None:
+    """Slope of the road under a wheel over its way in a step."""
+    bogie = kind.bogie_state[i]
+    deck = kind.decks[bogie.deck]
+    at = kind.bogies[i].place
+    off = minus(place(work, at), vector(work, deck.origin))
+    moving = minus(place_rate(work, at), rate(work, deck.origin))
+    x, along = _along(work, deck.x, off, moving)
+    y, across = _along(work, deck.y, off, moving)
+    reach = max(0.5 * h * abs(along), INCLINE_WAY)
+    if deck.across == 0:
+        behind = _height(kind, bogie.deck, vehicle, x - reach, y)
+        ahead = _height(kind, bogie.deck, vehicle, x + reach, y)
+        bogie.incline_x, bogie.incline_y = _slope(behind, ahead, reach), 0.0
+        return
+    behind = _height_on_grid(kind, work, i, bogie.deck, vehicle, x - reach, y, 0.5)
+    ahead = _height_on_grid(kind, work, i, bogie.deck, vehicle, x + reach, y, 0.5)
+    bogie.incline_x = _slope(behind, ahead, reach)
+    reach = max(0.5 * h * abs(across), INCLINE_WAY)
+    behind = _height_on_grid(kind, work, i, bogie.deck, vehicle, x, y - reach, 0.5)
+    ahead = _height_on_grid(kind, work, i, bogie.deck, vehicle, x, y + reach, 0.5)
+    bogie.incline_y = _slope(behind, ahead, reach)
+
+
+@kernel(inline=True, internal=True)
+def _slope(behind: float, ahead: float, reach: float) -> float:
+    """Of heights at both sides; 0 at a border."""
+    return 0.5 * (ahead - behind) / reach if behind > NO_ROAD and ahead > NO_ROAD else 0.0
 
 
 @kernel(internal=True)
@@ -998,8 +1173,12 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
             _stop(kind, g, i, WALL, x1, y1, work)
         bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
+        if vehicle.tyred:
+            _look_down(kind, work, i, vehicle, h)
         if bogie.left_share > 0.0:
-            other = _place_rates(work, kind.decks[bogie.left_deck], kind.bogies[i].place)[2]
+            left, at = kind.decks[bogie.left_deck], kind.bogies[i].place
+            off = minus(place(work, at), vector(work, left.origin))
+            _, other = _along(work, left.z, off, minus(place_rate(work, at), rate(work, left.origin)))
             up += bogie.left_share * (other - up)
         bogie.predicted = -up
         bogie.road = r1 - r0 + h * up
@@ -1024,6 +1203,8 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
         if deck >= 0:
             _go_over(kind, g, i, deck)
             bogie.middle, bogie.height = r, height
+            if vehicle.tyred and state.fresh:
+                _look_down(kind, work, i, vehicle, 0.0)
         total += bogie.middle
     if state.fresh:
         state.lift = total
@@ -1031,8 +1212,9 @@ def _look_here(kind: Transporters, g: int, time: float, work: Workspace) -> None
     state.oil = _oil_in(kind, g, time)
     if vehicle.pipe + vehicle.rubber == 0.0 or state.fresh:
         _put_extra(kind, g, 0.0)
-        state.follows = 0.0
+        state.follows, state.even = 0.0, False
         _fit_group(kind, g, 0.0)
+        _settle(kind, g, 0.0)
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
             bogie.load, bogie.stroke = bogie.mean, bogie.end_stroke
@@ -1123,12 +1305,15 @@ def fill_transporter_rows(
 ) -> None:
     """Rows with the shares that are known; drift."""
     for g in range(kind.groups.shape[0]):
-        group = kind.groups[g]
-        _write_row(kind, g, work, system)
+        group, state = kind.groups[g], kind.group_state[g]
+        if state.unasked == (2 if with_residual else 1):
+            state.unasked -= 1
+        else:
+            _write_row(kind, g, work, system)
         if with_residual:
             for row in range(group.rows):
                 residual = system.rows[group.block + group.apart * row].residual
-                residual[group.lane] = kind.group_state[g].drift / group.rows
+                residual[group.lane] = state.drift / group.rows
 
 
 @implement(set_targets, Transporters)
@@ -1150,8 +1335,9 @@ def set_transporter_targets(
         _look_ahead(kind, g, time, step, work)
         state.oil, state.next_oil = _oil_in(kind, g, time), _oil_in(kind, g, time + step)
         _put_extra(kind, g, 0.0)
-        state.follows = 0.0
+        state.follows, state.even = 0.0, False
         _, mean, slope = _fit_group(kind, g, step)
+        _settle(kind, g, step)
         state.predicted = 0.0
         for i in range(group.first, group.first + group.count):
             bogie = kind.bogie_state[i]
@@ -1179,6 +1365,7 @@ def _rate(group: GroupData, row: int, work: Workspace, system: RowArrays) -> flo
 @kernel(internal=True)
 def _put_extra(kind: Transporters, g: int, x: float) -> None:
     """Set the rate by which every r of a group grows beside its prediction [m/s]."""
+    kind.group_state[g].extra = x
     for i in range(kind.groups[g].first, kind.groups[g].first + kind.groups[g].count):
         kind.bogie_state[i].extra = x
 
@@ -1189,7 +1376,7 @@ def _find_extra(kind: Transporters, g: int, work: Workspace, system: RowArrays) 
     group, state = kind.groups[g], kind.group_state[g]
     if group.rows == 1:
         u = _rate(group, 0, work, system)
-        _put_extra(kind, g, (u - state.predicted) / group.count)
+        state.extra = (u - state.predicted) / group.count
         return u
     for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
@@ -1242,6 +1429,7 @@ def update_transporters(
         u = _find_extra(kind, g, work, system)
         if group.rows > 1 or u != state.last_rate:  # else it was fitted to that last
             _fit_group(kind, g, step)
+        _settle(kind, g, step)
         p = state.force
         grown = 0.0
         for i in range(group.first, group.first + group.count):
@@ -1267,6 +1455,7 @@ def update_transporters(
         _lose_oil(kind, g, p, step)
         state.oil = state.next_oil
         state.fresh = False
+        state.unasked = 2
 
 
 @kernel(internal=True)

@@ -239,5 +239,8 @@ inertia = [1e5, 1e5, 1e5]
 frame = { motion = "free" }
 initial = { position = ["38 m", 0, "1.5 m"] }
 """
+    (tmp_path / "survey.csv").write_text(
+        "station,offset,height\n60,-5,0\n60,5,0\n70,-5,0\n70,5,0.1\n", encoding="utf-8"
+    )
     (tmp_path / "case.toml").write_text(f"{body}\n{text}\n{REST}", encoding="utf-8")
     assert run_case(load_case(tmp_path)).outcome is Outcome.COMPLETED

@@ -28,10 +28,12 @@ BY_OTHERS = {
     "flexible_pendulum_g50",
     "flexible_pendulum_stiff",
     "load_out_level",
+    "spmt_warp",
     "spring_barge",
     "tank_erection",
 }
-"""Tables that another case makes, or that others made (`spring_barge`, `load_out_level`, waves of `tank_erection`)."""
+"""Tables that another case makes, or that others made (`spring_barge`, `load_out_level`), or that are input: waves of
+`tank_erection`, the road of `spmt_warp`."""
 
 assert SCRIPTS, "no case has a generator"
 

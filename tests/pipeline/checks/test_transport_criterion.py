@@ -53,6 +53,22 @@ def test_a_transporter_is_judged_by_what_it_tells_and_records(tmp_path) -> None:
     assert json.dumps([row.row() for row in rows])
 
 
+def test_tyres_that_slide_fail(tmp_path) -> None:
+    """Friction of 0.0205 on a cant of 0.02: as it starts all of it is used, and never more."""
+    text = (
+        (CASE.parents[1] / "spmt_tyres" / "case.toml").read_text(encoding="utf-8").partition("[[check]]")[0]
+    )
+    for old, new in (('"130 s"', '"12 s"'), ('"60 s"', '"5 s"'), ("friction = 0.3", "friction = 0.0205")):
+        text = text.replace(old, new)
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    case = load_case(tmp_path)
+    run = run_case(case, stages=["simulate"])
+    assert run.outcome is Outcome.COMPLETED
+    (row,) = (row for row in evaluate_criteria(case, tmp_path / "out") if "friction allows" in row.what)
+    assert row.value == pytest.approx(1.0, abs=1e-9)
+    assert not row.passed
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -554,12 +554,119 @@ def test_a_load_that_hangs_keeps_all_tensions(tmp_path):
     assert np.ptp(results["loader_pulley_1.position"][1:], axis=0).max() < 1e-8
 
 
-def test_massless_pulleys_have_no_efficiency(tmp_path):
-    folder = lift(tmp_path / "c", (20,) * 3, lugs=(-2, 0, 2), height=14, pulley=None)
-    text = (folder / "case.toml").read_text().replace("part_length = 3", "part_length = 3\nefficiency = 0.98")
-    (folder / "case.toml").write_text(text)
-    with pytest.raises(InputError, match="one row has one force for all lines"):
-        load_case(folder)
+def massless(folder: Path, efficiency=None, **change):
+    """The same case without masses of pulleys."""
+    file = folder / "case.toml"
+    text = file.read_text().replace('pulley = { mass = "10 kg" }', 'model = "massless"')
+    if efficiency is not None:
+        text = text.replace("part_length = 3", f"part_length = 3\nefficiency = {efficiency}")
+    for old, new in change.items():
+        assert old in text
+        text = text.replace(old, new)
+    file.write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize(("count", "efficiency"), [(5, 0.98), (5, 0.96), (3, 0.94), (2, 0.96)])
+def test_massless_pulleys_make_the_largest_spread(tmp_path, count, efficiency):
+    speeds = np.zeros(count)
+    speeds[[0, -1]] = 0.02, -0.02
+    results = run(massless(driven(tmp_path / "c", speeds, efficiency)))
+    F = results["loader_rope.segment_tension"][-1]
+    np.testing.assert_allclose(F[1:] / F[:-1], efficiency**2, rtol=1e-9)
+    largest, smallest = bounds()[count, efficiency]
+    assert F.max() / F.mean() == pytest.approx(largest, rel=1e-7)
+    assert F.min() / F.mean() == pytest.approx(smallest, rel=1e-7)
+    # the larger part of the rope at the pulley with the largest force
+    assert results["loader_rope.tension"].ravel()[-1] == pytest.approx(F.max() / (1.0 + efficiency), rel=1e-9)
+    balance = results["energy.balance"].ravel()[1:]  # bodies begin to move in the first step
+    assert np.ptp(balance) < 1e-9 * (F[0] + F[-1]) * 0.02 * 3.9  # what goes through the lines
+
+
+def test_massless_pulleys_on_outer_lines_that_are_lowered(tmp_path):
+    results = run(massless(driven(tmp_path / "c", (0.03, -0.02, -0.02, -0.02, 0.03), 0.98)))
+    F = results["loader_rope.segment_tension"][-1]
+    np.testing.assert_allclose(F / F.mean(), (1.030, 0.990, 0.960, 0.990, 1.030), atol=1e-3)
+    np.testing.assert_allclose(F[1:3] / F[:2], (0.98**2, 2.0 * 0.98**2 / 1.98), rtol=1e-8)
+
+
+@pytest.mark.parametrize("efficiency", [0.98, 0.94])
+def test_massless_pulleys_are_the_limit_of_light_ones(tmp_path, efficiency):
+    """Forces of lines with pulleys of 1 g. These have a rope whose longer parts count for more: lines move little."""
+    folders = [driven(tmp_path / name, (0.002, 0.0, 0.001, -0.001, -0.002), efficiency) for name in "mp"]
+    light = folders[1] / "case.toml"
+    light.write_text(light.read_text().replace("10 kg", "1 g").replace("damping = 2e5", "damping = 0"))
+    found, expected = run(massless(folders[0])), run(folders[1])
+    F = found["loader_rope.segment_tension"]
+    lines = np.stack([expected[f"loader_line_{i}.tension"].ravel() for i in range(1, 6)], axis=1)
+    assert np.abs(F[-1] / lines[-1] - 1.0).max() < 1e-4
+    assert F[-1].min() < 0.97 * F[-1].max()
+
+
+@pytest.mark.parametrize("efficiency", [0.98, 0.9])
+def test_massless_pulleys_hold_no_more_than_friction(tmp_path, efficiency):
+    """A load that falls into its lines, through slack and taut, and hangs on."""
+    folder = lift(
+        tmp_path / "c",
+        (23, 26, 26, 26, 23),
+        lugs=(-3.2, -1.6, 0, 1.6, 3.2),
+        height=9.25,
+        pulley=None,
+        duration=6.0,
+    )
+    change = {'start = "equilibrium"': 'start = "check"', "6e8 }": "6e8, damping = 1e5 }"}
+    results = run(massless(folder, efficiency, **change))
+    assert results.outcome == "completed"
+    F = np.asarray(results["loader_rope.segment_tension"])
+    taut = F.min(axis=1) > 0.0
+    assert (~taut).any()
+    assert taut[-300:].all()
+    assert np.all(F[~taut] == 0.0)
+    spread = F[taut].min(axis=1) / F[taut].max(axis=1)
+    assert spread.min() > efficiency**8 * (1.0 - 1e-9)
+    assert spread.min() < 0.97
+    neighbours = F[taut, 1:] / F[taut, :-1]
+    assert neighbours.min() > efficiency**2 * (1.0 - 1e-9)
+    assert neighbours.max() < (1.0 + 1e-9) / efficiency**2
+    # the load falls, and what lines, sheaves and the change of forces at slack take is booked
+    assert np.ptp(results["energy.balance"]) < 1e-6 * results["energy.dissipated"].ravel()[-1]
+
+
+@pytest.mark.slow
+def test_a_load_that_hangs_on_massless_pulleys_keeps_all_forces(tmp_path):
+    """Ten minutes at rest, with the forces that a fall into the lines has left, change none of them by 1e-6."""
+    lugs = (-3.2, -1.6, 0, 1.6, 3.2)
+    folder = lift(tmp_path / "c", (23, 26, 26, 26, 23), lugs=lugs, height=9.25, pulley=None, duration=660.0)
+    change = {
+        "output_interval = 0.01": "output_interval = 1",
+        "6e8 }": "6e8, damping = 1e6 }",
+        'start = "equilibrium"': 'start = "check"',
+    }
+    results = run(massless(folder, 0.96, **change))
+    F = results["loader_rope.segment_tension"][60:]
+    assert F[-1].max() / F[-1].min() > 1.01
+    assert np.ptp(F, axis=0).max() < 1e-6 * F.min()
+
+
+def test_four_lines_rub_past_a_massless_pulley_at_its_stop(tmp_path):
+    """The middle line is too long: its pulley is at the upper stop, and the rope runs over it from line 2 to line 4."""
+    lugs = (-3.2, -1.6, 0, 1.6, 3.2)
+    folder = lift(tmp_path / "c", (24, 24, 29, 24, 24), lugs=lugs, height=9.9, pulley=None, duration=10.0)
+    change = {
+        "up = 2, down = 2": "up = 2, down = 2, at_stops = true",
+        "6e8 }": "6e8, damping = 3e5 }",
+        'start = "equilibrium"': 'start = "check"',
+    }
+    results = run(massless(folder, 0.96, **change))
+    assert results.outcome == "completed"
+    F = results["loader_rope.segment_tension"][-1]
+    assert F[2] == 0.0
+    assert F.sum() == pytest.approx(WEIGHT, rel=1e-4)
+    assert F.min() < F.max()
+    of_pair = F[[1, 4]] / F[[0, 3]]
+    assert of_pair.min() > 0.96**2 * (1.0 - 1e-9)
+    assert of_pair.max() < (1.0 + 1e-9) / 0.96**2
+    assert np.ptp(results["energy.balance"]) < 1e-6 * results["energy.dissipated"].ravel()[-1]
 
 
 def test_slings_over_extension_pulleys_share_by_their_efficiency(tmp_path):

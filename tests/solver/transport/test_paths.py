@@ -12,6 +12,7 @@ from vehicles import BOGIE, FRONT, MASS, OIL, REAR, G, block, groups_of, histori
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
 from heavylift.solver.scene.scene import RigidBody
 from heavylift.solver.scene.transport import BogieGroup, Drive, PathLeg
 from heavylift.solver.simulation import Simulation
@@ -131,6 +132,16 @@ def test_backwards_crab_and_pauses() -> None:
         ([leg([5, 0], [5, 5], radius=6.0)], {}, "corners take 6 m of the 5 m"),
         ([leg([15, 0], [15, 15], radius=2.0, transition=4.0)], {}, "is turned within 3.14159 m of an arc"),
         ([leg([15, 0], [0, 0.1], radius=2.0)], {}, "goes back"),
+        (
+            [leg([15, 0], [15, 15], radius=0.5)],
+            {},
+            r"radius: at 14\.5 m it turns about a point 0\.5 m to the left, between its own wheels",
+        ),
+        (
+            [leg([5, 0], [5, -5], radius=2.0, transition=1.0), leg([3, 0], [3, -3], radius=0.7)],
+            {},
+            "to the right",
+        ),
         ([leg([5, 0], [5, 0])], {}, "point 2 is where the piece to it begins"),
         ([PathLeg(steering="carousel", speed=0.1)], {}, "a carousel without turn"),
         ([leg([5, 0], turn=1.0)], {}, "'turn' with steering 'all'"),
@@ -330,3 +341,14 @@ def test_a_wheel_at_an_edge_asks_for_nearly_its_load() -> None:
     at = np.flatnonzero(found["spmt.path_way"] > first)[2]
     loads = found["spmt.wheel_load"][at, :2].sum() - 2.0 * BOGIE * G
     assert found["spmt.drive_demand"][at] == pytest.approx(0.937 * loads, rel=0.02)
+
+
+def test_a_path_sees_its_bogies_in_a_scene_with_a_scenario() -> None:
+    """There carried states are moved into one array: drives and shares of loads look at those, not at old ones."""
+    made = scene(vehicle(legs=(leg([5, 0]),), drive=Drive()), (WIDE,))
+    never = Condition(Signal((Term("block.position", "z"),)), 1e6)
+    watched = replace(made, scenario=Scenario((Phase("rolls", until=(never,)),)))
+    _, _, plain = histories(made, 1e-2, 6.0, 50)
+    _, _, found = histories(watched, 1e-2, 6.0, 50)
+    assert plain["spmt.drive_demand"][5] > 1e4
+    np.testing.assert_array_equal(found["spmt.drive_demand"], plain["spmt.drive_demand"])

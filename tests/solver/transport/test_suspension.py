@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from vehicles import HEIGHT, MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
 
+from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.transport import BogieGroup, Levelling
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck
+from heavylift.solver.transport.transporters import Transporters, _fit_group, _settle, _weigh
 
 LOAD = MASS * G / 12
 
@@ -198,3 +200,50 @@ def test_levelling_needs_oil() -> None:
     made = scene(vehicle(groups=groups, accept_unstable=True, levelling=Levelling(speed=0.01)))
     with pytest.raises(InputError, match="'levelling' of constant forces"):
         Simulation(made, step=5e-3)
+
+
+@kernel
+def fit(kind, group, step, extra):  # type: ignore[no-untyped-def]
+    kind.group_state[group].extra = extra
+    _fit_group(kind, group, step)
+    _settle(kind, group, step)
+
+
+@kernel
+def weigh(kind, group, step):  # type: ignore[no-untyped-def]
+    _weigh(kind, group, step, kind.group_state[group].force)
+
+
+@pytest.mark.parametrize("pipe", [0.0, 2e4])
+def test_sums_of_a_group_tell_what_its_bogies_do(pipe) -> None:
+    """A group whose bogies all move alike is fitted by their sums: loads, strokes and force are those of each of them.
+
+    Until one comes to its stop, or leaves the road: then each has its own.
+    """
+    rng = np.random.default_rng(8)
+    transporter = vehicle(line_damping=pipe, tyre_damping=0.5 * pipe, stroke_limits=np.array([-0.3, 0.3]))
+    run = Simulation(scene(transporter), step=1e-2)
+    run.advance(1)
+    (kind,) = (one for one in run._layout.joints if isinstance(one, Transporters))
+    group, state, bogies = kind.groups[0], kind.group_state[0], kind.bogie_state
+    heights, rates = rng.uniform(-0.03, 0.04, group.count), rng.uniform(-0.01, 0.01, group.count)
+    bogies["middle"][: group.count], bogies["growth"][: group.count] = heights, rates
+    bogies["stroke"][: group.count] = heights + rng.uniform(-1e-3, 1e-3, group.count)
+    state.strokes = state.drift = state.even = 0
+    evens = []
+    for extra in (0.0, 0.02, -0.03, 1.5, 45.0, -60.0, 0.0):
+        fit(kind, 0, 1e-2, extra)
+        evens.append(bool(state.even))
+        found = {name: bogies[name][: group.count].copy() for name in ("mean", "end_stroke", "extra")}
+        sums = state.total, state.loads, state.force
+        weigh(kind, 0, 1e-2)
+        for name, values in found.items():
+            scale = {"mean": LOAD, "end_stroke": 0.1, "extra": 1.0}[name]
+            np.testing.assert_allclose(values, bogies[name][: group.count], rtol=1e-11, atol=1e-11 * scale)
+        np.testing.assert_allclose(sums[:2], (state.total, state.loads), rtol=1e-11, atol=1e-11)
+        grown = state.total + 0.5 * (state.oil + state.next_oil)
+        expected = max(group.start_force + group.stiffness * grown, 0.0)
+        assert sums[2] == pytest.approx(expected, rel=1e-10, abs=1e-6)
+        assert np.all((found["end_stroke"] >= -0.3) & (found["end_stroke"] <= 0.3))
+    assert evens[:3] == [True] * 3
+    assert pipe == 0.0 or not all(evens)  # without pipes all leave the road together

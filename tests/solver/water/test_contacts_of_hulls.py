@@ -463,6 +463,10 @@ def test_many_contacts_on_a_hull_are_solved_on_its_velocities(friction: float) -
     assert np.linalg.norm(alone["box_5.position"][-1] - turned @ boxes[5].position) > 0.5
     assert sum(alone[f"on_{box.name}.contacts"][-1] for box in boxes) >= 18
     for name in ("a.position", "a.orientation", *(f"{box.name}.position" for box in boxes)):
-        np.testing.assert_allclose(alone[name][:50], shared[name][:50], rtol=0.0, atol=1e-8)
-        if friction == 0.0:  # else later on, which of four corners bears and rubs is not unique
+        if friction == 0.0:
+            np.testing.assert_allclose(alone[name][:50], shared[name][:50], rtol=0.0, atol=1e-8)
             np.testing.assert_allclose(alone[name], shared[name], rtol=0.0, atol=1e-6)
+        else:
+            # which of four corners bears and rubs is not unique: rounding decides, by the processor as soon as they
+            # land (6e-6 m then, of the half metre that boxes slide); a wrong matrix is off by percents of that
+            np.testing.assert_allclose(alone[name][:50], shared[name][:50], rtol=0.0, atol=5e-5)

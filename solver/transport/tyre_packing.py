@@ -1,0 +1,186 @@
+"""Vehicles on tyres become one kind: their paths, rows on each body with decks, and the row of the drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import records
+from heavylift.solver.interface import FORCES
+from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.transport.path_packing import PathPacking
+from heavylift.solver.transport.tyres import (
+    PlaneRows,
+    TyreData,
+    TyredVehicles,
+    TyreState,
+    WheelData,
+    WheelState,
+)
+
+if TYPE_CHECKING:
+    from heavylift.solver.laws.system import LawBlock
+    from heavylift.solver.markers import MarkerBook
+    from heavylift.solver.rows.structure import Attachment
+    from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.transport.decks import Deck
+    from heavylift.solver.transport.packing import Places
+    from heavylift.solver.transport.transporters import Transporter, Transporters
+
+__all__ = ["TyrePacking"]
+
+PARALLEL = 1.0 - 1e-12
+"""Cosine of the angle between normals of decks that count as parallel: 1.4e-6 rad."""
+
+
+class TyrePacking:
+    """Vehicles on tyres of a scene, one after the other."""
+
+    def __init__(self, scene: Scene, book: MarkerBook) -> None:
+        self._scene, self._book, self._paths = scene, book, PathPacking(scene, book)
+        self._table: list[tuple[Any, ...]] = []
+        self._rows: list[tuple[Any, ...]] = []
+        self._wheels: list[tuple[float, float, float]] = []
+        self._planes: list[Deck] = []
+        self._deck_planes = [self._plane(deck) for deck in scene.decks]
+
+    def _plane(self, deck: Deck) -> int:
+        """Number of the planes on a body to which a deck belongs."""
+        for number, other in enumerate(self._planes):
+            if other.body == deck.body and float(deck.axes()[2] @ other.axes()[2]) > PARALLEL:
+                return number
+        self._planes.append(deck)
+        return len(self._planes) - 1
+
+    def skip(self, bogies: int) -> None:
+        """Count the bogies of a transporter without tyres that slip."""
+        self._paths.skip(bogies)
+        self._wheels += [(0.0, 0.0, 0.0)] * bogies
+
+    def add(
+        self,
+        transporter: Transporter,
+        places: Places,
+        at: tuple[int, int],
+        bogies: tuple[int, Sequence[int], NDArray[np.float64], float],
+        law: LawBlock,
+        attachment: Callable[[str], Attachment],
+    ) -> list[LawBlock]:
+        """Add a vehicle.
+
+        Parameters
+        ----------
+        transporter, places
+            The transporter, and where it and decks are at the start.
+        at
+            First free block, and record column.
+        bogies
+            The first of all that are packed, the decks under its own, force of their cylinders [N]; weight of a bogie
+            [N].
+        law
+            As of a group: on its body, then on those with decks.
+        attachment
+            Of a body.
+
+        Returns
+        -------
+        list of LawBlock
+            Its rows.
+
+        Raises
+        ------
+        InputError
+            As of a path, or if there is not one steering error a bogie.
+        """
+        block, column = at
+        first_bogie, on, share, weight = bogies
+        said, count = transporter.tyres, len(places.points)
+        assert said is not None
+        errors = np.atleast_1d(np.asarray(said.steering_errors, dtype=np.float64))
+        if len(errors) not in {0, 1, count}:
+            raise InputError(
+                f"{len(errors)} angles of {count} bogies",
+                source=transporter.name,
+                key="tyres.steering_errors",
+                expected=f"one for all, or {count}",
+            )
+        for point, stands_on, error in zip(
+            places.world, on, np.broadcast_to(errors if len(errors) else 0.0, count), strict=True
+        ):
+            below = self._planes[self._deck_planes[stands_on]]
+            frame = places.frame(below.body, np.asarray(below.origin, dtype=np.float64))
+            x, y = below.axes()[:2] @ frame.axes.T @ (point - frame.point)
+            self._wheels.append((float(error), float(x), float(y)))
+        bodies = [deck.body for deck in self._planes]
+        carrying = {body for body in bodies if body not in {GROUND, transporter.body}}
+        drive_block = block + len(bodies)
+        vehicle_side = 2 * drive_block + law.sides.index(attachment(transporter.body))
+        side_of = {body: 2 * drive_block + law.sides.index(attachment(body)) for body in carrying}
+        first_plane = len(self._rows)
+        for number, deck in enumerate(self._planes):
+            own = 2 * (block + number) + 1 if deck.body in side_of else -1
+            at_origin = np.asarray(deck.origin, dtype=np.float64)
+            x, y = (self._book.direction(deck.body, axis, FORCES, at=at_origin) for axis in deck.axes()[:2])
+            origin = self._book.point(deck.body, at_origin, FORCES)
+            self._rows.append((origin, x, y, own, side_of.get(deck.body, -1), vehicle_side))
+        self._table.append(
+            (
+                len(self._table),
+                first_plane,
+                len(self._planes),
+                block,
+                drive_block,
+                len(law.sides),
+                column,
+                said.cornering,
+                said.relaxation_length,
+                said.damping_time,
+                float(np.linalg.norm(places.world - places.world.mean(axis=0), axis=1).max()),
+            )
+        )
+        self._paths.add(
+            transporter,
+            places,
+            (drive_block, len(law.sides), column),
+            side_of | {transporter.body: vehicle_side},
+            first_bogie,
+            (on, share, weight),
+        )
+        vehicle = attachment(transporter.body)
+        on_planes = [
+            replace(law, sides=(vehicle, attachment(body)) if body in side_of else (vehicle,), rows=3)
+            for body in bodies
+        ]
+        return [*on_planes, law]
+
+    def kinds(self, transporters: Transporters) -> list[TyredVehicles]:
+        """The kind, beside that of all transporters; none without vehicles."""
+        if not self._table:
+            return []
+        (paths,) = self._paths.kinds(transporters.bogie_state, transporters.steering)
+        state, wheels = records(TyreState, len(self._table)), records(WheelState, len(self._wheels))
+        state["fresh"] = True
+        planes = records(PlaneRows, len(self._rows))
+        for name, column in zip(PlaneRows.fields_of, zip(*self._rows, strict=True), strict=False):
+            planes[name] = column
+        wheels["x"] = wheels["held_x"] = 1.0
+        wheels["plane"] = -1
+        return [
+            TyredVehicles(
+                records(TyreData, self._table),
+                planes,
+                records(WheelData, self._wheels),
+                np.array(self._deck_planes, dtype=np.int64),
+                paths,
+                transporters.decks,
+                state,
+                wheels,
+                paths.plan_state,
+                transporters.bogie_state,
+            )
+        ]
