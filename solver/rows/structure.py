@@ -108,6 +108,9 @@ class Side(Record):
         `PRESCRIBED`, `DIAGONAL`, `FACTORED` or `HUB`.
     owner
         Block that has the rows.
+    first, count
+        Velocities of the body from which to where G may be other than zero: all of them, unless its kind knows better
+        (`apply_inverse`), since rows touch few of the coordinates of a mesh.
     """
 
     dof: int
@@ -115,6 +118,8 @@ class Side(Record):
     panel: int
     holder: int
     owner: int
+    first: int
+    count: int
 
 
 class Product(Record):
@@ -126,8 +131,8 @@ class Product(Record):
         In the blocks.
     left, right
         Places of the panel of the earlier (of X, for bodies with a factor of their own) and of the later side.
-    width, dof
-        Number of velocities; first velocity of a rigid body, or -1.
+    side, dof
+        The later side, which knows the velocities to sum over; first velocity of a rigid body, or -1.
     first
         Whether it is the first of its block.
     """
@@ -135,7 +140,7 @@ class Product(Record):
     place: int
     left: int
     right: int
-    width: int
+    side: int
     dof: int
     first: bool
 
@@ -314,7 +319,7 @@ def pack_rows(
     attachments = records(Side, 2 * count)
     for i, end in enumerate(ends):
         holder = HUB if end.body in hub_node else end.holder
-        attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i]
+        attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i], 0, end.width
 
     edges: list[tuple[int, int]] = []
     for body, held in on_body.items():
@@ -384,7 +389,7 @@ def _assembly(
                 place,
                 int(attachments[early].panel) + (0 if rigid else half),
                 int(attachments[late].panel),
-                int(attachments[early].width),
+                late,
                 int(attachments[early].dof) if rigid else -1,
                 rigid and place not in started,
             )
