@@ -62,6 +62,8 @@ class Row(Record):
         Characteristic inverse mass; 0 where there is no row.
     compliance, relaxation
         Physical compliance and relaxation time [s].
+    stiffness, loss
+        Of a joint with compliance [N/m, N m/rad], 0 of other rows; what its relaxation has taken [J].
     impulse, half_impulse, reaction, last_reaction
         Of the solution; of the midpoint; force at the end of the step and in its middle.
     slope, slope_before
@@ -80,6 +82,8 @@ class Row(Record):
     scale: Lanes
     compliance: Lanes
     relaxation: Lanes
+    stiffness: Lanes
+    loss: Lanes
     impulse: Lanes
     half_impulse: Lanes
     reaction: Lanes
