@@ -224,7 +224,7 @@ def end_step(
 def end_row_system(
     system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """Impulses of the midpoint are halves of those of the step; what relaxation of joints with compliance takes."""
+    """Impulses of the midpoint are halves of those of the step."""
     lanes = len(system.shape[1])
     update_rows(joints, time, step, work, system)
     add_row_work(bodies, 2.0, work, system)
@@ -234,9 +234,6 @@ def end_row_system(
         row = system.rows[node]
         for r in range(lanes):
             row.half_impulse[r] = row.impulse[r]
-            # the force at the midpoint is that of the stretch there and of the rate, which relaxation damps
-            rate = row.target[r] - row.softness[r] * row.impulse[r]
-            row.loss[r] += step * row.stiffness[r] * row.relaxation[r] * rate * rate
 
 
 @implement(solve_end, RowSystem)
@@ -250,16 +247,25 @@ def solve_end_rows(
     time: float,
     step: float,
 ) -> None:
-    """One factorisation more, of the rigid rows with the mass alone."""
-    lanes = len(system.shape[1])
+    """One factorisation more, of the rigid rows with the mass alone; what relaxation has taken in the step."""
+    lanes, blocks = len(system.shape[1]), system.attachments.shape[0] // 2
+    for node in range(blocks):
+        row = system.rows[node]
+        for r in range(lanes):
+            row.solution[r] = row.residual[r]
     fill_rows(joints, True, work, system)
-    for node in range(system.attachments.shape[0] // 2):
+    for node in range(blocks):
         row = system.rows[node]
         for r in range(lanes):
             row.impulse[r] = 0.0
             row.target[r] = 0.0
             row.softness[r] = row.hold[r]
     set_targets(joints, time + step, step, False, work, system)
+    for node in range(blocks):
+        row = system.rows[node]
+        for r in range(lanes):
+            way = row.residual[r] - row.solution[r]  # against what drives prescribe
+            row.loss[r] += row.stiffness[r] * row.relaxation[r] * way * way / step
     apply_inverse(bodies, False, system)
     assemble(system)
     factor_rows(system)

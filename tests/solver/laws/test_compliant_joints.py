@@ -7,6 +7,7 @@ import pytest
 from law_scenes import DOWN, G, body, run
 
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.scene import Scene
@@ -64,3 +65,22 @@ def test_energy_of_a_pendulum_on_a_soft_hinge_is_kept_to_second_order() -> None:
         assert total[-1, 3] > 0.1 * np.ptp(total[:, 2])
     assert drift[1] < 2e-5
     assert drift[0] / drift[1] > 3.5
+
+
+def test_relaxation_of_what_is_driven_takes_from_its_stretch_alone() -> None:
+    """Not from the speed that a drive prescribes; the drive works against spring and damper."""
+    turned = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]).T  # x of joints along y
+    joint = Guide(
+        name="j", body_a=GROUND, body_b="load", frame_a=JointFrame(np.zeros(3), turned),
+        frame_b=JointFrame(np.zeros(3), turned), speed=0.5, compliance=1.0 / STIFFNESS, relaxation=5e-3,
+    )  # fmt: skip
+    found = falls(joint, 2e-3, 2.0)
+    total, work = energies(found), found["energy.drive_work"]
+    y, t = found["load.position"][:, 1], found.times
+    frequency, damping = np.sqrt(STIFFNESS / MASS), 0.25
+    damped = np.sqrt(frequency**2 - damping**2)
+    stretch = -0.5 * np.exp(-damping * t) * np.sin(damped * t) / damped
+    np.testing.assert_allclose(y, 0.5 * t + stretch, rtol=0.0, atol=5e-4)
+    assert total[-1, 3] > 0.1 * total[:, 0].max()
+    across = total[:, [0, 1, 2, 3]].sum(axis=1) - work
+    assert np.abs(across - across[0]).max() < 1e-7 * np.abs(work).max()
