@@ -24,7 +24,9 @@ Motors in parallel have one pressure and share one flow. So the drive is one row
 own direction, together roll as the plan of the path says, ``sum w_i d_i . v_i = s' sum w_i |r_i|``, and its reaction is
 the force F of each motor. That needs no controller with gains that somebody would have to choose. The row gives way
 where F is more than motors or friction can: it then pushes with that, and the plan waits. What a wheel with less load
-cannot put on the road goes to the others: its weight is ``w_i = mu f_i / F`` for what F grows to at most in the step.
+cannot put on the road goes to the others: its weight is ``w_i = mu f_i / F`` for what F grows to at most in the step,
+which is the friction of the best wheel if that is less. Of that motors give 0.9 at most: wheels that spin would have
+nothing left for the side.
 At rest motors are off and driven wheels braked.
 
 Wheels are steered as the path has them at the way that has been rolled, and nobody corrects that: a driver would hide
@@ -96,6 +98,9 @@ PLAIN_ROUNDS = 5
 GROWTH, LEAST = 1.25, 0.05
 """By how much the force of a motor may grow in a step beyond what wheels with less load can put on the road, and what
 it may be in any case, over the friction of the best wheel."""
+
+MOST = 0.9
+"""Of the friction of the best wheel that a motor gives at most: wheels that spin have nothing left for the side."""
 
 HALVINGS = 60
 """Of a step, to find how long a plan waits."""
@@ -628,7 +633,8 @@ def _look_at_loads(kind: TyredVehicles, v: int, time: float, step: float) -> Non
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         if kind.paths.bogies[i].driven:
             best = max(best, drive.friction * (kind.bogie_state[i].mean + path.weight))
-    tried = max(GROWTH * abs(state.force), LEAST * best)
+    # beyond what the best wheel can none is tried: shares would be of a force that no motor reaches
+    tried = min(max(GROWTH * abs(state.force), LEAST * best), best)
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         wheel, bogie = kind.wheel_state[i], kind.bogie_state[i]
         f = bogie.mean + path.weight
@@ -648,7 +654,7 @@ def _look_at_loads(kind: TyredVehicles, v: int, time: float, step: float) -> Non
             wheel.weight = min(1.0, grip / tried) if tried > 0.0 else 0.0
             state.most = min(state.most, max(grip, tried))
             state.wheels += wheel.weight * wheel.size
-    state.most = min(state.most, best)
+    state.most = min(state.most, MOST * best)
     state.flow = state.wheels * state.moved / step
     if state.rests or not state.wheels > 0.0:
         state.branch = 0
@@ -994,16 +1000,20 @@ def _shares(kind: TyredVehicles, v: int) -> None:
     data, state = kind.table[v], kind.state[v]
     path = kind.paths.table[data.path]
     drive = kind.paths.drives[path.drive]
-    most, state.brake = 0.0, 0.0
+    most, best, state.brake = 0.0, 0.0, 0.0
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         wheel = kind.wheel_state[i]
         if wheel.load > 0.0:
+            if kind.paths.bogies[i].driven:
+                best = max(best, drive.friction * wheel.load)
             used = (wheel.force * wheel.force + wheel.side * wheel.side) / (wheel.load * wheel.load)
             most = max(most, used)
             if state.rests and kind.paths.bogies[i].driven:
                 held = max(abs(wheel.force) - drive.resistance * wheel.load, 0.0)
                 state.brake = max(state.brake, held / drive.brake)
     state.traction = math.sqrt(most) / drive.friction
+    if state.branch != 0 and abs(state.force) >= MOST * best * (1.0 - 1e-9):
+        state.traction = 1.0  # friction is what holds it back
     state.power = 0.0 if state.rests else abs(state.force) / state.capacity
 
 
