@@ -12,9 +12,9 @@ pivots alike, and the reciprocals of D take the place of the ones on the diagona
 
 Bodies do not know when they are compiled how many lanes a system has: `LANES_1` ... `LANES_8` are what there is.
 
-The last two functions are for factors with many blocks. Blocks that stand one after another are one matrix with a
-long inner dimension there: the sum stays in registers, and its target is read and written once. A tile of the target
-is as many columns as there are registers for; of the lanes only those in use.
+`subtract_products` and `subtract_backward_sum` are for factors with many blocks. Blocks that stand one after another
+are one matrix with a long inner dimension there: the sum stays in registers, and its target is read and written once. A
+tile of the target is as many columns as there are registers for; of the lanes only those in use.
 """
 
 # ruff: noqa: ARG001  an intrinsic must take a typing context
@@ -50,6 +50,7 @@ __all__ = [
     "subtract_backward",
     "subtract_backward_sum",
     "subtract_forward",
+    "subtract_multiples",
     "subtract_products",
     "subtract_rigid_rows",
 ]
@@ -364,6 +365,25 @@ def subtract_products(  # type: ignore[no-untyped-def]
                 code.store(sums[key], T, place)
 
     return _block_code(shape, (target, target_at, left, left_at, right, right_at, count), write)
+
+
+@intrinsic
+def subtract_multiples(  # type: ignore[no-untyped-def]
+    typingctx, shape, out, out_at, panel, at, factors, factor_at, spacing, count
+):
+    """``out -= c_0 g_0 + c_1 g_1 + ...`` along the lanes, with `count` rows g of a panel and factors c at a spacing."""
+
+    def write(code: VectorCode, y: Any, G: Any, c: Any, spacing: Any, count: Any) -> None:
+        sums = {0: code.row(y, 0)}
+        with code.loop(count, sums) as (k, present):
+            factor = code.spread(code.number(code.at(c, code.builder.mul(k, spacing)), 0))
+            present[0] = code.multiply_subtract(
+                present[0], code.row(code.line(G, 0, k, code.lanes), 0), factor
+            )
+        code.put_row(sums[0], y, 0)
+
+    arguments = (out, out_at, panel, at, factors, factor_at, spacing, count)
+    return _block_code(shape, arguments, write, places=(1, 1, 1))
 
 
 @intrinsic

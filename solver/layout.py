@@ -140,7 +140,9 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
             column = add_channels(one.name, one.CHANNELS, channels, column, getattr(one, "components", None))
     phase_column = column
     if scene.scenario is not None:
-        column = add_channels("scenario", SCENARIO_CHANNELS, channels, column)
+        tracks = {"track_phase": tuple(track.name for track in scene.scenario.tracks)}
+        recorded = SCENARIO_CHANNELS[: 1 + bool(scene.scenario.tracks)]
+        column = add_channels("scenario", recorded, channels, column, tracks)
     column = add_channels("energy", ENERGY_CHANNELS, channels, column)
     column = add_channels("momentum", MOMENTUM_CHANNELS, channels, column)
 
@@ -218,7 +220,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.scenario.packing import pack_scenario
 
         copied = np.zeros(0) if scene.touches else carried
-        director = pack_scenario(scene, kinds[:2], channels, phase_column, column, copied, profiles)
+        director = pack_scenario(scene, kinds, channels, phase_column, column, copied, profiles)
         forces.append(director)
         groups |= {SCENARIO}
     controllers = None

@@ -18,14 +18,19 @@ from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.solver.drive import pack_profile, profile_value
+from heavylift.solver.scenario.director import PATH
 from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move, plan_speed
+from heavylift.solver.scene.bodies import Driven, Fixed
 from heavylift.solver.scene.scenario import (
     AXES,
     Connect,
     DriveSpeed,
     DriveTo,
     Note,
+    PathGoOn,
+    PathSpeed,
     Release,
+    ReleaseJoint,
     TankRate,
     WinchBrake,
     WinchFollow,
@@ -35,6 +40,7 @@ from heavylift.solver.scene.scenario import (
     WinchTension,
     acted_on,
 )
+from heavylift.solver.transport.routes import Route
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -44,7 +50,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scenario import Action, Phase, Scenario
     from heavylift.solver.scene.scene import Scene
 
-__all__ = ["PlannedPhase", "Range", "check_plan", "plan", "starts_of"]
+__all__ = ["PlannedPhase", "Range", "check_hooks", "check_plan", "plan", "routes_of", "starts_of"]
 
 
 @dataclass(frozen=True)
@@ -160,6 +166,11 @@ class _Course:
             return 0.0
         return math.nan if self.rows is None or self.target is None else float(self.rows["time"][-1])
 
+    @property
+    def fastest_left(self) -> float:
+        """Largest speed if it is told nothing."""
+        return abs(self.speed)
+
     def at(self, time: float) -> tuple[float, float, float]:
         """Way, speed and acceleration after a time."""
         if self.rows is None:
@@ -254,7 +265,78 @@ class _Course:
         return found
 
 
-def plan(scenario: Scenario, starts: Mapping[str, float]) -> list[list[PlannedPhase]]:
+class _PathCourse(_Course):
+    """Of a transporter on its path, which goes by itself until it is told something."""
+
+    def __init__(self, route: Route) -> None:
+        super().__init__(Range(0.0, 0.0))
+        self.route = route
+        self.rows = _rows(route.pieces)
+        self.target = Range(*[float(route.legs[-1, 0])] * 2)
+        self.largest = float(route.legs[:, 1].max())
+
+    @property
+    def fastest_left(self) -> float:
+        """Of what is planned."""
+        return abs(self.speed) if self.rows is None else float(np.abs(self.rows["speed"]).max())
+
+    def drive(self, action: PathSpeed | PathGoOn) -> None:
+        """Stop, go to the end of the leg, or on as planned."""
+        legs, before = self.route.legs, self.speed
+        first, last = (
+            min(int(np.searchsorted(legs[:, 0] * (1.0 - 1e-9), way, side="right")), len(legs) - 1)
+            for way in (max(self.value.low, 0.0), min(self.value.high, float(legs[-1, 0])))
+        )
+        end, planned, gentle, _ = map(float, legs[first])
+        speed = action.speed if isinstance(action, PathSpeed) else planned
+        limit = (action.acceleration if isinstance(action, PathSpeed) else 0.0) or gentle
+        if isinstance(action, PathSpeed) and action.ramp > 0.0:
+            limit = max(speed, before) / action.ramp
+        if not self.value.known:
+            target = Range(self.value.low, float(legs[-1, 0]))
+            if isinstance(action, PathGoOn):
+                target = Range(*[float(legs[-1, 0])] * 2)
+            elif speed > 0.0 and first == last:
+                target = Range(end, end)
+            self.rows, self.largest, self.arrived, self.target = None, max(speed, before), False, target
+            return
+        way = self.value.low
+        if way + 0.5 * before * before / limit > end:
+            limit = 0.5 * before * before / max(end - way, 1e-9 * end)
+        if speed == 0.0:
+            self.go_on(0.0, 0.0, limit, 0.0)
+            self.target = Range(*[way + float(self.rows["value"][-1])] * 2)
+            return
+        self.go_to(end, speed, 0.0, limit, 0.0)
+        if isinstance(action, PathGoOn) and first + 1 < len(legs):
+            begin = int(legs[first + 1, 3])
+            later = _rows(self.route.pieces[begin:])
+            later["time"] += self.rows["time"][-1] - self.route.pieces[begin - 1, 0]
+            later["value"] -= way
+            self.rows = _joined(self.rows, later)
+            self.target = Range(*[float(legs[-1, 0])] * 2)
+            self.largest = max(self.largest, float(legs[first:, 1].max()))
+
+
+def _rows(pieces: Any) -> Any:
+    """Pieces of a path as a plan."""
+    rows = records(MoveRow, len(pieces))
+    for key, column in zip(("time", "value", "speed", "acceleration"), pieces.T, strict=True):
+        rows[key] = column
+    return rows if rows["time"][0] == 0.0 else _joined(records(MoveRow, 1), rows)
+
+
+def _joined(first: Any, then: Any) -> Any:
+    """A plan and one that follows it."""
+    rows = records(MoveRow, len(first) + len(then))
+    for key in ("time", "value", "speed", "acceleration", "jerk"):
+        rows[key] = np.concatenate([first[key], then[key]])
+    return rows
+
+
+def plan(
+    scenario: Scenario, starts: Mapping[str, float], routes: Mapping[str, Route] | None = None
+) -> list[list[PlannedPhase]]:
     """Times and values of the phases of all tracks.
 
     Parameters
@@ -262,21 +344,28 @@ def plan(scenario: Scenario, starts: Mapping[str, float]) -> list[list[PlannedPh
     scenario
         Checked.
     starts
-        Unstretched lengths of ropes, masses in tanks, places of drives at the start, by name.
+        Unstretched lengths of ropes, masses in tanks, places of drives, ways of transporters at the start, by name.
+    routes
+        Of the transporters that are told something, by name.
     """
-    return [_plan_row(row, starts) for row in scenario.rows]
+    return [_plan_row(row, starts, routes or {}) for row in scenario.rows]
 
 
-def _plan_row(phases: Sequence[Phase], starts: Mapping[str, float]) -> list[PlannedPhase]:
+def _plan_row(
+    phases: Sequence[Phase], starts: Mapping[str, float], routes: Mapping[str, Route]
+) -> list[PlannedPhase]:
     told = [action for phase in phases for action in phase.actions]
     names = dict.fromkeys(
-        acted_on(a) for a in told if not isinstance(a, (Note, Release, Connect, WinchBrake))
+        acted_on(a) for a in told if not isinstance(a, (Note, Release, ReleaseJoint, Connect, WinchBrake))
     )
-    courses = {name: _Course(Range(starts[name], starts[name])) for name in names}
+    courses = {
+        name: _PathCourse(routes[name]) if name in routes else _Course(Range(starts[name], starts[name]))
+        for name in names
+    }
     found = []
     for phase in phases:
         for course in courses.values():
-            course.largest = abs(course.speed)
+            course.largest = course.fastest_left
         for action in phase.actions:
             name = acted_on(action)
             if name in courses:
@@ -330,6 +419,10 @@ def _tell(courses: Mapping[str, _Course], name: str, action: Action) -> None:
         course.value = ANYTHING  # that of its path then
         return
     if isinstance(action, (Release, WinchBrake, Note)):
+        return
+    if isinstance(action, (PathSpeed, PathGoOn)):
+        assert isinstance(course, _PathCourse)
+        course.drive(action)
         return
     course.leader = ""
     limits = (
@@ -389,8 +482,8 @@ def _takes(phase: Phase, courses: Mapping[str, _Course]) -> Range:
 
 
 def starts_of(scene: Scene, operation: Operation) -> dict[str, float]:
-    """Unstretched lengths of ropes, masses in tanks, places of drives at the start, by name."""
-    found = operation.rope_lengths
+    """Unstretched lengths of ropes, masses in tanks, places of drives, ways of transporters at the start, by name."""
+    found = operation.rope_lengths | {one.name: 0.0 for one in scene.transporters if one.legs}
     found |= {tank.name: tank.start_mass for tank in (() if scene.sea is None else scene.sea.tanks)}
     drives = {joint.name: getattr(joint, "drive", None) for joint in scene.joints}
     for body in scene.bodies:
@@ -398,6 +491,20 @@ def starts_of(scene: Scene, operation: Operation) -> dict[str, float]:
     for name, profile in drives.items():
         value = in_python(profile_value)(pack_profile(profile), 0, 0.0)[0]
         found.setdefault(name, float(value))
+    return found
+
+
+def routes_of(scene: Scene, operation: Operation) -> dict[str, Route]:
+    """Routes of the transporters that are told something, by name, without what they are in the plane."""
+    director, found = operation.director, {}
+    vehicles = [one.name for one in scene.transporters]
+    told = {a.path for a in operation.scenario.actions if isinstance(a, (PathSpeed, PathGoOn))}
+    movers = [int(mover.number) for mover in director.movers if int(mover.sort) == PATH]
+    for name, number in zip([name for name in vehicles if name in told], movers, strict=True):
+        path = director.paths[number]
+        pieces = director.path_plan[path.first : path.first + path.count - MOVE_ROWS]
+        legs = director.path_legs[director.path_legs[:, 0] == number, 1:]
+        found[name] = Route(np.zeros((0, 0)), pieces, legs)
     return found
 
 
@@ -411,6 +518,11 @@ def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Map
     """
     ropes = {rope.name for rope in case.ropes}
     falls = {f"{one.name}_rope": one for one in case.falls}
+    trolleys = {
+        f"{crane.name}_trolley_{i + 1}.x": (f"{crane.name}_girder.x", trolley.position, 0.5 * crane.span)
+        for crane in case.gantry_cranes
+        for i, trolley in enumerate(crane.trolleys)
+    }
     duration = math.inf if case.simulate is None else case.simulate.duration or math.inf
     for row, track in enumerate(phases):
         needed = 0.0
@@ -425,6 +537,8 @@ def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Map
                 )
             key = f"scenario.tracks.{row - 1}.phases.{i}" if row else f"scenario.phases.{i}"
             for name, value in phase.values.items():
+                if name in trolleys:
+                    _check_trolley(case, key, phase, name, *trolleys[name])
                 if name not in ropes or not math.isfinite(value.high):
                     continue
                 if value.high <= 0.0:
@@ -445,3 +559,72 @@ def check_plan(case: Case, phases: Sequence[Sequence[PlannedPhase]], starts: Map
                         key=key,
                         expected=f"less than {hook.drop - 2.0 * hook.sheave_radius:.6g} m",
                     )
+
+
+def _check_trolley(
+    case: Case, key: str, phase: PlannedPhase, name: str, girder: str, position: float, half: float
+) -> None:
+    """Refuse a trolley that is certain to be beyond the end of its girder behind a phase."""
+    at, moved = phase.values[name], phase.values.get(girder, Range(0.0, 0.0))
+    low, high = at.low - moved.high + position, at.high - moved.low + position
+    if low > half * (1.0 + 1e-9) or high < -half * (1.0 + 1e-9):
+        raise InputError(
+            f"phase {phase.name!r} drives {name.removesuffix('.x')!r} to {low if low > 0.0 else high:.6g} m from the "
+            f"middle of a girder of {2.0 * half:.6g} m",
+            source=case.file,
+            key=key,
+            expected=f"at most {half:.6g} m",
+        )
+
+
+def check_hooks(case: Case, scene: Scene) -> None:
+    """Refuse a hook that is told a height above the crown of its falls, where that stays at its height.
+
+    Raises
+    ------
+    InputError
+        The first one.
+    """
+    scenario = scene.scenario
+    assert scenario is not None
+    bodies = {body.name: body for body in scene.bodies}
+    told = {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}
+    tops = {}
+    for falls in case.falls:
+        carrier, block = bodies.get(falls.crown.body), bodies[f"{falls.name}_block"]
+        if carrier is None or _keeps_its_height(carrier, told):
+            crown = float(np.asarray(block.position)[2]) + falls.drop
+            tops[f"{falls.name}_rope"] = falls, crown - 2.0 * falls.sheave_radius
+    for number, phase in enumerate(scenario.all_phases):
+        for action in phase.actions:
+            if not isinstance(action, WinchHaul) or action.signal is None or action.rope not in tops:
+                continue
+            falls, top = tops[action.rope]
+            if action.length >= top:
+                depth = falls.block.hook_depth
+                raise InputError(
+                    f"phase {phase.name!r} hoists {falls.name!r} to {action.length - depth:.6g} m, and its crown stops "
+                    f"it at {top - depth:.6g} m",
+                    source=case.file,
+                    key=_key_of_phase(scenario, number),
+                    expected="a hook below its crown",
+                )
+
+
+def _keeps_its_height(body: Any, told: set[str]) -> bool:
+    """Whether a body is driven, or fixed, and neither rises nor turns."""
+    motion = getattr(body, "motion", None)
+    if not isinstance(motion, (Fixed, Driven)):
+        return False
+    return all(
+        getattr(motion, axis, None) is None and f"{body.name}.{axis}" not in told for axis in ("z", "angle")
+    )
+
+
+def _key_of_phase(scenario: Scenario, number: int) -> str:
+    """Key in a case of a phase by its number among all tracks."""
+    for row, phases in enumerate(scenario.rows):
+        if number < len(phases):
+            return f"scenario.tracks.{row - 1}.phases.{number}" if row else f"scenario.phases.{number}"
+        number -= len(phases)
+    raise AssertionError(number)

@@ -37,7 +37,7 @@ from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of
+from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of, releases_of
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -279,6 +279,8 @@ class Case(SceneTables, _CaseHeading):
             "tanks": frozenset(tank.name for tank in self.tanks),
             "drives": drives_of(self.joints, frames),
             "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
+            "vehicles": {one.name: one for one in self.transporters if one.legs},
+            "releases": releases_of(self.joints, self.forces),
         }
 
     @property
@@ -291,6 +293,7 @@ class Case(SceneTables, _CaseHeading):
         hooks = {one.name: Hook(one.parts, one.block.hook_depth) for one in self.falls}
         tanks = tuple(tank.name for tank in self.tanks)
         together: dict[str, tuple[str, ...]] = {}
+        girders: dict[str, tuple[str, float]] = {}
         for crane in self.gantry_cranes:
             parts = [f"{crane.name}_girder"]
             parts += [f"{crane.name}_trolley_{i + 1}" for i in range(len(crane.trolleys))]
@@ -298,7 +301,20 @@ class Case(SceneTables, _CaseHeading):
                 every = [f"{part}.{axis}" for part in parts]
                 together |= {one: tuple(other for other in every if other != one) for one in every}
             together[f"{parts[0]}.x"] = tuple(f"{part}.x" for part in parts[1:])
-        return Known(self._names, tuple(wire), tanks, tuple(movable["drives"]), hooks, others, together)
+            girders |= dict.fromkeys(parts[1:], (parts[0], 0.5 * crane.span))
+        drives, vehicles = tuple(movable["drives"]), tuple(movable["vehicles"])
+        return Known(
+            self._names,
+            tuple(wire),
+            tanks,
+            drives,
+            hooks,
+            others,
+            together,
+            vehicles,
+            girders,
+            tuple(movable["releases"]),
+        )
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""

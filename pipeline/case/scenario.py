@@ -4,7 +4,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import Annotated, Any, Literal, NamedTuple
@@ -48,8 +48,11 @@ from heavylift.solver.scene.scenario import (
     DriveTo,
     Limit,
     Note,
+    PathGoOn,
+    PathSpeed,
     Phase,
     Release,
+    ReleaseJoint,
     Scenario,
     Signal,
     TankRate,
@@ -93,6 +96,12 @@ class Known:
         By drive those that it does not go without: of a gantry crane, whose girder and trolleys are driven each.
     hooks
         Falls by name.
+    vehicles
+        Names of transporters with a path.
+    joints
+        Names.
+    girders
+        By trolley of a gantry crane: its girder, and how far it may go from the middle of that [m].
     """
 
     names: Declared
@@ -102,6 +111,9 @@ class Known:
     hooks: Mapping[str, Hook] = field(default_factory=dict)
     other_ropes: tuple[str, ...] = ()
     together: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    vehicles: tuple[str, ...] = ()
+    girders: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    joints: tuple[str, ...] = ()
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -115,7 +127,7 @@ class Known:
         known = list(known)
         for pattern in patterns:
             fits = [name for name in known if fnmatchcase(name, pattern)]
-            if not fits and _WHAT.get(key) == "rope" and pattern in self.other_ropes:
+            if not fits and _WHAT.get(key, "").startswith("rope") and pattern in self.other_ropes:
                 fits = [pattern]
             if not fits:
                 near = get_close_matches(pattern, known, 1)
@@ -134,9 +146,11 @@ class Known:
 
 
 _WHAT = {
-    **dict.fromkeys(("winch", "release", "connect", "taut", "slack"), "rope"),
+    **dict.fromkeys(("winch", "connect", "taut", "slack"), "rope"),
+    "release": "rope or joint",
     "of": "body",
-    "arrived": "rope, hook, tank or drive",
+    "path": "transporter with 'legs'",
+    "arrived": "rope, hook, tank, drive or transporter on a path",
 }
 """What a key names, if it is not called so itself."""
 
@@ -341,7 +355,7 @@ class ConditionSection(_Comparison):
             return Condition(Signal((), "told"), 0.5, hold=self.hold)
         if self.arrived is not None:
             hooks = {name: known.rope_of(name) for name in known.hooks}
-            every = [*known.ropes, *hooks, *known.tanks, *known.drives]
+            every = [*known.ropes, *hooks, *known.tanks, *known.drives, *known.vehicles]
             fits = known.fitting("arrived", self.arrived, every)
             terms = tuple(Term(name) for name in dict.fromkeys(hooks.get(name, name) for name in fits))
             return Condition(
@@ -462,6 +476,7 @@ _OWN = {
     "hook": {"speed", "distance", "height", "brake", "level", "dead_band", *_RAMPS},
     "drive": {"speed", "position", "distance", *_RAMPS},
     "tank": {"rate", "mass"},
+    "path": {"speed", "ramp", "acceleration", "planned"},
     "release": set(),
     "connect": {"slack"},
     "note": set(),
@@ -476,7 +491,7 @@ _TELLS = {
 
 
 class ActionSection(Section):
-    """What happens when a phase begins: what is told to a winch, hook, drive or tank; a release, connection or note."""
+    """What happens when a phase begins: what is told to a winch, hook, drive, tank, path; release, connection, note."""
 
     winch: Names | None = None
     """Ropes whose winches get another speed, or a length to go to, ...: a name, a pattern such as ``"fall_*"``, or a
@@ -487,9 +502,13 @@ class ActionSection(Section):
     """Joints with a drive, or bodies with an axis whose frame is driven or fixed: ``"trolley.x"``, ``"mast.angle"``."""
     tank: Names | None = None
     """Tanks whose pumps run."""
+    path: Names | None = None
+    """Transporters with `legs`: with a `speed` they go to the end of the leg on which they are, or stop if it is 0."""
+    planned: Literal[True] | None = None
+    """A transporter goes on: this leg and all others as they are planned."""
     speed: Value | None = None
-    """Of winch, hook or drive [m/s], [rad/s]; hauls in, or hoists, if positive. With a place to go to the largest
-    one, as with `tension` and `level`."""
+    """Of winch, hook, drive or transporter [m/s], [rad/s]; hauls in, or hoists, if positive. With a place to go to the
+    largest one, as with `tension` and `level`."""
     length: Annotated[float, Positive("length")] | None = None
     """Unstretched length of the rope at which its winch stops [m]."""
     distance: Value | None = None
@@ -524,7 +543,7 @@ class ActionSection(Section):
     mass: Annotated[float, Quantity("mass", minimum=0.0, closed=True)] | None = None
     """At which the pump stops [kg]; the rate is positive then."""
     release: Names | None = None
-    """Ropes that let go."""
+    """Ropes and joints that let go."""
     connect: Names | None = None
     """Ropes that hold from now on."""
     slack: Annotated[float, Quantity("length")] = 0.0
@@ -560,6 +579,8 @@ class ActionSection(Section):
             )
         if subject == "tank":
             self._check_pump()
+        elif subject == "path":
+            self._check_path()
         elif subject in _TELLS:
             self._check_move(subject)
         return self
@@ -569,6 +590,19 @@ class ActionSection(Section):
             reject("a tank without 'rate'", "'rate' of its pump", key="rate")
         if self.mass is not None and not self.rate > 0.0:
             reject(f"{self.rate:g} kg/s with a mass", "a positive rate: its sense follows", key="rate")
+
+    def _check_path(self) -> None:
+        if (self.speed is None) == (self.planned is None):
+            problem = "both 'speed' and 'planned'" if self.planned else "a path without 'speed'"
+            reject(problem, "'speed', 0 to stop, or 'planned = true' to go on", key="speed")
+        if self.planned:
+            odd = sorted(self.model_fields_set - {"path", "planned"})
+            if odd:
+                reject(f"{odd[0]!r} beside 'planned'", "what the legs say", key=odd[0])
+        elif self.speed is not None and self.speed < 0.0:
+            reject(f"{self.speed:g} m/s", "a speed of 0 or more: it goes along its path", key="speed")
+        if self.ramp and self.acceleration is not None:
+            reject("both 'ramp' and 'acceleration'", "one of them", key="acceleration")
 
     def _check_move(self, subject: str) -> None:
         told = [key for key in _TELLS[subject] if getattr(self, key) is not None]
@@ -611,7 +645,8 @@ class ActionSection(Section):
         if self.note is not None:
             return (Note(self.note),)
         if self.release is not None:
-            return tuple(Release(name) for name in known.fitting("release", self.release, known.ropes))
+            names = known.fitting("release", self.release, [*known.ropes, *known.joints])
+            return tuple(ReleaseJoint(name) if name in known.joints else Release(name) for name in names)
         if self.connect is not None:
             return tuple(
                 Connect(name, self.slack) for name in known.fitting("connect", self.connect, known.ropes)
@@ -622,6 +657,12 @@ class ActionSection(Section):
                 TankRate(name, self.rate, self.mass) for name in known.fitting("tank", self.tank, known.tanks)
             )
         limits: dict[str, Any] = {"acceleration": self.acceleration or 0.0, "jerk": self.jerk or 0.0}
+        if self.path is not None:
+            vehicles = known.fitting("path", self.path, known.vehicles)
+            if self.planned:
+                return tuple(PathGoOn(name) for name in vehicles)
+            assert self.speed is not None
+            return tuple(PathSpeed(name, self.speed, self.ramp, **limits) for name in vehicles)
         if self.drive is not None:
             assert self.speed is not None
             place, by = (self.position, False) if self.distance is None else (self.distance, True)
@@ -797,8 +838,25 @@ def scenario_of(section: ScenarioSection, known: Known) -> Scenario:
                 )
             )
         rows.append(tuple(row))
+    ends = _girder_ends(rows, known)
+    rows = [tuple(replace(phase, limits=(*phase.limits, *ends)) for phase in row) for row in rows]
     tracks = tuple(Track(said.name, row) for said, row in zip(section.tracks, rows[1:], strict=True))
     return Scenario(rows[0], section.prepared, section.at_end == "stop", tracks)
+
+
+def _girder_ends(rows: Iterable[tuple[Phase, ...]], known: Known) -> list[Limit]:
+    """Limits that end a run where a trolley that is told something leaves its girder."""
+    actions = [action for row in rows for phase in row for action in phase.actions]
+    told = [action.drive for action in actions if isinstance(action, (DriveSpeed, DriveTo))]
+    found = []
+    for trolley in dict.fromkeys(name.removesuffix(".x") for name in told if name.endswith(".x")):
+        if trolley in known.girders:
+            girder, half = known.girders[trolley]
+            terms = (Term(f"{trolley}.position", "x"), Term(f"{girder}.position", "x", -1.0))
+            way = Signal(terms, "sum", f"way of {trolley!r} from the middle of its girder")
+            slack = 1e-6 * half
+            found += [Limit(way, half + slack), Limit(way, -half - slack, below=False)]
+    return found
 
 
 def _told(key: str, make: Any) -> Any:

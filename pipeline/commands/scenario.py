@@ -6,10 +6,17 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.assemble.operation_plan import Range, check_plan, plan, starts_of
+from heavylift.pipeline.assemble.operation_plan import (
+    Range,
+    check_hooks,
+    check_plan,
+    plan,
+    routes_of,
+    starts_of,
+)
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages.stages import load_changed_case, run_case
-from heavylift.solver.scene.scenario import Release
+from heavylift.solver.scene.scenario import Release, ReleaseJoint, acted_on
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -59,15 +66,17 @@ def scenario_command(
         layout = pack_scene(scene)
     scenario = scene.scenario
     assert scenario is not None
-    starts = starts_of(scene, Operation(layout.director, scenario, layout.channels))
-    phases = plan(scenario, starts)
+    operation = Operation(layout.director, scenario, layout.channels)
+    starts = starts_of(scene, operation)
+    phases = plan(scenario, starts, routes_of(scene, operation))
     check_plan(case, phases, starts)
+    check_hooks(case, scene)
     told = {name: starts[name] for row in phases for name in row[0].values}
     lines = [
         line for said, row in zip(scenario.rows, phases, strict=True) for line in _table(said, row, starts)
     ]
     lines += [_summary(case, name, phases, starts) for name in told]
-    released = [action.rope for action in scenario.actions if isinstance(action, Release)]
+    released = [acted_on(a) for a in scenario.actions if isinstance(a, (Release, ReleaseJoint))]
     if released:
         lines.append(f"released: {', '.join(released)}")
     return _document(phases, told), lines

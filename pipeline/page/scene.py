@@ -15,7 +15,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.pipeline.pictures.attached import rigid_shapes, single_joints
+from heavylift.pipeline.pictures.attached import rigid_shapes, rods, single_joints
 from heavylift.pipeline.pictures.camera import plane_view
 from heavylift.pipeline.pictures.contacts import contour_parts, shape_parts
 from heavylift.pipeline.pictures.drawings import deformation_scale, round_down
@@ -36,7 +36,7 @@ from heavylift.solver.scene.scenario import loose_ropes
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Container, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -335,7 +335,7 @@ class _Builder:
         self._rigid(solids, boxes)
         self._contours()
         self._ropes()
-        self._connections()
+        self._connections(boxes)
         self._vehicles()
         self._sea()
         self._forces()
@@ -694,16 +694,15 @@ class _Builder:
 
     def _loose(self) -> dict[str, NDArray[np.bool_]]:
         """When each rope is not connected, of those that ever are not."""
-        phase = self._values("scenario.phase")
         scenario = self.scene.scenario
         if scenario is None:
             return {}
-        numbers = np.zeros(len(self.records)) if phase is None else phase[:, 0]
-        found = {int(n): loose_ropes(scenario, int(n)) for n in np.unique(numbers[np.isfinite(numbers)])}
+        keys = ["scenario.phase", "scenario.track_phase"][: 1 + bool(scenario.tracks)]
+        known = [np.zeros((len(self.records), 1)) if (v := self._values(key)) is None else v for key in keys]
+        numbers = [tuple(map(int, row)) for row in np.nan_to_num(np.hstack(known))]
+        found = {row: loose_ropes(scenario, row) for row in set(numbers)}
         names = set().union(*found.values()) if found else set()
-        return {
-            name: np.array([name in found.get(int(n), ()) for n in np.nan_to_num(numbers)]) for name in names
-        }
+        return {name: np.array([name in found[row] for row in numbers]) for name in names}
 
     def _reeved(self, leg: Sequence[Any]) -> dict[str, NDArray[Any]]:
         """A rope about pulleys: its points at every pose, in the axes of the bodies that carry them."""
@@ -753,7 +752,7 @@ class _Builder:
     def _fixed(self, name: str, group: str, places: Sequence[tuple[str, ArrayLike]], **more: Any) -> None:
         self.motion.lines.append(Line(name, group, **{**self._attach(places), **more}))
 
-    def _connections(self) -> None:
+    def _connections(self, boxes: Container[str]) -> None:
         radius = self.motion.radius
         for force in self.scene.forces:
             if isinstance(force, Between):
@@ -789,13 +788,8 @@ class _Builder:
             for leg in getattr(rope, "legs", [rope.path]):
                 for stop in leg:
                     used.setdefault(stop.body, []).append(np.asarray(stop.point))
-        for owner, points_of in used.items():
-            carrier = self.bodies.get(owner)
-            if isinstance(carrier, RigidBody):
-                places = [(owner, carrier.centre_of_mass), *((owner, point) for point in points_of)]
-                count = len(points_of)
-                pairs = np.column_stack([np.zeros(count, dtype=np.int64), 1 + np.arange(count)])
-                self._fixed(owner, "rods", places, colour="#5b6b7c", ends=pairs)
+        for owner, tied, pairs in rods(self.scene, used, boxes):
+            self._fixed(owner, "rods", [(owner, point) for point in tied], colour="#5b6b7c", ends=pairs)
 
     def _axes(self, name: str, joint: Any) -> None:
         """Axes of the joint frame on the first body."""

@@ -23,18 +23,19 @@ from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.scene.bodies import Fixed
 from heavylift.solver.scene.connections import (
     GROUND,
+    MEASURES,
     Between,
     EdgeJoint,
     Joint,
     RopePoint,
 )
 from heavylift.solver.scene.contacts import PointShape
-from heavylift.solver.scene.meshes import FrameBody, ShellBody
-from heavylift.solver.scene.scenario import Connect, Release, loose_ropes
+from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.scenario import loose_ropes
 from heavylift.solver.scene.scene import FlexibleBody, RigidBody
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Container, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -43,7 +44,17 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
-__all__ = ["Others", "Seen", "Solid", "elevations", "rigid_shapes", "rope_line", "single_joints"]
+__all__ = [
+    "Others",
+    "Seen",
+    "Solid",
+    "elevations",
+    "rigid_shapes",
+    "rods",
+    "rope_line",
+    "shortest_tree",
+    "single_joints",
+]
 
 _ROPE, _SPRING, _RIGID, _JOINT = "#7a4a12", "#2e7d32", "#5b6b7c", "#1d2733"
 _LINE, _FENDER, _WATER, _SAND, _FLOORING = "#a0522d", "#ef8a17", "#4d8fc4", "#d9c9a3", "#e4e7ea"
@@ -61,6 +72,7 @@ _GLASS = 0.3  # opacity of boxes that hide other bodies
 _EDGES = np.array(
     [(i, i | bit) for bit in (1, 2, 4) for i in range(8) if not i & bit]
 )  # of a box of eight corners
+_BESIDE = 0.02  # of the size of a surface: what is attached so near to it is attached to it
 _APART = 0.01  # sides of a joint that are farther apart are joined by a line: distances, slides
 _LOOKS = 24  # records by which it is seen where bodies get
 _SMALL = 1.0e-2  # deformation relative to the scene below which it is drawn larger
@@ -118,6 +130,76 @@ def rigid_shapes(
     return solids, boxes
 
 
+def _only_watches(force: Any) -> bool:
+    """Whether it measures, and pulls at nothing that could be drawn."""
+    return getattr(force, "FAMILY", None) is MEASURES
+
+
+def shortest_tree(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Pairs of points that join all of them by lines of least length, shape (n - 1, 2).
+
+    Each is joined in turn to the nearest that is in the tree (R. C. Prim, Bell Syst. Tech. J. 36, 1957).
+    """
+    distance = np.linalg.norm(points[:, None] - points[None, :], axis=2)
+    nearest = np.zeros(len(points), dtype=np.int64)
+    away = distance[0].copy()
+    away[:1] = np.inf
+    pairs = []
+    for _ in range(len(points) - 1):
+        new = int(np.argmin(away))
+        pairs.append((int(nearest[new]), new))
+        closer = (distance[new] < away) & np.isfinite(away)
+        nearest[closer] = new
+        away[closer] = distance[new][closer]
+        away[new] = np.inf
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+def rods(
+    scene: Scene, points_of: Mapping[str, Sequence[NDArray[np.float64]]], boxes: Container[str]
+) -> list[tuple[str, NDArray[np.float64], NDArray[np.int64]]]:
+    """What ties points of rigid bodies together in a picture.
+
+    A star from the centre of mass; of a body that holds a mesh the shortest tree, since a star in a rim would lie
+    across the stresses of its shell. The centre is in that tree if the body is a box there.
+
+    Parameters
+    ----------
+    scene
+        Of the bodies.
+    points_of
+        What is attached, by body, in its frame [m].
+    boxes
+        Names of bodies that are drawn as boxes.
+
+    Returns
+    -------
+    Of each rigid body its name, points, shape (n, 3), and pairs of them, shape (m, 2).
+    """
+    bodies = {body.name: body for body in scene.bodies}
+    holding = set()
+    for joint in scene.joints:
+        for own, other in ((joint.body_a, joint.body_b), (joint.body_b, joint.body_a)):
+            if isinstance(bodies.get(other), MeshBody):
+                holding.add(own)
+    found = []
+    for name, given in points_of.items():
+        body = bodies.get(name)
+        if not isinstance(body, RigidBody):
+            continue
+        points = np.array([body.centre_of_mass, *given])
+        count = len(given)
+        if name not in holding:
+            pairs = np.column_stack([np.zeros(count, dtype=np.int64), 1 + np.arange(count)])
+        elif name in boxes:
+            pairs = shortest_tree(points)
+        else:
+            points = points[1:]
+            pairs = shortest_tree(points)
+        found.append((name, points, pairs))
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class _Place:
     """A point of a body: in its frame [m], of a mesh the index of the nearest point of its skin."""
@@ -131,7 +213,8 @@ class Others:
     """Draws what is not a mesh at any record.
 
     Rigid bodies without a surface are boxes of the same mass and moments of inertia. Rods lead from centres of mass to
-    whatever is attached. Around what moves are drawn the ground, water and mooring lines, as far as they are near.
+    whatever is attached, or along what holds a mesh. Around what moves are drawn the ground, water and mooring lines,
+    as far as they are near.
 
     Parameters
     ----------
@@ -181,7 +264,9 @@ class Others:
             [
                 (self._place(force.body_a, force.point_a), self._place(force.body_b, force.point_b))
                 for force in scene.forces
-                if isinstance(force, Between) and isinstance(force, Spring) == coiled
+                if isinstance(force, Between)
+                and isinstance(force, Spring) == coiled
+                and not _only_watches(force)
             ]
             for coiled in (True, False)
         )
@@ -199,11 +284,8 @@ class Others:
         attached = [place for pair in pairs for place in pair]
         attached += [place for rope in self._ropes for place, _ in rope]
         attached += [place for _, *places in self._lines for place in places]
-        self._rods = [
-            (_Place(place.body, self._bodies[place.body].centre_of_mass), place)
-            for place in attached
-            if isinstance(self._bodies.get(place.body), RigidBody)
-        ]
+        solids, self._boxes = rigid_shapes(scene)
+        self._rods = self._rods_to(scene, attached)
         self._centres = [
             _Place(name, body.centre_of_mass)
             for name, body in self._bodies.items()
@@ -211,7 +293,6 @@ class Others:
         ]
 
         self._touching = [self._place(contact.body, contact.point) for contact in scene.contacts]
-        solids, self._boxes = rigid_shapes(scene)
         self._solids = [(part.body, part.points, part.triangles) for part in solids]
         self._vehicles = [vehicle for vehicle in scene.transporters if vehicle.wheel_radius > 0.0]
         self._contacts = None
@@ -230,6 +311,16 @@ class Others:
         self._glass = any(self._encloses(name) or name in ridden for name in self._boxes)
         self._wide = [solid for solid in self._solids if self._is_wide(*solid[:2])]
         self._solids = [solid for solid in self._solids if not self._is_wide(*solid[:2])]
+        # a surface holds what is attached to it: a rod would lie across its deck, or hang over it
+        near = [(body, *_grown_box(points)) for body, points, _ in self._solids]
+        self._rods = [
+            (centre, place)
+            for centre, place in self._rods
+            if not any(
+                body == place.body and np.all((place.point >= low) & (place.point <= high))
+                for body, low, high in near
+            )
+        ]
         if not (attached or self._touching or self._fenders or scene.collisions):
             self._factor = self._exaggerated()
 
@@ -272,17 +363,13 @@ class Others:
 
     def _loose(self, record: int) -> set[str]:
         """Names of ropes that are not connected at a record."""
-        phase = None if self._scenario is None else self._channel("scenario.phase", record)
-        if self._scenario is None or phase is None:
+        if self._scenario is None:
             return set()
-        loose = loose_ropes(self._scenario, int(np.ravel(phase)[0]))
-        for track in self._scenario.tracks:  # how far they are is not recorded
-            for name in {
-                one.rope for p in track.phases for one in p.actions if isinstance(one, (Release, Connect))
-            }:
-                tension = self._channel(f"{name}.tension", record)
-                (loose.add if tension is not None and not np.any(tension) else loose.discard)(name)
-        return loose
+        keys = ("scenario.phase", "scenario.track_phase")[: 1 + bool(self._scenario.tracks)]
+        known = [numbers for key in keys if (numbers := self._channel(key, record)) is not None]
+        if len(known) < len(keys):
+            return set()
+        return loose_ropes(self._scenario, [int(number) for numbers in known for number in np.ravel(numbers)])
 
     def seen(self, record: int, *, around: bool = True) -> Seen:
         """What is drawn at a record, lengths in metres; `around` adds ground, water and moorings."""
@@ -360,6 +447,17 @@ class Others:
         if self._has_water:
             around.append(self._water(record, low - margin, high + margin))
         return Seen((*seen.lines, *lines), seen.patches, seen.marks, tuple(around))
+
+    def _rods_to(self, scene: Scene, attached: Sequence[_Place]) -> list[tuple[_Place, _Place]]:
+        """As `rods` has them."""
+        points_of: dict[str, list[NDArray[np.float64]]] = {}
+        for place in attached:
+            points_of.setdefault(place.body, []).append(place.point)
+        return [
+            (_Place(name, points[a]), _Place(name, points[b]))
+            for name, points, pairs in rods(scene, points_of, self._boxes)
+            for a, b in pairs.tolist()
+        ]
 
     def _joint_lines(self, record: int) -> Lines:
         """From one side of a joint to the other, where they are apart."""
@@ -588,6 +686,13 @@ class Others:
         R = np.eye(3) if on_mesh else self._pose(place.body, record)[1]
         axis: NDArray[np.float64] = R @ (stop.axis / np.linalg.norm(stop.axis))
         return axis
+
+
+def _grown_box(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner of a box around points, and a little more."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    more = _BESIDE * float(np.linalg.norm(high - low))
+    return low - more, high + more
 
 
 def _kept(line: Lines, which: NDArray[np.bool_]) -> Lines:

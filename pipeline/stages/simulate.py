@@ -264,10 +264,11 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
 def _check_plan(work: Work, scene: Scene, operation: Operation) -> None:
     """Refuse an operation that is certain to fail."""
-    from heavylift.pipeline.assemble.operation_plan import check_plan, plan, starts_of
+    from heavylift.pipeline.assemble.operation_plan import check_hooks, check_plan, plan, routes_of, starts_of
 
     starts = starts_of(scene, operation)
-    check_plan(work.case, plan(operation.scenario, starts), starts)
+    check_plan(work.case, plan(operation.scenario, starts, routes_of(scene, operation)), starts)
+    check_hooks(work.case, scene)
 
 
 def _refuse_beyond_disk(work: Work, simulation: Simulation) -> None:

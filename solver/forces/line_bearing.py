@@ -363,12 +363,12 @@ def rub(
         lost = 0.5 * k * (size * size - radius * radius)
         ex, ey = ex * radius / size, ey * radius / size
     bx, by = ex + dx, ey + dy
-    size = math.sqrt(bx * bx + by * by)
-    if size <= radius:
+    size, a = math.sqrt(bx * bx + by * by), dx * dx + dy * dy
+    if size <= radius or (a == 0.0 and radius > 0.0):  # one on the circle is beyond it by rounding
         return k * (ex + 0.5 * dx), k * (ey + 0.5 * dy), bx, by, lost, 0.5 * k, 0.5 * k
     if radius == 0.0:
         return 0.0, 0.0, 0.0, 0.0, lost, 0.0, 0.0
-    a, b, c = dx * dx + dy * dy, ex * dx + ey * dy, max(radius * radius - ex * ex - ey * ey, 0.0)
+    b, c = ex * dx + ey * dy, max(radius * radius - ex * ex - ey * ey, 0.0)
     root = math.sqrt(b * b + a * c)
     t = min((c / (b + root) if b > 0.0 else (root - b) / a), 1.0)
     mx, my = (ex + t * dx) / radius + bx / size, (ey + t * dy) / radius + by / size

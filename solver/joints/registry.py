@@ -94,6 +94,8 @@ def pack_joints(
         made = pack_rows([len(r) for _, r in ordered], sides, scale, inverse_mass, monitor)
         for block, (joint, rotational) in enumerate(ordered):
             made.rows[block].compliance[: len(rotational)] = joint.compliance
+            if joint.compliance > 0.0:
+                made.rows[block].stiffness[: len(rotational)] = 1.0 / joint.compliance
             made.rows[block].relaxation[: len(rotational)] = joint.relaxation
             made.rows[block].rigid[: len(rotational)] = _openness(joint, rotational, scales)
         return made

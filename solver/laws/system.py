@@ -99,7 +99,7 @@ def extend_system(
     made = pack_rows(counts, sides, scales, inverse_mass, monitor, owners)
     if joints is not None:
         width, blocks_before = min(joints.lanes, made.lanes), len(joints.attachments) // 2
-        for name in ("compliance", "relaxation", "rigid"):
+        for name in ("compliance", "relaxation", "stiffness", "rigid"):
             made.rows[name][:blocks_before, :width] = joints.rows[name][:blocks_before, :width]
     for start, block in zip(starts, blocks, strict=True):
         made.rows[start].compliance[: block.rows] = block.compliance

@@ -50,9 +50,10 @@ def assemble(system: RowSystem) -> None:
     for i in range(system.pairs.shape[0]):
         product = system.pairs[i]
         place, left, right = product.place, product.left, product.right
-        width, dof = product.width, product.dof
+        dof = product.dof
         if dof < 0:
-            for k in range(width):
+            side = system.attachments[product.side]
+            for k in range(side.first, side.first + side.count):
                 add_outer_product(
                     shape,
                     system.blocks,
@@ -126,15 +127,15 @@ def subtract_rates(system: RowSystem, velocity: NDArray[np.float64]) -> None:
     """``SOLUTION -= G U`` of all rows."""
     for i in range(system.attachments.shape[0]):
         out = system.rows[system.attachments[i].owner].solution
-        dof, count, panel = (
+        dof, width, panel = (
             system.attachments[i].dof,
             system.attachments[i].width,
             system.attachments[i].panel,
         )
-        if count == 6:
+        if width == 6:
             subtract_rigid_rows(system.shape, out, 0, system.panels, panel, velocity, dof)
-        elif count > 0:
-            _subtract_wide_rows(system, out, panel, velocity, dof, count)
+        elif width > 0:
+            _subtract_wide_rows(system, out, panel, velocity, dof, i)
 
 
 @kernel(inline=True, internal=True)
@@ -230,11 +231,11 @@ def _subtract_wide_rows(
     panel: int,
     velocity: NDArray[np.float64],
     dof: int,
-    count: int,
+    attachment: int,
 ) -> None:
     """``out -= G^T u`` over any number of velocities."""
-    lanes = len(system.shape[1])
-    for k in range(count):
+    lanes, side = len(system.shape[1]), system.attachments[attachment]
+    for k in range(side.first, side.first + side.count):
         for r in range(lanes):
             out[r] -= system.panels[panel + k * lanes + r] * velocity[dof + k]
 

@@ -224,7 +224,7 @@ def end_step(
 def end_row_system(
     system: RowSystem, bodies: Bodies, joints: Joints, work: Workspace, time: float, step: float
 ) -> None:
-    """Impulses of the midpoint are halves of those of the step."""
+    """Impulses of the midpoint are halves of those of the step; what relaxation of joints with compliance takes."""
     lanes = len(system.shape[1])
     update_rows(joints, time, step, work, system)
     add_row_work(bodies, 2.0, work, system)
@@ -234,6 +234,9 @@ def end_row_system(
         row = system.rows[node]
         for r in range(lanes):
             row.half_impulse[r] = row.impulse[r]
+            # the force at the midpoint is that of the stretch there and of the rate, which relaxation damps
+            rate = row.target[r] - row.softness[r] * row.impulse[r]
+            row.loss[r] += step * row.stiffness[r] * row.relaxation[r] * rate * rate
 
 
 @implement(solve_end, RowSystem)
@@ -338,7 +341,10 @@ def record_row_system(
     time: float,
     row: NDArray[np.float64],
 ) -> None:
-    """Largest violation of a rigid row, smallest pivot of the last projection, largest drift of a law."""
+    """Largest violation of a rigid row, smallest pivot of the last projection, largest drift of a law.
+
+    Joints with compliance store the energy of a spring, whose stretch is the violation of their rows.
+    """
     lanes = len(system.shape[1])
     fill_rows(joints, True, work, system)
     set_targets(joints, time, 1.0, False, work, system)  # drives are violated by their value at this time
@@ -346,10 +352,12 @@ def record_row_system(
     record_joints(joints, time, work, system, row)
     violation = 0.0
     for node in range(system.attachments.shape[0] // 2):
-        rigid, residual = system.rows[node].rigid, system.rows[node].residual
+        rows = system.rows[node]
         for r in range(lanes):
-            if rigid[r] > 0.0:
-                violation = max(violation, abs(residual[r]))
+            if rows.rigid[r] > 0.0:
+                violation = max(violation, abs(rows.residual[r]))
+            work.sums.elastic += 0.5 * rows.stiffness[r] * rows.residual[r] ** 2
+            work.sums.dissipated += rows.loss[r]
     if system.monitor >= 0:
         row[system.monitor] = violation
         row[system.monitor + 1] = smallest_pivot(system)

@@ -62,6 +62,8 @@ class Row(Record):
         Characteristic inverse mass; 0 where there is no row.
     compliance, relaxation
         Physical compliance and relaxation time [s].
+    stiffness, loss
+        Of a joint with compliance [N/m, N m/rad], 0 of other rows; what its relaxation has taken [J].
     impulse, half_impulse, reaction, last_reaction
         Of the solution; of the midpoint; force at the end of the step and in its middle.
     slope, slope_before
@@ -80,6 +82,8 @@ class Row(Record):
     scale: Lanes
     compliance: Lanes
     relaxation: Lanes
+    stiffness: Lanes
+    loss: Lanes
     impulse: Lanes
     half_impulse: Lanes
     reaction: Lanes
@@ -108,6 +112,9 @@ class Side(Record):
         `PRESCRIBED`, `DIAGONAL`, `FACTORED` or `HUB`.
     owner
         Block that has the rows.
+    first, count
+        Velocities of the body from which to where G may be other than zero: all of them, unless its kind knows better
+        (`apply_inverse`), since rows touch few of the coordinates of a mesh.
     """
 
     dof: int
@@ -115,6 +122,8 @@ class Side(Record):
     panel: int
     holder: int
     owner: int
+    first: int
+    count: int
 
 
 class Product(Record):
@@ -126,8 +135,8 @@ class Product(Record):
         In the blocks.
     left, right
         Places of the panel of the earlier (of X, for bodies with a factor of their own) and of the later side.
-    width, dof
-        Number of velocities; first velocity of a rigid body, or -1.
+    side, dof
+        The later side, which knows the velocities to sum over; first velocity of a rigid body, or -1.
     first
         Whether it is the first of its block.
     """
@@ -135,7 +144,7 @@ class Product(Record):
     place: int
     left: int
     right: int
-    width: int
+    side: int
     dof: int
     first: bool
 
@@ -314,7 +323,7 @@ def pack_rows(
     attachments = records(Side, 2 * count)
     for i, end in enumerate(ends):
         holder = HUB if end.body in hub_node else end.holder
-        attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i]
+        attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i], 0, end.width
 
     edges: list[tuple[int, int]] = []
     for body, held in on_body.items():
@@ -384,7 +393,7 @@ def _assembly(
                 place,
                 int(attachments[early].panel) + (0 if rigid else half),
                 int(attachments[late].panel),
-                int(attachments[early].width),
+                late,
                 int(attachments[early].dof) if rigid else -1,
                 rigid and place not in started,
             )

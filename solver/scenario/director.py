@@ -8,12 +8,16 @@ step is taken back and repeated up to that time, as where something hits, and th
 stay of second order. A copy of the state is kept for that, where contacts do not keep one. Phases stand in *tracks*,
 rows of their own that go on beside each other.
 
-What can be told to move is a *mover*: the winch of a rope, a drive of a joint or of a frame, the pump of a tank. A move
-is planned once, as cubics in time (`plan_speed`, `plan_move`), and written into the table that the mover reads anyway:
-rows of a winch, a profile, levels of a tank.
+What can be told to move is a *mover*: the winch of a rope, a drive of a joint or of a frame, the pump of a tank, a
+transporter on its path. A move is planned once, as cubics in time (`plan_speed`, `plan_move`), and written into the
+table that the mover reads anyway: rows of a winch, a profile, levels of a tank, pieces of a path.
+
+Between its legs a transporter stands, since its wheels turn there. So where it is told a speed it goes to the end of
+its leg and stops there; and it brakes harder than it was told if it would not stop before.
 
 A rope lets go by losing its stiffness: what the scene stores less then counts as dissipated. One that is connected gets
-the length of its path and its slack; what less than no slack stores is work of its winch.
+the length of its path and its slack; what less than no slack stores is work of its winch. A joint lets go by becoming
+so soft that its rows are none; it is rigid, so it has stored nothing.
 """
 
 from __future__ import annotations
@@ -21,11 +25,11 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import LaneRecords, Record, Records
 from heavylift.solver.drive import profile_value
 from heavylift.solver.integrate.loop import TOTAL_COLUMNS, write_record
 from heavylift.solver.interface import (
@@ -47,9 +51,11 @@ from heavylift.solver.laws.winch_control import (
     WinchControl,
 )
 from heavylift.solver.laws.wire_rope import RopeEntry, Ropes, WinchRow, winch_state
+from heavylift.solver.rows.structure import ABSENT, Row
 from heavylift.solver.scenario.interface import direct, keep_state, take_back
 from heavylift.solver.scenario.moves import MoveRow, plan_move, plan_speed
 from heavylift.solver.scene.speed_profiles import FOREVER
+from heavylift.solver.transport.path_ways import way_on_pieces
 from heavylift.solver.water.hulls.kind import TankData, TankLevel
 
 __all__ = [
@@ -72,8 +78,10 @@ __all__ = [
     "LIMIT_WARNING",
     "NOTE",
     "NOT_CONNECTED",
+    "PATH",
     "PLAIN_ROPE",
     "RELEASE",
+    "RELEASE_JOINT",
     "ROPE_USED_UP",
     "RUBBING_ROPE",
     "SPEED",
@@ -89,6 +97,7 @@ __all__ = [
     "LogEntry",
     "Mover",
     "MoverState",
+    "PathPieces",
     "PhaseEntry",
     "SignalEntry",
     "TermEntry",
@@ -103,13 +112,13 @@ FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
 """Of signals, by their numbers. `arrived`: time since the last of some movers came to rest where it was told to go;
 `told`: whether someone outside said "continue" since the phase began that waits for it."""
 SUM, NORM, LARGEST, SMALLEST, ARRIVED, CONTINUED = range(6)
-SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE = range(10)
+SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE, RELEASE_JOINT = range(11)
 """Actions."""
 BEGUN, ACTION, DONE, LIMIT_WARNING, LIMIT_STOP, TIMED_OUT, ROPE_USED_UP, NOT_CONNECTED, TOLD = range(9)
 """Events of the log."""
 WORDS = ("continue", "hold", "stop")
 """What can be told from outside, by number."""
-PLAIN_ROPE, RUBBING_ROPE, HELD_ROPE, TANK, DRIVE = range(5)
+PLAIN_ROPE, RUBBING_ROPE, HELD_ROPE, TANK, DRIVE, PATH = range(6)
 """Sorts of movers."""
 
 DRIVE_BREAKS = 12
@@ -126,6 +135,9 @@ ELASTIC = 1
 
 SHORTEST = 1e-6
 """Of a step: an event nearer to its start happens there, one nearer to its end at the end."""
+
+ARRIVED_PART = 1e-9
+"""Of the way at its end, within which a transporter has come to the end of a leg."""
 
 LARGEST_STRAIN = 0.02
 """By which a rope that is connected may be shorter than its path."""
@@ -200,7 +212,7 @@ class ActionEntry(Record):
     acceleration, jerk
         Limits; 0 is none.
     other
-        Mover that is followed, signal that a way is reckoned from, or number of a group; -1 is none.
+        Mover that is followed, signal that a way is reckoned from, number of a group, or block of a joint; -1 is none.
     factor
         Ratio to what is followed, way per difference of the signal, or dead band.
     """
@@ -242,6 +254,13 @@ class MoverState(Record):
     leader: int
     ratio: float
     arrives: float
+
+
+class PathPieces(Record):
+    """Pieces of a path: the first of them, and how many."""
+
+    first: int
+    count: int
 
 
 class Timer(Record):
@@ -331,14 +350,18 @@ class Director(Arrays):
         Of the hulls.
     profiles
         Of the drives; carried.
+    paths, path_pieces, path_legs, path_plan
+        Paths of transporters: theirs, and pieces as they were planned. Pieces are carried.
     state, track_state, mover_state, timers, passed, values, log
         What is carried; values of all signals at the end of the last step.
     trial
         Those of the step that is looked at.
+    joint_rows, lanes
+        Rows of the joints, and how many there are in a block.
     row, plan
         Record of scratch, and a plan.
     column
-        Record column of the number of the phase of the first track.
+        Record column of the number of the phase of the first track; those of the others are behind it.
     stops_at_end
         Whether the run ends with the last phase.
     carried, saved
@@ -362,6 +385,7 @@ class Director(Arrays):
         "controls",
         "levels",
         "profiles",
+        "path_pieces",
     )
 
     tracks: Records[TrackEntry]
@@ -387,6 +411,10 @@ class Director(Arrays):
     tanks: Records[TankData]
     levels: Records[TankLevel]
     profiles: Floats1
+    paths: Records[PathPieces]
+    path_pieces: Floats2
+    path_legs: Floats2
+    path_plan: Floats2
     state: DirectorState
     track_state: Records[TrackState]
     mover_state: Records[MoverState]
@@ -395,6 +423,8 @@ class Director(Arrays):
     values: Floats1
     log: Records[LogEntry]
     trial: Floats1
+    joint_rows: LaneRecords[Row]
+    lanes: int
     row: Floats1
     plan: Records[MoveRow]
     column: int
@@ -412,8 +442,9 @@ def add_nothing(kind: Director, time: float, work: Workspace) -> None:
 @implement(record_forces, Director)
 @kernel(internal=True)
 def record_phase(kind: Director, time: float, work: Workspace, row: Floats1) -> None:
-    """Number of the phase of the first track."""
-    row[kind.column] = kind.track_state[0].phase
+    """Numbers of the phases of all tracks."""
+    for track in range(kind.tracks.shape[0]):
+        row[kind.column + track] = kind.track_state[track].phase
 
 
 @implement(keep_state, Director)
@@ -609,6 +640,9 @@ def _present(kind: Director, mover: int, time: float) -> tuple[float, float, flo
         return kind.tanks[said.number].mass, 0.0, 0.0  # of the record that was just written
     if said.sort == DRIVE:
         return profile_value(kind.profiles, said.number, time)
+    if said.sort == PATH:
+        path = kind.paths[said.number]
+        return way_on_pieces(kind.path_pieces, path.first, path.count, time)
     ropes = _ropes_of(kind, said.sort)
     hauled, speed = winch_state(ropes, said.number, time)
     return hauled, speed, _acceleration(ropes, said.number, time)
@@ -689,11 +723,74 @@ def _follow(kind: Director, mover: int, leader: int, ratio: float, time: float) 
 
 
 @kernel(internal=True)
+def _leg_at(kind: Director, path: int, way: float) -> int:
+    """Leg of a path on which a way is: at the end of one the next one, at the end of all the last one."""
+    found = -1
+    for leg in range(kind.path_legs.shape[0]):
+        if int(kind.path_legs[leg, 0]) == path:
+            found = leg
+            if way < kind.path_legs[leg, 1] * (1.0 - ARRIVED_PART):
+                return leg
+    return found
+
+
+@kernel(internal=True)
+def _write_path(kind: Director, number: int, count: int, time: float, leg: int) -> None:
+    """A plan as pieces of a path, and behind it what is planned for the legs after one; none if that is negative."""
+    path, plan = kind.paths[number], kind.plan
+    first, legs = path.first, kind.path_legs.shape[0]
+    for k in range(count):
+        row = kind.path_pieces[first + k]
+        row[0], row[1] = time + plan[k].time, plan[k].value
+        row[2], row[3] = plan[k].speed, plan[k].acceleration
+    k = count
+    if leg >= 0 and leg + 1 < legs and int(kind.path_legs[leg + 1, 0]) == number:
+        begin = first + int(kind.path_legs[leg + 1, 4])
+        late = kind.path_pieces[first + k - 1, 0] - kind.path_plan[begin - 1, 0]
+        while begin < first + path.count and k < path.count:
+            for column in range(4):
+                kind.path_pieces[first + k, column] = kind.path_plan[begin, column]
+            kind.path_pieces[first + k, 0] += late
+            begin += 1
+            k += 1
+    while k < path.count:
+        for column in range(4):
+            kind.path_pieces[first + k, column] = kind.path_pieces[first + k - 1, column]
+        k += 1
+
+
+@kernel(internal=True)
+def _drive_path(kind: Director, action: ActionEntry, time: float) -> float:
+    """Let a transporter stop, go to the end of its leg, or go on as planned; its speed [m/s]."""
+    mover, number = action.mover, kind.movers[action.mover].number
+    way, before, _ = _present(kind, mover, time)
+    leg = _leg_at(kind, number, way)
+    end, planned, gentle = kind.path_legs[leg, 1], kind.path_legs[leg, 2], kind.path_legs[leg, 3]
+    told = action.action == SPEED
+    speed = action.value if told else planned
+    acceleration = action.acceleration if action.acceleration > 0.0 else gentle
+    if action.ramp > 0.0:
+        acceleration = max(speed, before) / action.ramp
+    if way + 0.5 * before * before / acceleration > end:
+        acceleration = 0.5 * before * before / max(end - way, ARRIVED_PART * end)
+    if speed == 0.0:
+        count = plan_speed(way, before, 0.0, 0.0, acceleration, 0.0, kind.plan)
+    else:
+        count = plan_move(way, before, 0.0, end, speed, acceleration, 0.0, kind.plan)
+    _write_path(kind, number, count, time, -1 if told else leg)
+    path = kind.paths[number]
+    kind.mover_state[mover].arrives = kind.path_pieces[path.first + path.count - 1, 0]
+    return speed
+
+
+@kernel(internal=True)
 def _move(kind: Director, action: ActionEntry, time: float) -> float:
     """Let something move; what it was told, for the log."""
     mover = action.mover
     acceleration, value = action.acceleration, action.value
     said = kind.movers[mover]
+    if said.sort == PATH:
+        return _drive_path(kind, action, time)
     if action.action not in (FOLLOW, KEEP_LEVEL):  # it levels beside what it is told
         kind.mover_state[mover].leader = -1
     if said.sort == HELD_ROPE and action.action in (SPEED, GO_TO, GO_BY, BRAKE):
@@ -757,6 +854,18 @@ def _let_go(kind: Director, said: Mover) -> None:
 
 
 @kernel(internal=True)
+def _let_joint_go(kind: Director, block: int) -> None:
+    """The rows of a joint do nothing from now on."""
+    row = kind.joint_rows[block]
+    for r in range(kind.lanes):
+        if row.scale[r] > 0.0:
+            row.compliance[r] = row.hold[r] = row.softness[r] = ABSENT * row.scale[r]
+        row.relaxation[r] = row.rigid[r] = row.target[r] = 0.0
+        row.impulse[r] = row.half_impulse[r] = row.reaction[r] = row.last_reaction[r] = 0.0
+        row.slope[r] = row.slope_before[r] = 0.0
+
+
+@kernel(internal=True)
 def _hold(kind: Director, said: Mover, time: float, slack: float) -> float:
     """A rope holds from now on; its unstretched length [m], negative if it would be too short for its path."""
     ropes = _ropes_of(kind, said.sort)
@@ -789,6 +898,9 @@ def _act(
     time: float,
 ) -> float:
     """Do something; a value for the log, negative for a connection that is too short."""
+    if action.action == RELEASE_JOINT:
+        _let_joint_go(kind, action.other)
+        return 0.0
     if action.action not in (RELEASE, CONNECT):
         if action.action == GO_BY and action.other >= 0:
             _measure(kind, forces, bodies, joints, systems, work, time)

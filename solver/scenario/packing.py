@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, lane_records, records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.carried import LINE
@@ -21,6 +21,7 @@ from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
 from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
 from heavylift.solver.laws.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
+from heavylift.solver.rows.structure import Row, RowSystem
 from heavylift.solver.scenario.director import (
     BRAKE,
     CONNECT,
@@ -34,8 +35,10 @@ from heavylift.solver.scenario.director import (
     KEEP,
     KEEP_LEVEL,
     NOTE,
+    PATH,
     PLAIN_ROPE,
     RELEASE,
+    RELEASE_JOINT,
     RUBBING_ROPE,
     SPEED,
     TANK,
@@ -47,6 +50,7 @@ from heavylift.solver.scenario.director import (
     LogEntry,
     Mover,
     MoverState,
+    PathPieces,
     PhaseEntry,
     SignalEntry,
     TermEntry,
@@ -67,7 +71,10 @@ from heavylift.solver.scene.scenario import (
     DriveTo,
     Movable,
     Note,
+    PathGoOn,
+    PathSpeed,
     Release,
+    ReleaseJoint,
     Scenario,
     Signal,
     TankRate,
@@ -79,9 +86,12 @@ from heavylift.solver.scene.scenario import (
     WinchLevel,
     WinchSpeed,
     WinchTension,
+    acted_on,
     check_scenario,
     drives_of,
+    releases_of,
 )
+from heavylift.solver.transport.paths import Paths
 from heavylift.solver.water.hulls.kind import Hulls, TankData, TankLevel
 
 __all__ = ["pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
@@ -106,7 +116,17 @@ def with_drives(scene: Any) -> Any:
     drives = drives_of(scene.joints, motions)
     ropes = {rope.name: rope for rope in scene.ropes}
     pumped = {} if scene.sea is None else {tank: pump.name for pump in scene.sea.pumps for tank in pump.tanks}
-    movable = Movable(ropes, frozenset(tank.name for tank in tanks), drives, pumped=pumped)
+    vehicles = {one.name: one for one in scene.transporters if one.legs}
+    capacities = {tank.name: tank.capacity(scene.sea.water) for tank in tanks}
+    movable = Movable(
+        ropes,
+        frozenset(capacities),
+        drives,
+        pumped=pumped,
+        vehicles=vehicles,
+        capacities=capacities,
+        releases=releases_of(scene.joints, scene.forces),
+    )
     check_scenario(scene.scenario, movable)
     told = {
         action.drive.rpartition(".")[::2]
@@ -167,6 +187,8 @@ def reserve_tables(
     for kind in kinds[1]:
         if isinstance(kind, Ropes):
             connections.append(_with_winch_rows(kind, winches, max(MOVE_ROWS, longest if follows else 0)))
+        elif isinstance(kind, Paths):
+            connections.append(_with_pieces(kind, _told_paths(scene)))
         elif "profiles" in kind._fields and any(int(entry.column) in joints for entry in kind.table):
             connections.append(_with_profiles(kind, joints))
         else:
@@ -291,6 +313,29 @@ def _with_frame_profiles(kind: Any, told: Mapping[int, set[int]]) -> Any:
     return kind._replace(constants=flat)
 
 
+def _vehicles(scene: Any) -> list[str]:
+    """Transporters of the kind of paths, in its order."""
+    return [one.name for one in scene.transporters if one.legs and one.tyres is None]
+
+
+def _told_paths(scene: Any) -> set[int]:
+    """Numbers of paths that are told something."""
+    names = _vehicles(scene)
+    return {names.index(a.path) for a in scene.scenario.actions if isinstance(a, (PathSpeed, PathGoOn))}
+
+
+def _with_pieces(kind: Paths, told: set[int]) -> Paths:
+    """Room for plans in the pieces of some paths."""
+    rows: list[NDArray[np.float64]] = []
+    for number, path in enumerate(kind.table):
+        own = kind.pieces[path.first_piece : path.first_piece + path.pieces]
+        if number in told:
+            own = np.vstack([own, np.repeat(own[-1:], MOVE_ROWS, axis=0)])
+        path.first_piece, path.pieces = sum(map(len, rows)), len(own)
+        rows.append(own)
+    return kind._replace(pieces=np.ascontiguousarray(np.vstack(rows)))
+
+
 class _Movers:
     """Everything that can be told something, with its place in the tables of its kind."""
 
@@ -331,7 +376,7 @@ def share_profiles(
 
 def pack_scenario(
     scene: Any,
-    kinds: tuple[tuple[Any, ...], tuple[Any, ...]],
+    kinds: tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]],
     channels: Sequence[Channel],
     column: int,
     width: int,
@@ -345,7 +390,7 @@ def pack_scenario(
     scene
         With a scenario.
     kinds
-        Of bodies and joints, in which `reserve_tables` has made room.
+        Of bodies and joints, in which `reserve_tables` has made room, and systems.
     channels
         Of the whole record.
     column, width
@@ -386,6 +431,9 @@ def pack_scenario(
     )
     for name in drives:
         movers.add(name, DRIVE, _profile_start(name, kinds, columns, profiles), told=True)
+    paths = next((kind for kind in kinds[1] if isinstance(kind, Paths)), None)
+    for number in sorted(_told_paths(scene)):
+        movers.add(_vehicles(scene)[number], PATH, number, told=True)
     states = records(MoverState, len(movers.rows))
     states["leader"], states["arrives"] = -1, math.inf
     for name, leader in followers.items():
@@ -393,7 +441,9 @@ def pack_scenario(
             states[movers.numbers[name]].leader = movers.numbers[leader]
             states[movers.numbers[name]].ratio = ratios[name]
     weight = _Weights(scene)
-    tables = _Tables(scenario, movers.numbers, known, weight)
+    blocks = _joint_blocks(kinds[1], columns, scenario)
+    tables = _Tables(scenario, movers.numbers | blocks, known, weight)
+    system = next((one for one in kinds[2] if isinstance(one, RowSystem)), None)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
     state = DirectorState.one()
@@ -424,6 +474,12 @@ def pack_scenario(
         tanks=records(TankData, 0) if hulls is None else hulls.tanks,
         levels=records(TankLevel, 0) if hulls is None else hulls.tank_levels,
         profiles=profiles,
+        paths=_table(
+            PathPieces, [] if paths is None else [(path.first_piece, path.pieces) for path in paths.table]
+        ),
+        path_pieces=np.zeros((0, 4)) if paths is None else paths.pieces,
+        path_legs=np.zeros((0, 5)) if paths is None else paths.legs,
+        path_plan=np.zeros((0, 4)) if paths is None else paths.pieces.copy(),
         state=state,
         track_state=records(TrackState, len(tables.tracks)),
         mover_state=states,
@@ -432,6 +488,8 @@ def pack_scenario(
         values=np.zeros(len(tables.signals)),
         log=records(LogEntry, logged),
         trial=np.zeros(len(tables.signals)),
+        joint_rows=lane_records(Row, 0, 1) if system is None else system.rows,
+        lanes=1 if system is None else system.lanes,
         row=np.zeros(width),
         plan=records(MoveRow, MOVE_ROWS),
         column=column,
@@ -479,6 +537,20 @@ def _profile_start(
                     place = DRIVE_HEAD - len(AXES) + AXES.index(axis)
                     return int(base + entry.drive + array[int(entry.drive) + place])
     raise AssertionError(name)
+
+
+def _joint_blocks(joints: Sequence[Any], columns: Mapping[str, int], scenario: Scenario) -> dict[str, int]:
+    """Blocks of the joints that are released, by name."""
+    names = {
+        columns[action.joint]: action.joint for action in scenario.actions if isinstance(action, ReleaseJoint)
+    }
+    return {
+        names[int(entry.column)]: int(entry.block)
+        for kind in joints
+        if names and "table" in kind._fields and "block" in kind.table.dtype.names
+        for entry in kind.table
+        if int(entry.column) in names
+    }
 
 
 class _Weights:
@@ -635,12 +707,13 @@ def _action(
         0.0,
     )
     if not isinstance(action, Note):
-        name = action.tank if isinstance(action, TankRate) else getattr(action, "drive", "") or action.rope  # type: ignore[union-attr]
-        mover = numbers[name]
-    if isinstance(action, (*MOVES, DriveSpeed, DriveTo)):
+        mover = numbers[acted_on(action)]
+    if isinstance(action, (*MOVES, DriveSpeed, DriveTo, PathSpeed)):
         speed, ramp, acceleration, jerk = action.speed, action.ramp, action.acceleration, action.jerk
-    if isinstance(action, (WinchSpeed, DriveSpeed)):
+    if isinstance(action, (WinchSpeed, DriveSpeed, PathSpeed)):
         code, value = SPEED, action.speed
+    elif isinstance(action, PathGoOn):
+        code = GO_TO
     elif isinstance(action, WinchLength):
         code, value = GO_TO, action.length
     elif isinstance(action, WinchHaul):
@@ -661,6 +734,8 @@ def _action(
         code, value = SPEED, action.rate
         if action.mass is not None:
             code, value, speed = GO_TO, action.mass, abs(action.rate)
+    elif isinstance(action, ReleaseJoint):
+        code, mover, other = RELEASE_JOINT, -1, mover
     elif isinstance(action, Release):
         code = RELEASE
     elif isinstance(action, Connect):

@@ -58,6 +58,7 @@ SCENARIO_CHANNELS = (
         "number",
         "number of the phase of the scenario, from 1; one more than there are once all are done",
     ),
+    ChannelKind("track_phase", "number", "the same of each track beside the first one", None),
 )
 """Of the scenario."""
 

@@ -11,7 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import controlled
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = [
     "AXES",
@@ -24,8 +24,11 @@ __all__ = [
     "Limit",
     "Movable",
     "Note",
+    "PathGoOn",
+    "PathSpeed",
     "Phase",
     "Release",
+    "ReleaseJoint",
     "Scenario",
     "Signal",
     "TankRate",
@@ -42,6 +45,7 @@ __all__ = [
     "check_scenario",
     "drives_of",
     "loose_ropes",
+    "releases_of",
 ]
 
 
@@ -416,6 +420,42 @@ class DriveTo(_Ramp):
 
 
 @dataclass(frozen=True)
+class PathSpeed(_Ramp):
+    """A transporter goes along its path at a speed to the end of the leg on which it is, and stops there.
+
+    Attributes
+    ----------
+    path
+        Name of the transporter.
+    speed
+        [m/s]; 0 stops it where it is.
+    """
+
+    path: str
+    speed: float
+    ramp: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        if self.speed == 0.0:
+            return f"{self.path!r} stops on its path{self._in_ramp}"
+        return f"{self.path!r} along its leg at {self.speed:g} m/s{self._in_ramp}"
+
+
+@dataclass(frozen=True)
+class PathGoOn:
+    """A transporter goes on along its path, this leg and all others as they are planned."""
+
+    path: str
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"{self.path!r} goes on along its path"
+
+
+@dataclass(frozen=True)
 class Release:
     """A rope lets go: from now on it does nothing, and what it had stored is lost."""
 
@@ -425,6 +465,18 @@ class Release:
     def text(self) -> str:
         """Words for it."""
         return f"release of {self.rope!r}"
+
+
+@dataclass(frozen=True)
+class ReleaseJoint:
+    """A joint lets go: from now on its rows do nothing."""
+
+    joint: str
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"release of joint {self.joint!r}"
 
 
 @dataclass(frozen=True)
@@ -464,7 +516,8 @@ RopeAction: TypeAlias = (
     | Connect
 )
 DriveAction: TypeAlias = DriveSpeed | DriveTo
-Action: TypeAlias = RopeAction | TankRate | DriveAction | Note
+PathAction: TypeAlias = PathSpeed | PathGoOn
+Action: TypeAlias = RopeAction | ReleaseJoint | TankRate | DriveAction | PathAction | Note
 MOVES = (WinchSpeed, WinchLength, WinchHaul)
 """What a winch is told that it does by itself."""
 
@@ -554,15 +607,24 @@ class Scenario:
         return tuple(found)
 
 
-def loose_ropes(scenario: Scenario, phase: int) -> set[str]:
-    """Names of ropes that are not connected in a phase, by its number from 1; one more than there are is the end."""
+def loose_ropes(scenario: Scenario, phases: Sequence[int]) -> set[str]:
+    """Names of ropes that are not connected, by the numbers of the phases of all tracks.
+
+    Parameters
+    ----------
+    scenario
+        Phases.
+    phases
+        Of each track from 1 on; one more than there are is the end.
+    """
     loose = set(scenario.prepared)
-    for done in scenario.phases[:phase]:
-        for action in done.actions:
-            if isinstance(action, Release):
-                loose.add(action.rope)
-            elif isinstance(action, Connect):
-                loose.discard(action.rope)
+    for row, number in zip(scenario.rows, phases, strict=True):
+        for done in row[:number]:
+            for action in done.actions:
+                if isinstance(action, Release):
+                    loose.add(action.rope)
+                elif isinstance(action, Connect):
+                    loose.discard(action.rope)
     return loose
 
 
@@ -586,6 +648,12 @@ class Movable:
         Of the run [s]; infinite if it is not known.
     pumped
         Tanks with `[[pumps]]`, which nothing else is to fill, and one of these each.
+    vehicles
+        Transporters with a path by name: of the scene, or sections of a case.
+    capacities
+        Masses of full tanks [kg], as far as they are known.
+    releases
+        Joints by name, and why they cannot be released: in words, empty if they can.
     """
 
     ropes: Mapping[str, Any]
@@ -593,6 +661,9 @@ class Movable:
     drives: Mapping[str, bool] = field(default_factory=dict)
     duration: float = math.inf
     pumped: Mapping[str, str] = field(default_factory=dict)
+    vehicles: Mapping[str, Any] = field(default_factory=dict)
+    capacities: Mapping[str, float] = field(default_factory=dict)
+    releases: Mapping[str, str] = field(default_factory=dict)
 
 
 def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
@@ -619,6 +690,42 @@ def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bo
     return found
 
 
+RELEASABLE = frozenset(
+    {"ball", "cylindrical", "fixed", "hinge", "planar", "slider", "slider_hinge", "universal"}
+)
+"""Words of joints that can be released: each is one block of rows, and nothing but these."""
+
+
+def releases_of(joints: Iterable[Any], users: Iterable[Any]) -> dict[str, str]:
+    """Names of all joints, and why one cannot be released; empty if it can.
+
+    Parameters
+    ----------
+    joints
+        Of a scene or a case.
+    users
+        What may act along a joint, as springs and motors do.
+    """
+    used = {one.joint: one.name for one in users if isinstance(getattr(one, "joint", None), str)}
+    own = ("limits", "angle_limits", "travel_limits", "friction", "angle_friction", "travel_friction")
+    found = {}
+    for joint in joints:
+        word = getattr(joint, "DESCRIBED", type(joint)).WORD
+        reason = ""
+        if word not in RELEASABLE:
+            reason = f"is a joint of type {word!r}"
+        elif joint.compliance > 0.0:
+            reason = "gives way, and what it stores then is counted nowhere"
+        elif getattr(joint, "drive", None) is not None:
+            reason = "has a drive"
+        elif any(getattr(joint, key, None) for key in own):
+            reason = "has stops or friction"
+        elif joint.name in used:
+            reason = f"has {used[joint.name]!r} along it"
+        found[joint.name] = reason
+    return found
+
+
 class _Checker:
     """Goes through the phases of a track, and knows what is connected and how winches stand."""
 
@@ -634,6 +741,10 @@ class _Checker:
         self.loose = set(prepared)
         self.braked: set[str] = set()
         self.planned: dict[str, float] = {}
+        self.largest: dict[str, tuple[float, float]] = {}
+        """Speeds of what moves by itself, at most: in the phase, and behind it."""
+        self.levels: dict[str, float] = {}
+        """Speeds at most of winches that keep a level, beside that."""
         self.lengths: dict[str, float] = {}
         self.arriving: set[str] = set()
 
@@ -665,11 +776,24 @@ class _Checker:
                     key=f"{key}.tank",
                     expected="a tank without [[pumps]]",
                 )
+            room = self.movable.capacities.get(action.tank, math.inf)
+            if action.mass is not None and action.mass > room * (1.0 + 1e-9):
+                raise InputError(
+                    f"{action.mass:g} kg, and {action.tank!r} is full with {room:.6g} kg",
+                    key=f"{key}.mass",
+                    expected=f"at most {room:.6g} kg",
+                )
             if action.mass is not None or action.rate < 0.0:
                 self.arriving.add(action.tank)
             return
         if isinstance(action, (DriveSpeed, DriveTo)):
             self._drive(action, f"{key}.drive")
+            return
+        if isinstance(action, (PathSpeed, PathGoOn)):
+            self._path(action, key)
+            return
+        if isinstance(action, ReleaseJoint):
+            self._release(action.joint, f"{key}.release")
             return
         word = {Release: "release", Connect: "connect"}.get(type(action), "winch")
         place = f"{key}.{word}"
@@ -712,6 +836,39 @@ class _Checker:
         if isinstance(action, DriveTo) or action.speed == 0.0:
             self.arriving.add(action.drive)
 
+    def _release(self, name: str, key: str) -> None:
+        """A joint that is there still, and is rows alone."""
+        reason = _known("joint", name, self.movable.releases, key)
+        if reason:
+            raise InputError(
+                f"{name!r} {reason}",
+                key=key,
+                expected=f"a rigid joint of type {', '.join(sorted(RELEASABLE))} that nothing drives, stops or loads",
+            )
+        if name in self.loose:
+            raise InputError(f"{name!r} is released then", key=key, expected="a joint that is not")
+        self.loose.add(name)
+
+    def _path(self, action: PathAction, key: str) -> None:
+        """A vehicle whose plan waits for nothing else, and whose drive can do the speed."""
+        vehicle = _known("transporter with 'legs'", action.path, self.movable.vehicles, f"{key}.path")
+        if vehicle.tyres is not None:
+            raise InputError(
+                f"{action.path!r} has 'tyres', and its plan waits for what its drives can",
+                key=f"{key}.path",
+                expected="a transporter without 'tyres'",
+            )
+        self.arriving.add(action.path)
+        if not isinstance(action, PathSpeed) or vehicle.drive is None or not len(vehicle.drive.speeds):
+            return
+        fastest = max(leg.speed for leg in vehicle.legs)
+        if action.speed > fastest * (1.0 + 1e-12):
+            raise InputError(
+                f"{action.speed:g} m/s, and the drives of {action.path!r} are planned for {fastest:g} m/s",
+                key=f"{key}.speed",
+                expected="at most the speed of its fastest leg, or a drive without 'speeds'",
+            )
+
     def _control(self, action: WinchTension | WinchLevel | WinchBrake, rope: Any, key: str) -> None:
         """The winch answers to its tension; its brake is off, and is set while it rests."""
         name = action.rope
@@ -729,6 +886,7 @@ class _Checker:
                     expected="a speed of 0 before, or a length to go to",
                 )
             self.followed.pop(name, None)
+            self.levels.pop(name, None)
             (self.braked.add if action.on else self.braked.discard)(name)
             return
         if not controlled(rope):
@@ -741,6 +899,7 @@ class _Checker:
         if isinstance(action, WinchTension):
             self.followed.pop(name, None)
             self.planned[name] = 0.0
+            self.largest.pop(name, None)
             if action.tension > LARGEST_STRAIN * rope.axial_stiffness:
                 raise InputError(
                     f"{action.tension:g} N is a strain of {action.tension / rope.axial_stiffness:.3g}",
@@ -755,6 +914,33 @@ class _Checker:
                     expected=f"less than {brake:g} N",
                 )
         self._check_speed(action.speed, rope, key)
+        if isinstance(action, WinchLevel) and action.share:
+            self.levels[name] = action.speed
+            self._check_both(rope, key)
+        else:
+            self.levels.pop(name, None)
+
+    def _check_both(self, rope: Any, key: str) -> None:
+        """What a winch is told and what it does for a level are together no faster than it can be."""
+        name = rope.name
+        most = getattr(getattr(rope, "winch", None), "fastest", None)
+        told, level = self.largest.get(name, (0.0, 0.0))[0], self.levels.get(name, 0.0)
+        if most is not None and level > 0.0 and told + level > most * (1.0 + 1e-12):
+            raise InputError(
+                f"{told:g} m/s that the winch of {name!r} is told and {level:g} m/s to keep its level",
+                key=f"{key}.speed",
+                expected=f"at most {most:g} m/s together",
+            )
+
+    def end(self, phase: Phase) -> None:
+        """What has arrived in a phase that waits for it rests."""
+        for name, (_, behind) in self.largest.items():
+            self.largest[name] = behind, behind
+        if phase.ends_with == "any" and len(phase.until) > 1:
+            return
+        for one in phase.until:
+            if one.signal is not None and one.signal.function == "arrived":
+                self.largest |= {term.channel: (0.0, 0.0) for term in one.signal.terms}
 
     def _is_off(self, name: str, key: str) -> None:
         """Nothing moves a drum whose brake is set."""
@@ -817,9 +1003,15 @@ class _Checker:
             self._check_follower(action, rope, key)
             self.followed[name] = action.leader
             self.planned[name] = action.ratio * self.planned.get(action.leader, 0.0)
+            self.largest[name] = (abs(action.ratio) * self.largest.get(action.leader, (0.0, 0.0))[0],) * 2
+            self._check_both(rope, key)
             self.arriving.add(name)
             return
         self._check_speed(action.speed, rope, key)
+        at_once = not action.ramp and not action.acceleration
+        before = 0.0 if at_once else self.largest.get(name, (0.0, 0.0))[0]
+        self.largest[name] = max(before, abs(action.speed)), abs(action.speed)
+        self._check_both(rope, key)
         self.followed.pop(name, None)
         self.planned[name] = action.speed if isinstance(action, WinchSpeed) else 0.0
         self.lengths.pop(name, None)
@@ -833,7 +1025,8 @@ class _Checker:
 
 def acted_on(action: Action) -> str:
     """Name of what an action is for; empty of a note."""
-    return str(getattr(action, "rope", "") or getattr(action, "tank", "") or getattr(action, "drive", ""))
+    words = (getattr(action, key, "") for key in ("rope", "joint", "tank", "drive", "path"))
+    return str(next(filter(None, words), ""))
 
 
 LARGEST_STRAIN = 0.02
@@ -890,6 +1083,7 @@ def check_scenario(scenario: Scenario, movable: Movable) -> None:
             for number, action in enumerate(phase.actions):
                 checker.act(action, f"{key}.actions.{number}")
             _can_end(phase, checker, f"{key}.until")
+            checker.end(phase)
 
 
 def _can_end(phase: Phase, checker: _Checker, key: str) -> None:

@@ -75,6 +75,7 @@ AIMED = 1e-12
 """Part of the work of the forces along a step that ends the rounds."""
 
 
+@one_blas_thread
 def find_equilibrium(rows: StartRows) -> Equilibrium:
     """Bring a scene to rest in a stable equilibrium, with the reactions that belong to it.
 

@@ -61,6 +61,8 @@ GROWTHS = 4
 """Iterations in a row that may make the residual larger."""
 
 DAMPINGS = 30
+RELAXED = 0.1
+"""Part of the damping of the last iteration that is tried first if none does not do."""
 
 
 @dataclass
@@ -108,6 +110,7 @@ def correct(
     tolerance: float = BALANCED,
     patience: int = PATIENCE,
     damped: bool = True,
+    firm: bool = False,
 ) -> bool:
     """Search for a position of balance; returns whether it was found.
 
@@ -131,10 +134,12 @@ def correct(
         Most iterations.
     damped
         Avoid unstable positions. Otherwise the nearest position of balance is taken, stable or not.
+    firm
+        Give up where the stiffness is not positive to begin with.
     """
     multipliers, mass = progress.multipliers.copy(), problem.mass.diagonal()
     went = np.zeros(problem.count)
-    last, best, grown, size, floor = np.inf, np.inf, 0, np.inf, 0.0
+    last, best, grown, size, floor, damping = np.inf, np.inf, 0, np.inf, 0.0, 0.0
     for iteration in range(patience + 1):
         now = measure(problem, factor, multipliers)
         force = now.force - anchor * mass * went
@@ -157,9 +162,12 @@ def correct(
         K = problem.tangent(factor, multipliers)
         progress.iterations += 1
         floor = rounding_floor(problem, K, now.weight)
-        solver = (
-            _positive(problem, K, now, anchor) if damped else factorise(problem, K, now.G, 0.0, check=False)
-        )
+        if damped and not (firm and iteration == 0):
+            solver, damping = _positive(problem, K, now, anchor, damping)
+        elif damped:
+            solver = factorise(problem, K, now.G, anchor)
+        else:
+            solver = factorise(problem, K, now.G, 0.0, check=False)
         if solver is None:
             return False
         dx, dl = solver.solve(force, -now.gap)
@@ -169,7 +177,7 @@ def correct(
         if not np.isfinite(size) or (iteration == 0 and size > most):
             return False
         part = min(1.0, 1.0 / max(size, 1e-300))
-        problem.move(part * dx)
+        problem.advance(part * dx)
         went += part * dx
         multipliers = multipliers + part * dl
         if large(problem, went) > farthest * max(progress.promised, 0.02):
@@ -177,16 +185,21 @@ def correct(
     return False
 
 
-def _positive(problem: StaticProblem, K: Any, now: Balance, least: float) -> Factor | None:
-    """The factor with the least damping that makes the stiffness positive, or nearly so."""
+def _positive(
+    problem: StaticProblem, K: Any, now: Balance, least: float, before: float = 0.0
+) -> tuple[Factor | None, float]:
+    """The factor with the least damping that makes the stiffness positive, or nearly so, and that damping.
+
+    Where `least` does not do, the search begins a little below the damping that was needed before.
+    """
     shift = stability_shift(problem, K, now.weight)
     trial = least
     for _ in range(DAMPINGS):
         solver = factorise(problem, K, now.G, trial)
         if solver is not None:
-            return solver
-        trial = max(10.0 * trial, shift)
-    return None
+            return solver, trial
+        trial = max(10.0 * trial, shift, RELAXED * before)
+    return None, trial
 
 
 def stiffness(problem: StaticProblem, progress: Progress) -> tuple[Any, Balance, float]:
@@ -216,7 +229,7 @@ def push(problem: StaticProblem, progress: Progress, size: float) -> bool:
     K, now, shift = stiffness(problem, progress)
     if not unstable_count(problem, K, now.G, shift):
         return False
-    solver = _positive(problem, K, now, shift)
+    solver, _ = _positive(problem, K, now, shift)
     if solver is None:
         return False
     mass = problem.mass.diagonal()

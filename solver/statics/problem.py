@@ -83,6 +83,9 @@ class StaticProblem(Protocol):
     def move(self, increment: NDArray[np.float64]) -> None:
         """Displace by a vector of unknowns."""
 
+    def advance(self, increment: NDArray[np.float64]) -> None:
+        """Displace by a step of Newton's method; the next stiffness may be that which the step promises."""
+
     def internal_force(self) -> NDArray[np.float64]:
         """F, shape (count,)."""
 

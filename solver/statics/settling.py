@@ -64,16 +64,20 @@ def _sink(problem: StaticProblem, progress: Progress, factor: float) -> bool:
     pull = now.force / problem.mass.diagonal() / problem.scale
     shift = stiffness(problem, progress)[2]
     hold = max(float(np.abs(pull).max(initial=0.0)) / FIRST_MOVE, shift)
-    way, moved, pushes, shrink = 0.0, np.inf, 0, 0.2
+    way, moved, pushes, shrink, arrived = 0.0, np.inf, 0, 0.2, True
     for _ in range(STEPS):
         if moved <= SLOW and pushes < PUSHES and push(problem, progress, PUSH * (pushes + 1)):
             pushes += 1
         before = problem.snapshot(), progress.multipliers
-        if correct(problem, progress, factor, most=DIRECT, farthest=4.0):
-            return True
-        problem.restore(before[0])
-        progress.multipliers = before[1]
-        if correct(problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=LOOSE, patience=10):
+        if arrived:  # else it has been tried from here
+            if correct(problem, progress, factor, most=DIRECT, farthest=4.0, firm=True):
+                return True
+            problem.restore(before[0])
+            progress.multipliers = before[1]
+        arrived = correct(
+            problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=LOOSE, patience=10
+        )
+        if arrived:
             progress.steps += 1
             moved = progress.promised
             way += moved

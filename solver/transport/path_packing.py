@@ -195,6 +195,7 @@ class PathPacking:
                 np.ascontiguousarray(np.vstack([route.nodes for route in self._routes])),
                 np.ascontiguousarray(np.vstack([route.pieces for route in self._routes])),
                 np.array(self._capacity, dtype=np.float64).reshape(-1, 2),
+                np.vstack([np.insert(made.legs, 0, i, axis=1) for i, made in enumerate(self._routes)]),
                 turns,
                 np.array(self._deck_plans, dtype=np.int64),
                 state,

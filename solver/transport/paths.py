@@ -44,6 +44,7 @@ from heavylift.solver.joints.row_writing import add_direction_row, dot, minus, r
 from heavylift.solver.kinds import implement
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place
+from heavylift.solver.transport.path_ways import way_on_pieces
 from heavylift.solver.transport.transporters import BogieState
 
 __all__ = [
@@ -212,6 +213,8 @@ class Paths(Arrays):
         What the user said.
     nodes, pieces, capacity
         Routes; speed and force of drives, shape (n, 2).
+    legs
+        Number of the path, and what `heavylift.solver.transport.routes.Route` says of its legs, shape (legs, 5).
     turns
         Half turns of the wheels by leg and bogie [rad]: legs of all paths one below the other, as the last column of
         `nodes` counts.
@@ -232,6 +235,7 @@ class Paths(Arrays):
     nodes: Floats2
     pieces: Floats2
     capacity: Floats2
+    legs: Floats2
     turns: Floats2
     deck_plans: Ints2
     state: Records[PathState]
@@ -259,12 +263,8 @@ def row_before(table: NDArray[np.float64], first: int, count: int, value: float)
 @kernel(internal=True)
 def way_at(kind: Paths, path: PathData, time: float) -> tuple[float, float]:
     """Way [m] and speed [m/s] at a time."""
-    i = path.first_piece
-    while i + 1 < path.first_piece + path.pieces and kind.pieces[i + 1, 0] <= time:
-        i += 1
-    t = max(time - kind.pieces[i, 0], 0.0)
-    speed = kind.pieces[i, 2] + t * kind.pieces[i, 3]
-    return kind.pieces[i, 1] + t * (kind.pieces[i, 2] + 0.5 * t * kind.pieces[i, 3]), speed
+    way, speed, _ = way_on_pieces(kind.pieces, path.first_piece, path.pieces, time)
+    return way, speed
 
 
 @kernel(internal=True)

@@ -70,10 +70,13 @@ class Route(NamedTuple):
         Columns as `COLUMNS`, shape (n, 13).
     pieces
         Time, way, speed and acceleration from which on each holds, shape (m, 4).
+    legs
+        Way at the end of each leg [m], its speed [m/s] and acceleration [m/s2], and the number of its first piece.
     """
 
     nodes: NDArray[np.float64]
     pieces: NDArray[np.float64]
+    legs: NDArray[np.float64]
 
 
 def _along(elements: Sequence[tuple[float, float, float]]) -> Curve:
@@ -298,6 +301,7 @@ def make_route(legs: Sequence[PathLeg], bogies: NDArray[np.float64], pose: NDArr
     way, time = 0.0, 0.0
     nodes: list[NDArray[np.float64]] = []
     pieces: list[NDArray[np.float64]] = []
+    ends: list[tuple[float, float, float, float]] = []
     for number, leg in enumerate(legs):
         try:
             rows = _leg_rows(leg, bogies)
@@ -311,6 +315,7 @@ def make_route(legs: Sequence[PathLeg], bogies: NDArray[np.float64], pose: NDArr
         moves = speed_pieces(at, speeds, leg.acceleration)[1:, :4]
         moves[:, 1] += way - moves[0, 1]
         moves[-1, 1] = way + length
+        ends.append((way + length, leg.speed, leg.acceleration, sum(map(len, pieces))))
         pieces.append(moves)
         c, s = math.cos(yaw), math.sin(yaw)
         turned = rows.copy()
@@ -324,7 +329,7 @@ def make_route(legs: Sequence[PathLeg], bogies: NDArray[np.float64], pose: NDArr
         nodes.append(turned)
         way, x, y, yaw = (float(value) for value in turned[-1, :4])
         time = float(moves[-1, 0])
-    return Route(np.vstack(nodes), np.vstack(pieces))
+    return Route(np.vstack(nodes), np.vstack(pieces), np.array(ends, dtype=np.float64))
 
 
 def rolling(nodes: NDArray[np.float64], bogies: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:

@@ -17,16 +17,17 @@ No force of a tread is beyond the friction ``mu f``. Across, what the drive leav
 
 In a step the velocities over the deck are constant: then deflections are exponentials, also where a limit ends them,
 and their means and ends are exact; so are the losses, which are never negative at constant load. Loads, steering and
-the rolled way are those that are predicted. Three rows for each body and plane of decks, velocities along and across
-and yaw rate of the vehicle there, carry the sums of all forces, and are fitted as any law.
+the rolled way are those that are predicted. What a drive leaves of friction is fitted with the rest, but for steps in
+which it takes all of it and the iteration would not end: there the circle is missed by a percent or two. Three rows
+for each body and plane of decks, velocities along and across and yaw rate of the vehicle there, carry the sums of all
+forces, and are fitted as any law.
 
 Motors in parallel have one pressure and share one flow. So the drive is one row: driven wheels, each rolling along its
 own direction, together roll as the plan of the path says, ``sum w_i d_i . v_i = s' sum w_i |r_i|``, and its reaction is
 the force F of each motor. That needs no controller with gains that somebody would have to choose. The row gives way
 where F is more than motors or friction can: it then pushes with that, and the plan waits. What a wheel with less load
 cannot put on the road goes to the others: its weight is ``w_i = mu f_i / F`` for what F grows to at most in the step,
-which is the friction of the best wheel if that is less. Of that motors give 0.9 at most: wheels that spin would have
-nothing left for the side.
+which is the friction of the best wheel if that is less.
 At rest motors are off and driven wheels braked.
 
 Wheels are steered as the path has them at the way that has been rolled, and nobody corrects that: a driver would hide
@@ -99,9 +100,6 @@ GROWTH, LEAST = 1.25, 0.05
 """By how much the force of a motor may grow in a step beyond what wheels with less load can put on the road, and what
 it may be in any case, over the friction of the best wheel."""
 
-MOST = 0.9
-"""Of the friction of the best wheel that a motor gives at most: wheels that spin have nothing left for the side."""
-
 HALVINGS = 60
 """Of a step, to find how long a plan waits."""
 
@@ -122,7 +120,7 @@ class TyreData(Record):
         First of the blocks of its planes, block of the drive, and attachments of that.
     column
         First record column.
-    stiffness, length, delay
+    cornering, length, delay
         C [1], sigma [m], tau [s].
     reach
         Largest distance of a bogie from the middle of all [m].
@@ -135,7 +133,7 @@ class TyreData(Record):
     drive_block: int
     attachments: int
     column: int
-    stiffness: float
+    cornering: float
     length: float
     delay: float
     reach: float
@@ -155,9 +153,11 @@ class TyreState(Record):
     stood, rests, branch, rounds
         Whether it was to stand in the last step, and in this one; 0 if the drive gives what the plan asks for, else the
         sense in which it pushes as it can; of the iteration.
-    flow, wheels, most, capacity
-        Wanted rate of the row of the drive [m/s], that over the rate of the way; largest force of a motor, and without
-        regard to friction [N].
+    flow, wheels, most, back, capacity
+        Wanted rate of the row of the drive [m/s], that over the rate of the way; largest force of a motor forwards, and
+        backwards, where rolling resistance adds to what it takes of friction; without regard to friction [N].
+    before
+        Rate of the row of the drive at the end of the step, before velocities are projected [m/s].
     force, push
         Of a motor, and on the vehicle along, across and about its middle, in the middle of the last step [N, N, N m].
     work, loss, stored
@@ -184,7 +184,9 @@ class TyreState(Record):
     flow: float
     wheels: float
     most: float
+    back: float
     capacity: float
+    before: float
     force: float
     push: VectorField
     work: float
@@ -258,6 +260,8 @@ class WheelState(Record):
     load, stiffness, limit, hold
         f [N], K [N/m] in the step; largest deflection by friction, and along the wheel by rolling resistance and
         brakes [m].
+    room
+        Deflection across that what goes along it leaves of the limit [m].
     locked
         Whether its brakes hold more than friction.
     plane
@@ -285,6 +289,7 @@ class WheelState(Record):
     stiffness: float
     limit: float
     hold: float
+    room: float
     locked: bool
     plane: int
     rolls: float
@@ -387,7 +392,14 @@ def deflect(
 
 @kernel(internal=True)
 def tread(
-    wheel: WheelState, ex: float, ey: float, dx: float, dy: float, drive: float, damping: float
+    wheel: WheelState,
+    ex: float,
+    ey: float,
+    dx: float,
+    dy: float,
+    drive: float,
+    damping: float,
+    keeps: bool,
 ) -> tuple[float, float, float, float, float, float]:
     """A tread in a step.
 
@@ -403,6 +415,8 @@ def tread(
         Force of its motor, over the stiffness [m].
     damping
         tau over the step.
+    keeps
+        Whether what the drive leaves of friction stays as it is: where that is next to nothing it is steep.
 
     Returns
     -------
@@ -418,7 +432,7 @@ def tread(
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if wheel.locked:
         size = math.hypot(ex, ey)
-        back = min(1.0, limit / size) if size > 0.0 else 1.0
+        back = limit / size if size > limit else 1.0
         ex, ey = ex * back, ey * back
         x, y, end_x, end_y, _, slope_x, slope_y = rub(ex, ey, dx, dy, 1.0, limit)
         x, y = x + damping * (end_x - ex), y + damping * (end_y - ey)
@@ -428,11 +442,13 @@ def tread(
         elif math.hypot(ex + dx, ey + dy) <= limit:
             slope_x, slope_y = slope_x + damping, slope_y + damping
         return x, y, end_x, end_y, slope_x, slope_y
-    hold = min(wheel.hold, max(limit - abs(drive), 0.0))
+    hold = min(wheel.hold, limit)
     x, end_x, slope_x = deflect(ex, dx, 0.0, hold, 1.0, 0.5)
     x, slope_x = _damped(x, end_x - min(max(ex, -hold), hold), slope_x, damping, 1.0, hold)
     free = drive - x
-    across = math.sqrt(max(limit * limit - free * free, 0.0))
+    if not keeps:
+        wheel.room = math.sqrt(max(limit * limit - free * free, 0.0))
+    across = wheel.room
     y, end_y, slope_y = deflect(ey, dy, wheel.rolls, across, wheel.mean, wheel.lag)
     y, slope_y = _damped(y, end_y - min(max(ey, -across), across), slope_y, damping, wheel.mean, across)
     return x, y, end_x, end_y, slope_x, slope_y
@@ -630,6 +646,7 @@ def _look_at_loads(kind: TyredVehicles, v: int, time: float, step: float) -> Non
     for j in range(data.first_plane, data.first_plane + data.planes):
         kind.planes[j].grip = 0.0
     best, state.wheels, state.most = 0.0, 0.0, math.inf
+    left = max(1.0 - drive.resistance / drive.friction, 0.0)
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         if kind.paths.bogies[i].driven:
             best = max(best, drive.friction * (kind.bogie_state[i].mean + path.weight))
@@ -639,8 +656,8 @@ def _look_at_loads(kind: TyredVehicles, v: int, time: float, step: float) -> Non
         wheel, bogie = kind.wheel_state[i], kind.bogie_state[i]
         f = bogie.mean + path.weight
         driven = kind.paths.bogies[i].driven
-        wheel.load, wheel.stiffness = f, data.stiffness * f / data.length
-        wheel.limit = drive.friction * data.length / data.stiffness if f > 0.0 else 0.0
+        wheel.load, wheel.stiffness = f, data.cornering * f / data.length
+        wheel.limit = drive.friction * data.length / data.cornering if f > 0.0 else 0.0
         wheel.plane = data.first_plane + kind.deck_planes[bogie.deck]
         kind.planes[wheel.plane].grip += drive.friction * f
         held = drive.resistance * f
@@ -650,11 +667,13 @@ def _look_at_loads(kind: TyredVehicles, v: int, time: float, step: float) -> Non
         wheel.hold = held / wheel.stiffness if f > 0.0 else 0.0
         wheel.weight = 0.0
         if driven and not state.rests:
-            grip = drive.friction * f
+            # a wheel that rolls back resists in the sense of its motor
+            grip = drive.friction * f * (left if wheel.along < 0.0 else 1.0)
             wheel.weight = min(1.0, grip / tried) if tried > 0.0 else 0.0
             state.most = min(state.most, max(grip, tried))
             state.wheels += wheel.weight * wheel.size
-    state.most = min(state.most, MOST * best)
+    state.most = min(state.most, best)
+    state.back = left * state.most
     state.flow = state.wheels * state.moved / step
     if state.rests or not state.wheels > 0.0:
         state.branch = 0
@@ -692,6 +711,7 @@ def _look_at_rates(kind: TyredVehicles, v: int, step: float, work: Workspace) ->
                 wheel.downhill_x = -f * (p * dot(x, along) + q * dot(y, along))
                 wheel.downhill_y = -f * (p * dot(x, across) + q * dot(y, across))
     state.capacity = drive_capacity(kind.paths, kind.paths.drives[path.drive], fastest)
+    state.back = min(state.back, state.capacity)
     state.most = min(state.most, state.capacity)
 
 
@@ -727,7 +747,7 @@ def _settle(
         # in the axes of the wheel: sides carry all alike, brakes what goes along it
         forwards, aside = wheel.x * x + wheel.y * y, wheel.x * y - wheel.y * x
         forwards *= total / braked if kind.paths.bogies[i].driven else 0.0
-        scale, plane, at = data.length / data.stiffness, kind.planes[wheel.plane], kind.paths.bogies[i]
+        scale, plane, at = data.length / data.cornering, kind.planes[wheel.plane], kind.paths.bogies[i]
         d = minus(place(work, path.middle), vector(work, plane.origin))
         p = dot(d, vector(work, plane.x)) + c * at.x - s * at.y - kind.wheels[i].start_x
         q = dot(d, vector(work, plane.y)) + s * at.x + c * at.y - kind.wheels[i].start_y
@@ -776,7 +796,7 @@ def _sum_forces(
         u, w = step * (rates[0] - rates[2] * at.y), step * (rates[1] + rates[2] * at.x)
         drive = wheel.weight * motor / K if K > 0.0 else 0.0
         x, y, end_x, end_y, slope_x, slope_y = tread(
-            wheel, wheel.along, wheel.aside, c * u + s * w, c * w - s * u, drive, damping
+            wheel, wheel.along, wheel.aside, c * u + s * w, c * w - s * u, drive, damping, stiff
         )
         if stiff:
             slope_x = slope_y = 0.5 + damping
@@ -829,7 +849,7 @@ def _put_drive(kind: TyredVehicles, v: int, flow: float, step: float, system: Ro
         put_stick(system, block)
         system.rows[block].target[0] = flow
     else:
-        put_law(system, block, step, 0.0, -state.branch * state.most, 0.0)
+        put_law(system, block, step, 0.0, -state.most if state.branch > 0 else state.back, 0.0)
 
 
 @implement(set_targets, TyredVehicles)
@@ -847,6 +867,8 @@ def set_tyre_targets(
             _aim(kind, v, state.way)
             _sum_drive(kind, v)
             _write_rows(kind, v, work, system)
+            first = 2 * data.drive_block
+            state.before = rate_of_row(system, first, first + data.attachments, 0, work.velocity)
             if not state.fresh and not state.rests and state.branch == 0 and state.wheels > 0.0:
                 _, speed = way_at(kind.paths, path, time - state.wait)
                 flow = 0.0
@@ -863,7 +885,7 @@ def set_tyre_targets(
         _write_rows(kind, v, work, system)
         _put_drive(kind, v, state.flow, step, system)
         state.rounds = 0
-        motor = 0.0 if state.rests else min(max(state.force, -state.most), state.most)
+        motor = 0.0 if state.rests else min(max(state.force, -state.back), state.most)
         for j in range(data.first_plane, data.first_plane + data.planes):
             block, rates = _block(kind, v, j), (0.0, 0.0, 0.0)
             if kind.planes[j].grip > 0.0:
@@ -901,15 +923,17 @@ def relinearise_tyres(
             u = rate_of_row(system, first, first + data.attachments, 0, work.velocity)
             branch = state.branch
             if state.rounds <= PLAIN_ROUNDS or work.control.changed == 0:
-                if branch == 0 and abs(motor) > state.most * (1.0 + 1e-10):
-                    state.branch = 1 if motor > 0.0 else -1
+                if branch == 0 and motor > state.most * (1.0 + 1e-10):
+                    state.branch = 1
+                elif branch == 0 and motor < -state.back * (1.0 + 1e-10):
+                    state.branch = -1
                 elif branch != 0 and branch * (u - state.flow) > 1e-12 * abs(state.flow):
                     state.branch = 0
             if state.branch != branch:
                 _put_drive(kind, v, state.flow, step, system)
                 work.control.changed += 1
                 work.status.block = block
-        motor = min(max(motor, -state.most), state.most)
+        motor = min(max(motor, -state.back), state.most)
         for j in range(data.first_plane, data.first_plane + data.planes):
             grip = kind.planes[j].grip
             if not grip > 0.0:
@@ -946,7 +970,6 @@ def update_tyres(kind: TyredVehicles, time: float, step: float, work: Workspace,
         path, block = kind.paths.table[data.path], data.drive_block
         motor = 0.0 if state.rests else 2.0 * system.rows[block].impulse[0] / step
         state.force = motor
-        state.rounds = 0
         for j in range(path.first_plan, path.first_plan + path.plans):
             kind.plan_state[j].weight = kind.plan_state[j].next_weight
         spent, stored = 0.0, 0.0
@@ -988,6 +1011,7 @@ def update_tyres(kind: TyredVehicles, time: float, step: float, work: Workspace,
                 state.wait += _waited(kind.paths, path, state.way, time - state.wait, step)
         if path.tells:
             tell_steering(kind.paths, path, state.way, state.moved)
+        state.rounds = 0
         state.fresh, state.stood = False, state.rests
 
 
@@ -1000,20 +1024,16 @@ def _shares(kind: TyredVehicles, v: int) -> None:
     data, state = kind.table[v], kind.state[v]
     path = kind.paths.table[data.path]
     drive = kind.paths.drives[path.drive]
-    most, best, state.brake = 0.0, 0.0, 0.0
+    most, state.brake = 0.0, 0.0
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         wheel = kind.wheel_state[i]
         if wheel.load > 0.0:
-            if kind.paths.bogies[i].driven:
-                best = max(best, drive.friction * wheel.load)
             used = (wheel.force * wheel.force + wheel.side * wheel.side) / (wheel.load * wheel.load)
             most = max(most, used)
             if state.rests and kind.paths.bogies[i].driven:
                 held = max(abs(wheel.force) - drive.resistance * wheel.load, 0.0)
                 state.brake = max(state.brake, held / drive.brake)
     state.traction = math.sqrt(most) / drive.friction
-    if state.branch != 0 and abs(state.force) >= MOST * best * (1.0 - 1e-9):
-        state.traction = 1.0  # friction is what holds it back
     state.power = 0.0 if state.rests else abs(state.force) / state.capacity
 
 
@@ -1025,7 +1045,7 @@ def watch_tyres(kind: TyredVehicles, work: Workspace, system: RowArrays) -> None
     for v in range(kind.table.shape[0]):
         state, rows = kind.state[v], system.rows[kind.table[v].drive_block]
         if not state.rests:  # of the projection at the end
-            state.work += rows.impulse[0] * rows.target[0]
+            state.work += 0.5 * rows.impulse[0] * (state.before + rows.target[0])
         _shares(kind, v)
         note_value(state.forces, interval, state.force)
         note_value(state.tractions, interval, state.traction)

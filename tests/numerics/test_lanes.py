@@ -124,6 +124,27 @@ def test_shape_has_a_power_of_two_lanes():
 
 
 @kernel
+def multiples(shape, y, G, c, at, spacing, count):
+    lanes.subtract_multiples(shape, y, at, G, at, c, at, spacing, count)
+
+
+@pytest.mark.parametrize("count", [0, 1, 7])
+def test_rows_times_factors_at_a_spacing(size, count):
+    shape = lanes.block_shape(size)
+    lane_count = len(shape[1])
+    G, c, y = RNG.normal(size=(7, size)), RNG.normal(size=7), RNG.normal(size=(1, size))
+    factors = np.full((7, 5), np.nan)
+    factors[:, 0] = c
+    before = np.zeros(OFFSET)
+    out = np.r_[before, padded(y, lane_count)]
+    multiples(
+        shape, out, np.r_[before, padded(G, lane_count)], np.r_[before, factors.ravel()], OFFSET, 5, count
+    )
+    expected = y[0] - c[:count] @ G[:count]
+    np.testing.assert_allclose(out[OFFSET:][:size], expected, rtol=1e-12, atol=1e-12)
+
+
+@kernel
 def many_products(shape, T, W, Y, at, count):
     lanes.subtract_products(shape, T, at, W, at, Y, at, count)
 

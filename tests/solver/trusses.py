@@ -70,6 +70,8 @@ class Truss:
     def move(self, increment: NDArray[np.float64]) -> None:
         self.x.ravel()[self.free] += increment
 
+    advance = move
+
     def _bar(self, bar: int) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
         i, j = self.bars[bar]
         d = self.x[j] - self.x[i]

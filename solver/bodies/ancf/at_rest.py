@@ -11,6 +11,7 @@ from heavylift.solver.bodies.ancf.assembly import factor_mass, set_size
 from heavylift.solver.bodies.ancf.elements import (
     add_follower_load,
     add_stiffness,
+    add_strain_rates,
     add_stress_forces,
     find_strains,
 )
@@ -22,9 +23,11 @@ from heavylift.solver.kinds import method
 
 __all__ = [
     "difference_follower",
+    "fill_promised_stiffness",
     "fill_stress_forces",
     "fill_weight_and_loads",
     "prepare_mass",
+    "promise_strains",
     "read_bases",
     "spread_base",
 ]
@@ -78,6 +81,26 @@ def fill_stress_forces(kind: Meshes, with_stiffness: bool) -> None:
             add_stiffness(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0, 1.0, 1.0)
         else:
             add_stress_forces(kind, body, kind.position, kind.shape_strain, kind.right_hand_side, 1.0)
+
+
+@method("static")
+@kernel(internal=True)
+def promise_strains(kind: Meshes) -> None:
+    """Strains that a displacement in `velocity_change` promises at the carried coordinates, into `stage_strain`."""
+    for body in range(kind.table.shape[0]):
+        find_strains(kind, body, kind.position, kind.stage_strain)
+        add_strain_rates(kind, body, kind.position, kind.velocity_change, kind.stage_strain, 1.0)
+
+
+@method("static")
+@kernel(internal=True)
+def fill_promised_stiffness(kind: Meshes) -> None:
+    """Stiffness at the carried coordinates with the stress of `stage_strain`, into the step set."""
+    size = set_size(kind)
+    for i in range(STEP_SET * size, STEP_SET * size + size):
+        kind.blocks[i] = 0.0
+    for body in range(kind.table.shape[0]):
+        add_stiffness(kind, body, kind.position, kind.stage_strain, kind.right_hand_side, 0.0, 1.0, 1.0)
 
 
 @method("static")

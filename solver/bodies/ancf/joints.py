@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
+from heavylift.numerics.lanes import LANES_1, LANES_2, LANES_4, LANES_8, subtract_multiples
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.kind import MASS_SET, Meshes
 from heavylift.solver.bodies.ancf.moving import add_point_compliance
@@ -43,59 +46,40 @@ def attached_mesh(kind: Meshes, system: RowArrays, attachment: int) -> int:
 @implement(apply_inverse, Meshes)
 @kernel(internal=True)
 def apply_inverse_of_meshes(kind: Meshes, at_midpoint: bool, system: RowArrays) -> None:
-    """``X = C G^T`` with ``C = J A^-1 J^T``, minus the blocks of the bases."""
-    lanes = system.lanes
-    G, half = system.panels, system.panels.shape[0] // 2
+    """``X = C G^T`` with ``C = J A^-1 J^T``, minus the blocks of the bases; and where G is other than zero."""
     for i in range(system.attachments.shape[0]):
         body = attached_mesh(kind, system, i)
         if body < 0:
             continue
-        panel, width = system.attachments[i].panel, system.attachments[i].width
-        for r in range(width * lanes):
-            G[half + panel + r] = 0.0
+        _find_range(system, i)
         which = kind.body[body].stage_set if at_midpoint else MASS_SET
-        _add_compliance(kind, body, which, system, panel, 3 * kind.table[body].base_count)
+        if system.lanes == 1:
+            _put_compliance(LANES_1, kind, body, which, system, i)
+        elif system.lanes == 2:
+            _put_compliance(LANES_2, kind, body, which, system, i)
+        elif system.lanes == 4:
+            _put_compliance(LANES_4, kind, body, which, system, i)
+        else:
+            _put_compliance(LANES_8, kind, body, which, system, i)
         add_point_compliance(kind.moving, kind, body, which, system, i)
 
 
 @kernel(internal=True)
-def _add_compliance(kind: Meshes, body: int, which: int, system: RowArrays, panel: int, width: int) -> None:
-    """Block by block; those off the diagonal serve both triangles.
+def _find_range(system: RowArrays, attachment: int) -> None:
+    """From the first to the last coordinate that the rows act on.
 
     Notes
     -----
-    Rows are on a few bases of the body, one node's as a rule, which follow each other: only the part of ``G`` between
-    the first and the last coordinate that is not zero is multiplied. Without that the rows of n nodes cost n^3.
+    Rows are on a few bases of the body, one node's as a rule, which follow each other: only that part of ``G`` is
+    multiplied. Without that the rows of n nodes cost n^3.
     """
-    lanes = system.lanes
-    G, half = system.panels, system.panels.shape[0] // 2
-    first, last = 0, width
-    while last > 0 and not _acts(G, panel + (last - 1) * lanes, lanes):
+    side, lanes = system.attachments[attachment], system.lanes
+    first, last = 0, side.width
+    while last > 0 and not _acts(system.panels, side.panel + (last - 1) * lanes, lanes):
         last -= 1
-    while first < last and not _acts(G, panel + first * lanes, lanes):
+    while first < last and not _acts(system.panels, side.panel + first * lanes, lanes):
         first += 1
-    rows, block_lanes = len(kind.shape[0]), len(kind.shape[1])
-    begin = which * set_size(kind)
-    for i in range(kind.base_blocks.shape[0]):
-        block = kind.base_blocks[i]
-        if block.body != body:
-            continue
-        row, column, place = rows * block.later, rows * block.earlier, begin + block.place
-        height, length = min(rows, width - row), min(rows, width - column)
-        for c in range(max(first - column, 0), min(last - column, length)):
-            of = panel + (column + c) * lanes
-            for k in range(height):
-                value, to = kind.blocks[place + c * block_lanes + k], half + panel + (row + k) * lanes
-                for r in range(lanes):
-                    G[to + r] -= value * G[of + r]
-        if row == column:
-            continue
-        for k in range(max(first - row, 0), min(last - row, height)):
-            of = panel + (row + k) * lanes
-            for c in range(length):
-                value, to = kind.blocks[place + c * block_lanes + k], half + panel + (column + c) * lanes
-                for r in range(lanes):
-                    G[to + r] -= value * G[of + r]
+    side.first, side.count = first, last - first
 
 
 @kernel(internal=True)
@@ -105,6 +89,39 @@ def _acts(G: Floats1, at: int, lanes: int) -> bool:
         if G[at + r] != 0.0:
             return True
     return False
+
+
+@kernel(internal=True)
+def _put_compliance(
+    shape: Any, kind: Meshes, body: int, which: int, system: RowArrays, attachment: int
+) -> None:
+    """Block by block of the bases; those off the diagonal serve both triangles."""
+    G, lanes, side = system.panels, len(shape[1]), system.attachments[attachment]
+    rows, block_lanes, width = len(kind.shape[0]), len(kind.shape[1]), 3 * kind.table[body].base_count
+    panel, out, begin = side.panel, G.shape[0] // 2 + side.panel, which * set_size(kind)
+    first, last = side.first, min(side.first + side.count, width)
+    for r in range(side.width * lanes):
+        G[out + r] = 0.0
+    for i in range(kind.base_blocks.shape[0]):
+        block = kind.base_blocks[i]
+        if block.body != body:
+            continue
+        row, column, place = rows * block.later, rows * block.earlier, begin + block.place
+        height, length = min(rows, width - row), min(rows, width - column)
+        c, count = max(first - column, 0), min(last - column, length) - max(first - column, 0)
+        if count > 0:
+            of, at = panel + (column + c) * lanes, place + c * block_lanes
+            for k in range(height):
+                subtract_multiples(
+                    shape, G, out + (row + k) * lanes, G, of, kind.blocks, at + k, block_lanes, count
+                )
+        k, count = max(first - row, 0), min(last - row, height) - max(first - row, 0)
+        if row != column and count > 0:
+            of, at = panel + (row + k) * lanes, place + k
+            for c in range(length):
+                subtract_multiples(
+                    shape, G, out + (column + c) * lanes, G, of, kind.blocks, at + c * block_lanes, 1, count
+                )
 
 
 @kernel(internal=True)

@@ -632,7 +632,12 @@ def factor_meshes(kind: Meshes, step: float, work: Workspace) -> None:
             copy_strains(kind, body, kind.strain, kind.stage_strain)
             add_strain_rates(kind, body, kind.mid_position, kind.velocity, kind.stage_strain, delay)
             start_step_matrix(kind, body, 1.0 + half * viscous, half * delay)
-            add_stiffness(kind, body, kind.mid_position, kind.stage_strain, right, -half, half * delay, 0.0)
+            # Newton's method asks for the tangent, and tense shells would need another matrix in every step
+            shell = len(kind.shape[0]) > FRAME_ROWS
+            geometric = half / delay if shell and is_iterated(kind, body) else 0.0
+            add_stiffness(
+                kind, body, kind.mid_position, kind.stage_strain, right, -half, half * delay, geometric
+            )
             clear_fixed(kind, body, STEP_SET)
             factor_set(kind, body, STEP_SET)
             kind.body[body].stage_set = STEP_SET
@@ -702,6 +707,9 @@ def estimate_mesh_error(kind: Meshes, step: float, work: Workspace) -> None:
 
 # ---- the end of the step ----
 
+
+FRAME_ROWS = 6
+"""Rows of a node of a frame: two vectors."""
 
 LEAST_RINGING = 0.005
 """Energy of what rings over that of the motion, from which midpoints are predicted without it."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.case.case_file import Case
 from heavylift.pipeline.commands.scenario import scenario_command
@@ -275,6 +275,10 @@ all = [
             'actions = [{ drive = "trolley.x", distance = 10, speed = 0.3 }]\nuntil = { arrived = "trolley.x" }',
             "phase 'go' ends at 33.3333 s at the earliest, and the run takes 30 s",
         ),
+        (
+            'actions = [{ hook = "hook_1", height = "-2.9 m", speed = 1 }]\nuntil = { time = 20 }',
+            "phase 'go' hoists 'hook_1' to -2.9 m, and its crown stops it at -3 m; expected a hook below its crown",
+        ),
     ],
 )
 def test_what_is_certain_to_go_wrong_is_refused_before_it_runs(
@@ -358,3 +362,28 @@ def test_a_girder_travels_with_its_trolleys(tmp_path: Path) -> None:
     for names in ('["gantry_girder.y", "gantry_trolley_*.y"]', '"gantry_trolley_2.x"', '"gantry_*.y"'):
         file.write_text(GANTRY.replace("NAMES", names))
         load_case(tmp_path)
+
+
+def test_a_trolley_stays_on_its_girder(tmp_path: Path) -> None:
+    """What is certain is refused; what goes on until it is stopped ends the run at the end of the girder."""
+    file = tmp_path / "case.toml"
+    text = GANTRY.replace("NAMES", '"gantry_trolley_2.x"').replace(
+        "speed = 0.5 }]", "speed = 20, ramp = 1 }]"
+    )
+    far = text.replace("distance = 1,", "distance = 26.5,")
+    waits = '\nuntil = { arrived = "gantry_trolley_2.x" }\n[[scenario.phases]]\nname = "end"\n\n[simulate]'
+    file.write_text(far.replace("\n[simulate]", waits))
+    with pytest.raises(
+        InputError, match=r"drives 'gantry_trolley_2' to 30\.5 m from the middle of a girder of 60 m"
+    ):
+        run_case(load_case(tmp_path), stages=("mesh", "simulate"))
+    file.write_text(text.replace("distance = 1,", "distance = 26,").replace("\n[simulate]", waits))
+    assert run_case(load_case(tmp_path), stages=("mesh", "simulate")).outcome is Outcome.COMPLETED
+    for speed, way in (("20", 30.0), ("-30", -30.0)):
+        file.write_text(text.replace("distance = 1, speed = 20", f"speed = {speed}"))
+        made = load_case(tmp_path)
+        report = run_case(made, stages=("mesh", "simulate"))
+        assert report.outcome is Outcome.LIMIT_REACHED
+        assert "way of 'gantry_trolley_2' from the middle of its girder" in report.stages[-1].message
+        log = load_results(made, made.output_folder).metadata["scenario"]["log"]
+        assert log[-1][4] == pytest.approx(way, abs=0.4)

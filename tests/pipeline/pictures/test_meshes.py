@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.pictures.attached import Others, rope_line
+from heavylift.pipeline.pictures.attached import Others, rope_line, shortest_tree
 from heavylift.pipeline.pictures.meshes import MeshRun, MeshSkin, join, rest_coordinates
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.pictures.scene import ScenePainter
@@ -305,3 +305,14 @@ def test_rope_runs_along_tangents_and_about_its_pulleys():
     for centre, radius in ((bottom, r), (top, R)):
         assert np.linalg.norm(line - centre, axis=1).min() == pytest.approx(radius, rel=1e-9)
     np.testing.assert_array_equal(rope_line([start, end], [0.0, 0.0], [y, y]), [start, end])
+
+
+def test_shortest_tree_follows_a_rim():
+    """A square of nine points on each side: the tree goes round along it, and never across."""
+    side = np.linspace(-1.0, 1.0, 9)
+    rim = np.array([[x, y, 0.0] for x in side for y in side if max(abs(x), abs(y)) == 1.0])
+    pairs = shortest_tree(rim[np.random.default_rng(3).permutation(len(rim))])
+    assert pairs.shape == (len(rim) - 1, 2)
+    assert set(pairs.ravel()) == set(range(len(rim)))
+    rim = rim[np.random.default_rng(3).permutation(len(rim))]
+    np.testing.assert_allclose(np.linalg.norm(rim[pairs[:, 0]] - rim[pairs[:, 1]], axis=1), 0.25, atol=1e-12)

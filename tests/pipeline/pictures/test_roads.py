@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from heavylift.pipeline.pictures.attached import Others
 from heavylift.pipeline.pictures.roads import deck_strips, wheel_centres
+from heavylift.solver.laws.wire_rope import SpringRope
+from heavylift.solver.scene.connections import GROUND, RopePoint
+from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.transport import BogieGroup, HeightGrid
 from heavylift.solver.transport.decks import Deck, grid_heights
 from heavylift.solver.transport.transporters import Transporter
@@ -57,3 +61,35 @@ def test_a_wheel_stands_on_its_place_by_its_radius_and_stroke() -> None:
     vehicle = Transporter(name="v", body="b", groups=(group,), wheel_radius=0.4, tyre_stiffness=1.0)
     centres = wheel_centres(vehicle, np.array([0.0, 0.1]))
     np.testing.assert_allclose(centres, [[1.0, 2.0, 0.4], [-1.0, 2.0, 0.5]])
+
+
+def test_no_rod_leads_to_what_is_attached_to_a_deck() -> None:
+    """From the centre of mass of a barge, over its deck, only to the top of a mast; ropes lead to both."""
+    quay = np.array([0.0, 9.0, 1.0])
+    places = np.array([[5.0, 0.0, 1.0], [5.0, 0.0, 12.0]])
+    ropes = tuple(
+        SpringRope(
+            name=f"rope_{i}",
+            path=(RopePoint("barge", at), RopePoint(GROUND, quay)),
+            length=1.0,
+            stiffness=1.0,
+        )
+        for i, at in enumerate(places)
+    )
+    centre = np.array([0.0, 0.0, 4.0])
+    barge = RigidBody("barge", 1.0, np.eye(3), centre_of_mass=centre)
+    deck = Deck(
+        name="d",
+        body="barge",
+        origin=np.array([0.0, 0.0, 1.0]),
+        sides=np.array([-2.0, 2.0]),
+        stations=np.array([-5.0, 5.0]),
+        heights=np.zeros(2),
+    )
+    pose = {"barge.position": np.zeros(3), "barge.orientation": np.array([1.0, 0.0, 0.0, 0.0])}
+    for decks, ends in (((deck,), places[1:]), ((), places)):
+        scene = Scene((barge,), ropes=ropes, decks=decks)
+        others = Others(scene, {}, lambda _name, _record: np.zeros(0), lambda name, _record: pose.get(name))
+        rods, *drawn = others.seen(0).lines
+        np.testing.assert_allclose(rods.points[rods.ends], [[centre, end] for end in ends])
+        assert len(drawn) == 2

@@ -68,6 +68,14 @@ def test_friction_keeps_its_energy_and_its_limit() -> None:
         assert fx * way[0] + fy * way[1] == pytest.approx(stored + lost, abs=1e-9 * (K * e @ e + limit))
         assert np.hypot(fx, fy) <= limit * (1.0 + 1e-12)
         assert K * np.hypot(ax, ay) <= limit * (1.0 + 1e-12)
+    for angle in rng.uniform(
+        0.0, 6.3, 200
+    ):  # at rest at its limit, which rounding puts beyond it now and then
+        e = 1.5 * LIMIT / K * np.array([np.cos(angle), np.sin(angle)])
+        fx, fy, ax, ay, *_ = rub(*e, 0.0, 0.0, K, LIMIT)
+        np.testing.assert_allclose(
+            [fx, fy, K * ax, K * ay], np.tile(e * LIMIT / np.hypot(*e), 2), rtol=1e-12, atol=1e-9
+        )
     for x in (1e-5, 1e-3, -2e-3):
         fx, *_, slope, _ = rub(1e-4, 0.0, x, 0.0, K, LIMIT)
         ahead, behind = (rub(1e-4, 0.0, x + d, 0.0, K, LIMIT)[0] for d in (1e-9, -1e-9))

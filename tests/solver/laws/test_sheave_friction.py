@@ -278,29 +278,38 @@ def test_two_winches_that_make_no_sense(winches: Any, key: str) -> None:
     assert refused.value.key.endswith(key)
 
 
+def over_a_yoke(mu: float, speed: float, sideways: float = 0.0) -> Scene:
+    """A load on a rope that is hauled in over a sheave that does not turn, with a quarter of a turn about it."""
+    r = 0.3
+    yoke = dataclasses.replace(pulley(GROUND, (0, 0, 0), r), friction=mu)
+    load = body("load", 1000.0, (r, 0, -4.0), (sideways, 0, 0))
+    more = {"stiffness": 1e8, "damping": 1e5, "winch": hauls(speed), "tension": 1000.0 * G}
+    return scene([load], ropes=[wire(eye(GROUND, (-8.0, 0, r)), yoke, eye("load"), **more)])
+
+
 @pytest.mark.parametrize("speed", [0.1, -0.1])
 def test_a_rope_slips_over_a_yoke(speed: float) -> None:
-    """Capstan: ``T_1 = W exp(+-mu wrap)``, here over a quarter of a turn (Euler, 1769)."""
-    mu, r = 0.12, 0.3
-    path = (
-        eye(GROUND, (-8.0, 0, r)),
-        dataclasses.replace(pulley(GROUND, (0, 0, 0), r), friction=mu),
-        eye("load"),
-    )
-    load = body("load", 1000.0, (r, 0, -4.0))
-    result = run(
-        scene(
-            [load], ropes=[wire(*path, stiffness=1e8, damping=1e5, winch=hauls(speed), tension=1000.0 * G)]
-        ),
-        1e-3,
-        3.0,
-    )
+    """Capstan: ``T_1 = W exp(+-mu wrap)`` (Euler, 1769)."""
+    result = run(over_a_yoke(0.12, speed), 1e-3, 3.0)
     tension = result["rope.segment_tension"][-1]
     assert tension[1] == pytest.approx(1000.0 * G, rel=1e-6)
     assert tension[0] / tension[1] == pytest.approx(
-        math.exp(math.copysign(mu, speed) * math.pi / 2), rel=1e-9
+        math.exp(math.copysign(0.12, speed) * math.pi / 2), rel=1e-9
     )
     assert result.balance < 1e-9 * result["energy.dissipated"][-1]
+
+
+def test_the_wrap_about_a_yoke_goes_with_the_load() -> None:
+    """A load that swings: the ratio of tensions is that of the angle at which its rope hangs at the time."""
+    result = run(over_a_yoke(0.12, 0.1, 1.5), 1e-3, 4.0)
+    sliding = np.flatnonzero(result["rope.sheave_state"] == -1.0)[500:]
+    way = result["load.position"][sliding][:, [0, 2]]
+    # the rope leaves along the tangent from the circle of the sheave, at an angle to the vertical outwards
+    outwards = np.arctan2(way[:, 0], -way[:, 1]) - np.arcsin(0.3 / np.linalg.norm(way, axis=1))
+    T = result["rope.segment_tension"][sliding]
+    np.testing.assert_allclose(T[:, 0] / T[:, 1], np.exp(0.12 * (0.5 * math.pi - outwards)), rtol=1e-4)
+    assert np.ptp(T[:, 0] / T[:, 1]) > 0.03
+    assert result.balance < 2.0 * run(over_a_yoke(0.0, 0.1, 1.5), 1e-3, 4.0).balance
 
 
 def test_slack_and_taut_again() -> None:
@@ -324,8 +333,13 @@ def test_what_an_efficiency_cannot_serve_is_refused(place: int, integrator: str)
 
 @pytest.mark.parametrize(
     "made",
-    [pulleys(0.96), fall(8, 0.95, 0.05, "first"), two_drums(0.95, hauls(0.2), hauls(-0.05))],
-    ids=["pulleys", "fall", "two drums"],
+    [
+        pulleys(0.96),
+        fall(8, 0.95, 0.05, "first"),
+        two_drums(0.95, hauls(0.2), hauls(-0.05)),
+        over_a_yoke(0.2, 0.1, 1.0),
+    ],
+    ids=["pulleys", "fall", "two drums", "yoke"],
 )
 def test_a_run_goes_on_where_it_was(made: Scene) -> None:
     """A checkpoint has all that friction remembers: the same bits."""

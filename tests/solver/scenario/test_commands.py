@@ -385,7 +385,7 @@ def barge(*phases: Phase, **tank: Any) -> Scene:
         water=Water(density=RHO, gravity=G),
         hulls=(Hull(body="barge", restoring=restoring, damping=np.diag([1e5, 1e5, 4e7, 1e9, 1e9, 1e8])),),
         tanks=(
-            Tank(name="aft", hull="barge", point=np.zeros(3), **({"mass": 0.0} | tank)),
+            Tank(name="aft", hull="barge", **({"mass": 0.0, "point": np.zeros(3)} | tank)),
             Tank(name="bow", hull="barge", point=np.zeros(3), mass=0.0),
         ),
     )
@@ -412,6 +412,17 @@ def test_pumps_fill_and_empty_tanks() -> None:
     np.testing.assert_allclose(ballast, filling + bow, rtol=0, atol=1.0)
     z = found["barge.position"][:, 2]
     assert z[-1] == pytest.approx(-2e4 / (RHO * LENGTH * BREADTH), rel=1e-2)
+
+
+def test_a_tank_is_not_told_more_than_it_holds() -> None:
+    """Of 10 x 5 x 2 m with 0.9 of it for water: 92.25 t."""
+    box = {"point": None, "floor": np.zeros(3), "size": np.array([10.0, 5.0, 2.0]), "permeability": 0.9}
+    made = barge(*told(TankRate("aft", 1e3, 92.5e3)), **box)
+    with pytest.raises(
+        InputError, match=r"92500 kg, and 'aft' is full with 92250 kg; expected at most 92250 kg"
+    ):
+        Simulation(made, 0.1)
+    Simulation(barge(*told(TankRate("aft", 1e3, 92.25e3)), **box), 0.1)
 
 
 def test_a_tank_with_pumps_is_not_told() -> None:
@@ -453,7 +464,7 @@ def test_tracks_go_on_beside_each_other() -> None:
     made = replace(scene(loads, ropes=ropes), scenario=Scenario(main, (), True, (Track("crane", side),)))
     simulation = Simulation(made, 0.01)
     simulation.record()
-    times, _ = simulation.advance(1000)
+    times, rows = simulation.advance(1000)
     found = dict(ends(simulation))
     rest = REACH / (1.0 + MASS * G / 1e8)
     assert found["up"] == pytest.approx(1.234, abs=1e-9)
@@ -461,6 +472,13 @@ def test_tracks_go_on_beside_each_other() -> None:
     assert found["wait"] == pytest.approx(1.237, abs=1e-9)
     assert found["haul"] == pytest.approx(1.237 + (rest - 9.0) / 0.5 + 0.5, abs=1e-6)
     assert simulation.ended  # with the last of all tracks
+    number = {c.name: rows[:, c.column] for c in simulation.channels}
+    for name, first, second in (
+        ("phase", found["up"], found["drop"]),
+        ("track_phase", found["wait"], found["haul"]),
+    ):
+        expected = 1.0 + (times >= first - 1e-9) + (times >= second - 1e-9)
+        np.testing.assert_array_equal(number[f"scenario.{name}"], expected)
     assert times[-1] == pytest.approx(found["haul"], abs=0.0101)
 
 
@@ -548,6 +566,7 @@ def test_a_part_of_the_weight() -> None:
 
 HELD = Winch(brake=1e6)
 RATED = Winch(np.array([0.0]), np.array([0.0]), fastest=0.5)
+BRAKED = Winch(brake=1e6, fastest=0.5)
 SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
 
 
@@ -566,6 +585,10 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
         (told(WinchFollow("rope", "lead", 2.0)), {"winch": RATED, "ropes": [slack_rope("lead")]}, "with any speed"),
         (told(WinchFollow("rope", "lead", 2.0)), {"winch": RATED, "ropes": [slack_rope("lead", winch=RATED)]},
          "that of 'lead' leads it with 1 m/s"),
+        (told(WinchSpeed("rope", 0.3), WinchLevel("rope", 1.0, 0.3)), {"winch": BRAKED},
+         "0.3 m/s that the winch of 'rope' is told and 0.3 m/s to keep its level; expected at most 0.5 m/s together"),
+        ((Phase("a", (WinchLevel("rope", 1.0, 0.3),), after(1.0)), Phase("b", (WinchLength("rope", 9.0, 0.3),))),
+         {"winch": BRAKED}, "at most 0.5 m/s together"),
         (told(WinchFollow("rope", "rope")), {}, "follows itself"),
         (told(WinchFollow("rope", "rop")), {}, "'rop' is no rope; did you mean 'rope'"),
         (told(DriveSpeed("slide", 0.1)), {}, "'slide' is no drive"),
@@ -584,6 +607,21 @@ def test_refused(phases: tuple[Phase, ...], more: dict[str, Any], words: str) ->
     with pytest.raises(InputError) as error:
         Simulation(hanging(*phases, **more), 0.01).record()
     assert words in str(error.value)
+
+
+def test_a_winch_that_has_arrived_may_keep_a_level_with_all_its_speed() -> None:
+    """Or one that was told to stop, in the next phase."""
+    full = (WinchLevel("rope", 1.0, 0.5),)
+    for move, until in (
+        (WinchLength("rope", 9.0, 0.4), (arrived("rope"),)),
+        (WinchSpeed("rope", 0.0, 2.0), after(2.0)),
+    ):
+        phases = (
+            Phase("a", (WinchSpeed("rope", 0.4),), after(1.0)),
+            Phase("b", (move,), until),
+            Phase("c", full),
+        )
+        Simulation(hanging(*phases, winch=BRAKED), 0.01)
 
 
 @pytest.mark.parametrize("order", [("b", "a"), ("a", "b")])

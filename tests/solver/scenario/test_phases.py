@@ -26,6 +26,7 @@ from heavylift.solver.scene.scenario import (
     Scenario,
     Signal,
     Term,
+    Track,
     WinchFollow,
     WinchLength,
     WinchSpeed,
@@ -470,7 +471,9 @@ def test_ropes_whose_winch_answers_to_its_tension_beside_others() -> None:
 def test_which_ropes_hang_loose() -> None:
     phases = (Phase("a", (Connect("x"),)), Phase("b", (Release("y"), Note("."))), Phase("c", (Release("x"),)))
     operation = Scenario(phases, prepared=("x",))
-    assert [loose_ropes(operation, n) for n in range(5)] == [{"x"}, set(), {"y"}, {"x", "y"}, {"x", "y"}]
+    assert [loose_ropes(operation, [n]) for n in range(5)] == [{"x"}, set(), {"y"}, {"x", "y"}, {"x", "y"}]
+    beside = replace(operation, tracks=(Track("t", (Phase("d"), Phase("e", (Release("z"),)))),))
+    assert [loose_ropes(beside, [1, n]) for n in range(4)] == [set(), set(), {"z"}, {"z"}]
 
 
 def test_other_integrators_have_no_scenarios() -> None:
