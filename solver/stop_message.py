@@ -68,6 +68,8 @@ def stop_message(layout: Layout, when: str) -> str:
             part, reason, remedy = parted
     if outcome is Outcome.OFF_ROAD:
         reason = _where_off_road(layout)
+        if "tipped over" in reason:
+            remedy = "groups farther apart, a lower load, or a gentler way"
     jolt = _jolt(layout) if outcome is Outcome.STEP_TOO_LARGE else ""
     if jolt:
         part, reason = "transporter", jolt
@@ -132,7 +134,7 @@ def _jolt(layout: Layout) -> str:
 
 def _where_off_road(layout: Layout) -> str:
     """Which bogie has no road, or meets what it cannot climb, and where."""
-    from heavylift.solver.transport.transporters import WALL
+    from heavylift.solver.transport.transporters import TIPPED, WALL
 
     for kind in layout.joints:
         if "bogie_state" not in kind._fields:
@@ -140,7 +142,10 @@ def _where_off_road(layout: Layout) -> str:
         number = int(np.flatnonzero(kind.bogie_state["failure"])[0])
         state = kind.bogie_state[number]
         vehicle = next(v for v in kind.vehicles if v.first_bogie <= number < v.first_bogie + v.bogies)
-        happened = "meets a step that it cannot climb" if state.failure == WALL else "has no deck below it"
+        happened = {
+            WALL: "meets a step that it cannot climb",
+            TIPPED: "leans by more than 60 degrees, its vehicle has tipped over",
+        }.get(int(state.failure), "has no deck below it")
         return (
             f": bogie {number - int(vehicle.first_bogie) + 1} {happened}, at station {state.station:.6g} m and offset "
             f"{state.offset:.6g} m of deck {layout.deck_names[int(state.deck)]!r}"

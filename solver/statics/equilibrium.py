@@ -370,12 +370,14 @@ class _Search:
             moment = force[firsts[worst] + 3 : firsts[worst] + 6]
             left = f"a moment of {float(np.linalg.norm(moment)):.4g} N m on {name!r}"
         rolls = any("bogie_state" in kind._fields for kind in rows.layout.joints)
+        on_deck = (
+            "a path or a guide of what rolls on a deck, with tyres a pause before its first leg, " * rolls
+        )
         return InputError(
             f"no static equilibrium found after {self.iterations} iterations: nothing holds {left}",
             source="simulation",
             key="start",
-            expected="joints, springs or ropes that carry all loads, "
-            f"{'a path or a guide of what rolls on a deck, ' * rolls}or a start nearer to the equilibrium",
+            expected=f"joints, springs or ropes that carry all loads, {on_deck}or a start nearer to the equilibrium",
         )
 
 

@@ -306,10 +306,16 @@ def rolling_at(kind: Paths, path: PathData, way: float, bogie: int) -> tuple[flo
 
 @kernel(internal=True)
 def tell_steering(kind: Paths, path: PathData, way: float, moved: float) -> None:
-    """Tell bogies how they are steered at the start of the next step, and how they turn in it if it is as this one."""
+    """Tell bogies how they are steered at the start of the next step, and how they turn in it if it is as this one.
+
+    Between two legs they turn at rest: what that lifts them is no slope that the drive climbs within the step.
+    """
+    here = row_before(kind.nodes, path.first_node, path.nodes, way)
+    there = row_before(kind.nodes, path.first_node, path.nodes, way + moved)
+    ahead = way + moved if kind.nodes[here, 12] == kind.nodes[there, 12] else way
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         u, v, _ = rolling_at(kind, path, way, i)
-        a, b, _ = rolling_at(kind, path, way + moved, i)
+        a, b, _ = rolling_at(kind, path, ahead, i)
         kind.steering[i, 0] = math.atan2(v, u)
         kind.steering[i, 1] = math.atan2(u * b - v * a, u * a + v * b)
 

@@ -78,6 +78,7 @@ from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height, 
 __all__ = [
     "GROUPS_A_BLOCK",
     "JOLT",
+    "TIPPED",
     "WALL",
     "BogieData",
     "BogieState",
@@ -93,8 +94,12 @@ __all__ = [
 
 OFF_ROAD = int(Outcome.OFF_ROAD)
 STEP_TOO_LARGE = int(Outcome.STEP_TOO_LARGE)
-LEFT, WALL, JOLT = 1, 2, 3
-"""Why a wheel stopped the run: there is no road below it, a step that it cannot meet, or one that throws it up."""
+LEFT, WALL, JOLT, TIPPED = 1, 2, 3, 4
+"""Why a wheel stopped the run: there is no road below it, a step that it cannot meet, or one that throws it up; or its
+vehicle lies on its side."""
+
+UPRIGHT = 0.5
+"""Cosine of the angle between vehicle and deck below which it has tipped over: no wheel stands on the road there."""
 
 LARGEST_JOLT = 10.0
 """Load of a wheel in the mean of a step, beyond that before, over that at rest: what is thrown up by more within a step
@@ -1173,6 +1178,8 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
             _stop(kind, g, i, WALL, x1, y1, work)
         bogie.rolled = abs(moved) if deck == bogie.deck else 0.0
         _go_over(kind, g, i, deck)
+        if dot(vector(work, vehicle.z), vector(work, kind.decks[deck].z)) < UPRIGHT:
+            _stop(kind, g, i, TIPPED, x1, y1, work)
         if vehicle.tyred:
             _look_down(kind, work, i, vehicle, h)
         if bogie.left_share > 0.0:

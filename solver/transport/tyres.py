@@ -26,7 +26,8 @@ Motors in parallel have one pressure and share one flow. So the drive is one row
 own direction, together roll as the plan of the path says, ``sum w_i d_i . v_i = s' sum w_i |r_i|``, and its reaction is
 the force F of each motor. That needs no controller with gains that somebody would have to choose. The row gives way
 where F is more than motors or friction can: it then pushes with that, and the plan waits. What a wheel with less load
-cannot put on the road goes to the others: its weight is ``w_i = mu f_i / F`` for what F grows to at most in the step.
+cannot put on the road goes to the others: its weight is ``w_i = mu f_i / F`` for what F grows to at most in the step,
+which is the friction of the best wheel if that is less.
 At rest motors are off and driven wheels braked.
 
 Wheels are steered as the path has them at the way that has been rolled, and nobody corrects that: a driver would hide
@@ -649,7 +650,8 @@ def _look_at_loads(kind: TyredVehicles, v: int, time: float, step: float) -> Non
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         if kind.paths.bogies[i].driven:
             best = max(best, drive.friction * (kind.bogie_state[i].mean + path.weight))
-    tried = max(GROWTH * abs(state.force), LEAST * best)
+    # beyond what the best wheel can none is tried: shares would be of a force that no motor reaches
+    tried = min(max(GROWTH * abs(state.force), LEAST * best), best)
     for i in range(path.first_bogie, path.first_bogie + path.bogies):
         wheel, bogie = kind.wheel_state[i], kind.bogie_state[i]
         f = bogie.mean + path.weight

@@ -379,6 +379,18 @@ def test_a_wheel_that_meets_a_wall_between_decks_is_named(begin: float) -> None:
     assert "meets a step that it cannot climb" in run.message
 
 
+def test_a_vehicle_that_tips_over_is_told() -> None:
+    """A blow from the side that lifts its centre of mass over its wheels: the run ends as it lies down."""
+    # to 4.9 m over the wheels from 3.58 m would need far less than half of J w^2
+    thrown = block(angular_velocity=np.array([1.0, 0.0, 0.0]))
+    run, times, found = histories(scene(vehicle(wheel_radius=R), (yard(),), thrown), 5e-3, 20.0, 5)
+    assert run.outcome is Outcome.OFF_ROAD
+    assert 0.1 < times[-1] < 20.0
+    assert "tipped over" in run.message
+    assert "'spmt'" in run.message
+    assert np.isfinite(found["spmt.roll"]).all()
+
+
 def test_a_deck_that_heaves_takes_the_vehicle_along() -> None:
     """A driven body carries the road: the vehicle follows it slowly, as the sum of its weight and inertia says."""
     amplitude, omega = 0.05, 0.5

@@ -14,7 +14,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
 from heavylift.solver.scene.scene import RigidBody
-from heavylift.solver.scene.transport import BogieGroup, Drive, PathLeg
+from heavylift.solver.scene.transport import BogieGroup, Drive, HeightGrid, PathLeg
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck
 from heavylift.solver.transport.routes import make_route, rolling, steering_turns
@@ -352,3 +352,22 @@ def test_a_path_sees_its_bogies_in_a_scene_with_a_scenario() -> None:
     _, _, found = histories(watched, 1e-2, 6.0, 50)
     assert plain["spmt.drive_demand"][5] > 1e4
     np.testing.assert_array_equal(found["spmt.drive_demand"], plain["spmt.drive_demand"])
+
+
+def test_wheels_that_turn_between_two_legs_ask_nothing_of_the_drives() -> None:
+    """On ridges across the way wheels sink by some millimetres as they turn at rest: no slope that a drive climbs.
+
+    Each triangle is as steep as 40 mm/m, so a wheel asks its drive for 4 % of its load at most: 0.2 of friction with
+    two thirds of the bogies driven, as vehicles of this file have it, and what speeding up takes.
+    """
+    lines = np.arange(-12.0, 12.25, 0.5)
+    ridges = np.where(np.arange(len(lines)) % 2, 0.02, 0.0)
+    grid = HeightGrid(
+        stations=lines, offsets=np.array([-12.0, 12.0]), heights=np.repeat(ridges[:, None], 2, 1)
+    )
+    legs = (leg([1.2, 0]), leg([0, 2], steering="crab"))
+    driven = Drive(bogies=(1, 3, 4, 6, 7, 9, 10, 12), rolling_resistance=0.0)
+    made = scene(vehicle(wheel_radius=0.37, legs=legs, drive=driven), (Deck(name="ridges", grid=grid),))
+    _, _, found = histories(made, 1e-2, 14.0, 10)
+    assert np.ptp(found["spmt.steering"][:, 0]) > 1.5
+    assert found["spmt.traction_used_max"].max() < 0.3

@@ -371,6 +371,24 @@ def test_no_wheel_has_more_than_its_friction() -> None:
     assert "'spmt' slides" in run.warning
 
 
+@pytest.mark.parametrize("driven", [tuple(range(1, 13)), (1, 3, 4, 6, 7, 9, 10, 12)])
+def test_motors_push_with_all_friction(driven: tuple[int, ...]) -> None:
+    """On a slope beyond that it goes back with ``g (sin - mu cos n/12)``, n bogies driven, and it is told."""
+    angle, mu = 0.03, 0.02
+    c, s = math.cos(angle), math.sin(angle)
+    half = np.array([math.cos(0.5 * angle), 0.0, -math.sin(0.5 * angle), 0.0])
+    slope = replace(WIDE, direction=np.array([c, 0.0, s]), normal=np.array([-s, 0.0, c]))
+    icy = Drive(bogies=driven, rolling_resistance=0.0, friction=mu)
+    made = scene(tyred(leg([5, 0]), drive=icy), (slope,), body=low(orientation=half))
+    run, times, found = histories(made, 1e-2, 6.0, 10)
+    late = times > 2.0
+    speed = found["block.velocity"] @ [c, 0.0, s]
+    pull = np.polyfit(times[late], speed[late], 1)[0]
+    assert pull == pytest.approx(-G * (s - mu * c * len(driven) / 12), rel=1e-3)
+    np.testing.assert_allclose(found["spmt.traction_used_max"][late], 1.0, atol=1e-9)
+    assert "'spmt' slides" in run.warning
+
+
 def test_a_vehicle_on_a_cant_as_steep_as_friction_starts() -> None:
     """Treads at the start are at their limit, as rounded: it slides while its groups settle, and is then in balance."""
     for mu in (0.3, 0.0404, 0.07):
