@@ -41,7 +41,7 @@ def read_lines(file: Path) -> tuple[tuple[str, ...], list[tuple[int, str]]]:
         If the file cannot be read.
     """
     try:
-        text = file.read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8-sig")  # as spreadsheets save it
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(str(error), source=file, expected="a readable text file") from None
     lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]

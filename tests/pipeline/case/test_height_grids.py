@@ -96,3 +96,13 @@ def test_a_table_in_the_case_and_its_file_are_one_road(tmp_path) -> None:
         roads.append(load_results(tmp_path / name)["spmt.road_under"])
     assert roads[0].max() > 1e-3
     np.testing.assert_array_equal(*roads)
+
+
+def test_a_table_as_spreadsheets_save_it_is_read(tmp_path) -> None:
+    """With the mark of a byte order before its header."""
+    road = (CASE / "road.csv").read_text(encoding="utf-8")
+    case_with(tmp_path)
+    (tmp_path / "road.csv").write_text(road, encoding="utf-8-sig")
+    marked = load_case(tmp_path).decks[0].grid
+    (tmp_path / "road.csv").write_text(road, encoding="utf-8")
+    assert marked == load_case(tmp_path).decks[0].grid
