@@ -17,7 +17,7 @@ its leg and stops there; and it brakes harder than it was told if it would not s
 
 A rope lets go by losing its stiffness: what the scene stores less then counts as dissipated. One that is connected gets
 the length of its path and its slack; what less than no slack stores is work of its winch. A joint lets go by becoming
-so soft that its rows are none; it is rigid, so it has stored nothing.
+so soft that its rows are none; what its compliance has stored is lost.
 """
 
 from __future__ import annotations
@@ -854,15 +854,20 @@ def _let_go(kind: Director, said: Mover) -> None:
 
 
 @kernel(internal=True)
-def _let_joint_go(kind: Director, block: int) -> None:
-    """The rows of a joint do nothing from now on."""
-    row = kind.joint_rows[block]
+def _let_joint_go(kind: Director, block: int) -> float:
+    """The rows of a joint do nothing from now on; what they had stored [J] is lost."""
+    row, lost = kind.joint_rows[block], 0.0
     for r in range(kind.lanes):
+        stored = 0.5 * row.stiffness[r] * row.residual[r] * row.residual[r]
+        row.loss[r] += stored
+        row.stiffness[r] = 0.0
+        lost += stored
         if row.scale[r] > 0.0:
             row.compliance[r] = row.hold[r] = row.softness[r] = ABSENT * row.scale[r]
         row.relaxation[r] = row.rigid[r] = row.target[r] = 0.0
         row.impulse[r] = row.half_impulse[r] = row.reaction[r] = row.last_reaction[r] = 0.0
         row.slope[r] = row.slope_before[r] = 0.0
+    return lost
 
 
 @kernel(internal=True)
@@ -899,8 +904,7 @@ def _act(
 ) -> float:
     """Do something; a value for the log, negative for a connection that is too short."""
     if action.action == RELEASE_JOINT:
-        _let_joint_go(kind, action.other)
-        return 0.0
+        return _let_joint_go(kind, action.other)
     if action.action not in (RELEASE, CONNECT):
         if action.action == GO_BY and action.other >= 0:
             _measure(kind, forces, bodies, joints, systems, work, time)

@@ -714,8 +714,6 @@ def releases_of(joints: Iterable[Any], users: Iterable[Any]) -> dict[str, str]:
         reason = ""
         if word not in RELEASABLE:
             reason = f"is a joint of type {word!r}"
-        elif joint.compliance > 0.0:
-            reason = "gives way, and what it stores then is counted nowhere"
         elif getattr(joint, "drive", None) is not None:
             reason = "has a drive"
         elif any(getattr(joint, key, None) for key in own):
@@ -843,7 +841,7 @@ class _Checker:
             raise InputError(
                 f"{name!r} {reason}",
                 key=key,
-                expected=f"a rigid joint of type {', '.join(sorted(RELEASABLE))} that nothing drives, stops or loads",
+                expected=f"a joint of type {', '.join(sorted(RELEASABLE))} that nothing drives, stops or loads",
             )
         if name in self.loose:
             raise InputError(f"{name!r} is released then", key=key, expected="a joint that is not")
