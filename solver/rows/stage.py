@@ -196,7 +196,9 @@ def _aim_compliant(system: RowSystem, node: int, step: float, nominal: float) ->
         if scale > 0.0:
             compliance = row.compliance[r]
             relaxation = row.relaxation[r]
-            delay = (nominal if compliance == 0.0 else 0.5 * step) + relaxation  # a spring knows no nominal step
+            delay = (
+                nominal if compliance == 0.0 else 0.5 * step
+            ) + relaxation  # a spring knows no nominal step
             row.target[r] = -row.residual[r] / delay
             row.softness[r] = REGULARISATION * scale + 2.0 * compliance / (step * (0.5 * step + relaxation))
 
