@@ -136,23 +136,13 @@ def _only_watches(force: Any) -> bool:
 
 
 def shortest_tree(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Pairs of points that join all of them by lines of least length, shape (n - 1, 2).
+    """Pairs of points that join all of them by lines of least length, shape (n - 1, 2)."""
+    from scipy.sparse.csgraph import minimum_spanning_tree
 
-    Each is joined in turn to the nearest that is in the tree (R. C. Prim, Bell Syst. Tech. J. 36, 1957).
-    """
     distance = np.linalg.norm(points[:, None] - points[None, :], axis=2)
-    nearest = np.zeros(len(points), dtype=np.int64)
-    away = distance[0].copy()
-    away[:1] = np.inf
-    pairs = []
-    for _ in range(len(points) - 1):
-        new = int(np.argmin(away))
-        pairs.append((int(nearest[new]), new))
-        closer = (distance[new] < away) & np.isfinite(away)
-        nearest[closer] = new
-        away[closer] = distance[new][closer]
-        away[new] = np.inf
-    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    # a metre more of each changes no tree; without, points at one place would count as not joined
+    tree = minimum_spanning_tree(distance + 1.0).tocoo()
+    return np.column_stack([tree.row, tree.col]).astype(np.int64)
 
 
 def rods(

@@ -1,5 +1,8 @@
 """Lines of one equalizer over sheaves with an efficiency: a force a line, without masses of pulleys.
 
+The equalizer is that of "Integrated simulation ... (2018)", section 2.4.7, as in `heavylift.solver.laws.equalized`;
+friction, which is not there, follows from the balance of each pulley and from rope that is not lost.
+
 Between the parts of the rope over n moving pulleys are 2 n - 1 sheaves, the moving ones and the fixed ones in turn.
 With the tensions T_k of the parts, K_i of a line in a row with its share of the rope, and y_i, half of the rope that
 hangs at a pulley, as long as it is unstretched::

@@ -196,9 +196,8 @@ def _aim_compliant(system: RowSystem, node: int, step: float, nominal: float) ->
         if scale > 0.0:
             compliance = row.compliance[r]
             relaxation = row.relaxation[r]
-            delay = (
-                nominal if compliance == 0.0 else 0.5 * step
-            ) + relaxation  # a spring knows no nominal step
+            # the force of a spring is that of this step, however long steps are otherwise
+            delay = (nominal if compliance == 0.0 else 0.5 * step) + relaxation
             row.target[r] = -row.residual[r] / delay
             row.softness[r] = REGULARISATION * scale + 2.0 * compliance / (step * (0.5 * step + relaxation))
 

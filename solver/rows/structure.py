@@ -63,7 +63,7 @@ class Row(Record):
     compliance, relaxation
         Physical compliance and relaxation time [s].
     stiffness, loss
-        Of a joint with compliance [N/m, N m/rad], 0 of other rows; what its relaxation has taken [J].
+        Of a joint with compliance [N/m, N m/rad], 0 of other rows; what its relaxation and its release have taken [J].
     impulse, half_impulse, reaction, last_reaction
         Of the solution; of the midpoint; force at the end of the step and in its middle.
     slope, slope_before
