@@ -2,7 +2,8 @@
 
 The oracle (`acceleration_oracle.py`) solves for accelerations and shares nothing with the solver. The midpoint scheme
 of the solver is of second order, so that two runs with steps h and h/2 give by extrapolation what a far smaller step
-would, and their own difference says how far the steps are from it. Free scenes keep momentum, all without dampers keep energy.
+would, and their own difference says how far the steps are from it. Free scenes keep momentum, all without dampers keep
+energy.
 """
 
 from __future__ import annotations
