@@ -125,7 +125,7 @@ def write_segment(folder: Path, segment: Segment) -> SegmentMark:
     arrays = _arrays(segment)
     checksum = _checksum(arrays)
     with replacing(segment_path(folder, segment.number)) as temporary, temporary.open("wb") as stream:
-        np.savez(stream, allow_pickle=False, checksum=np.array(checksum), **arrays)
+        np.savez(stream, checksum=np.array(checksum), **arrays)
     return SegmentMark(len(segment.times), checksum)
 
 
