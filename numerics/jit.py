@@ -56,6 +56,10 @@ CACHE_PREFIX = "kernels-"
 COMPILER_EVENT = "numba:compiler_lock"
 """Event of Numba around all of a compilation, and around loading from its cache."""
 
+# Numba would read a file of settings, among them a cache folder, from the current folder whenever it compiles; that may
+# be the folder of a case from someone else. The variables NUMBA_* stay.
+numba.config._config_fname = os.devnull  # noqa: SLF001
+
 ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
 """Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
 

@@ -6,12 +6,12 @@ import json
 import secrets
 import signal
 import subprocess
-import sys
 import threading
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.children import python_command
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.page.packing import LibraryMissingError, live_content
 from heavylift.pipeline.page.page import PageContent, page_content, page_html
@@ -138,15 +138,8 @@ def view_case(
     if not 0 <= port <= 65535:
         raise InputError(f"{port}", source="--port", expected="0 to 65535")
     folder = OutputFolder(case.output_folder if out is None else out)
-    command = [
-        sys.executable,
-        "-c",
-        "from heavylift.pipeline.commands.start import main; main()",
-        "run",
-        str(path),
-        "--out",
-        str(folder.root),
-    ]
+    program = "from heavylift.pipeline.commands.start import main; main()"
+    command = python_command("-c", program, "run", str(path), "--out", str(folder.root))
     for change in overrides:
         command += ["--set", change]
     command += ["--force"] * force

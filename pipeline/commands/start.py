@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import FrameType, TracebackType
 
+    from heavylift.numerics.outcome import Outcome
+
 __all__ = ["Terminated", "main"]
 
 YOUNG = 500_000
@@ -40,6 +42,9 @@ class Terminated(KeyboardInterrupt):
 
 def main() -> None:
     """Entry point of the ``heavylift`` command."""
+    from heavylift.pipeline.commands.current_folder import distrust_current_folder
+    from heavylift.pipeline.commands.requirements import remedy, troubles
+
     code = 0
     try:
         # the time loop and others that end well at their next step take the signal over
@@ -48,13 +53,20 @@ def main() -> None:
                 signal.signal(number, _stop)
             sys.unraisablehook = _swallowed
         _open_streams()
+        distrust_current_folder()
         # numbers that overflow are looked for where they matter; what NumPy says of them is no word for a user
         warnings.filterwarnings("ignore", category=RuntimeWarning)
         gc.set_threshold(YOUNG, 2, 2)
         atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
-        from heavylift.pipeline.commands.cli import app
+        outside = [] if sys.argv[1:2] == ["doctor"] else troubles()
+        if outside:  # they would fail anywhere, or compute something else
+            from heavylift.numerics.outcome import Outcome
 
-        app()
+            code = _ended(f"{'; '.join(map(str, outside))}; {remedy(outside)}", Outcome.BAD_INPUT)
+        else:
+            from heavylift.pipeline.commands.cli import app
+
+            app()
         if sys.stdout is not None:
             sys.stdout.flush()
     except SystemExit as end:
@@ -147,6 +159,11 @@ def _told(error: BaseException) -> int:
         line, outcome = f"output is lost: {error.strerror}", Outcome.DISK_FULL
     else:
         line, outcome = _fault(error), Outcome.FAULT
+    return _ended(line, outcome)
+
+
+def _ended(line: str, outcome: Outcome) -> int:
+    """Say how a command ended that no other says it of; returns the exit code."""
     _say(line)
     if "--json" in sys.argv:
         import json
