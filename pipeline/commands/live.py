@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import secrets
 import signal
@@ -154,6 +155,9 @@ def view_case(
             f"{port}: {error.strerror}", source="--port", expected="a port that is free"
         ) from None
     try:
+        with contextlib.suppress(ValueError):  # not in the main thread
+            # the terminal is gone, and with it whoever would look: as Ctrl-C
+            signal.signal(signal.SIGHUP, signal.default_int_handler)
         # a group of its own: Ctrl-C reaches this process alone, which then asks the child once
         live.child = subprocess.Popen(command, start_new_session=True)  # noqa: S603
         log.say(f"view: http://{HOST}:{server.server_address[1]}/ until Ctrl-C")

@@ -220,11 +220,17 @@ def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:
     content = "\n".join(text).encode("utf-8", "backslashreplace")
     try:
         file = Path.cwd() / name
-        file.write_bytes(content)
+        _write_new(file, content)
     except OSError:  # perhaps the folder is gone
         file = Path(tempfile.gettempdir()) / name
-        file.write_bytes(content)
+        _write_new(file, content)
     return file
+
+
+def _write_new(file: Path, content: bytes) -> None:
+    """Write a file that is not there, nor a link of its name."""
+    with file.open("xb") as stream:
+        stream.write(content)
 
 
 def _say(line: str, stream: object = None) -> None:
