@@ -116,7 +116,9 @@ def made_folder(folder: Path) -> Path:
 @cache
 def say(text: str) -> None:
     """Tell a person something that no result depends on; once."""
-    print(f"heavylift: {text}", file=sys.stderr)  # noqa: T201
+    from heavylift.numerics.outcome import visible  # no kernel depends on it
+
+    print(visible(f"heavylift: {text}"), file=sys.stderr)  # noqa: T201
 
 
 def _file(module: str) -> Path:

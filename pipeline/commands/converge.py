@@ -154,7 +154,8 @@ class _Runner:
         place = f"series_{number}"
         self.log.say(f"converge: {name}")
         runs = [
-            self._run(case, self._folder(place, str(i)), parameter, strict=False) for i, case in enumerate(cases)
+            self._run(case, self._folder(place, str(i)), parameter, strict=False)
+            for i, case in enumerate(cases)
         ]
         return self._study(cases, runs, parameter, None, name)
 

