@@ -63,7 +63,7 @@ COMMANDS = {
     "report": (),
     "draw": (),
     "export": ("--glb",),
-    "statistics": ("--channels", "tip.displacement"),
+    "statistics": ("--channels", "beam.position"),
 }
 """With which a small case writes."""
 
