@@ -13,6 +13,7 @@ from numba import config
 
 from heavylift.numerics import objects, sources
 from heavylift.numerics.arrays import Floats1
+from heavylift.numerics.jit import cache_folder
 from heavylift.numerics.objects import entry, is_compiled, load_unit
 from heavylift.numerics.sources import distrusted, made_folder
 
@@ -129,3 +130,14 @@ def test_code_of_a_distrusted_folder_is_not_loaded_and_that_is_told_once(
     (root / "objects").chmod(0o755)
     forget()
     assert is_compiled(first_of.unit)
+
+
+def test_folders_of_the_compiler_are_closed_to_others(root: Path) -> None:
+    """It makes folders and files in them by the umask, and loads pickles."""
+    before = os.umask(0o002)
+    try:
+        made = cache_folder.__wrapped__("heavylift.numerics.small")
+    finally:
+        os.umask(before)
+    assert made.parent == root
+    assert stat.S_IMODE(made.stat().st_mode) == 0o700
