@@ -10,10 +10,10 @@ from __future__ import annotations
 import contextlib
 import json
 import subprocess
-import sys
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from heavylift.numerics.children import NEUTRAL_FOLDER, module_folders, python_command
 from heavylift.numerics.memory import amount_of_bytes, available_memory
 from heavylift.numerics.outcome import InputError
 
@@ -85,7 +85,7 @@ def check_hdf5(path: Path, expected: str) -> None:
         With the name of the data set, as far as it is known.
     """
     status = path.stat()
-    problem = _survey(str(path), status.st_size, status.st_mtime_ns)
+    problem = _survey(str(path.absolute()), status.st_size, status.st_mtime_ns)
     if problem is not None:
         raise InputError(problem[1], source=path, key=problem[0], expected=expected)
 
@@ -94,10 +94,16 @@ def check_hdf5(path: Path, expected: str) -> None:
 def _survey(path: str, size: int, _changed: int) -> tuple[str, str] | None:
     """Key and problem of a file; None if it can be read."""
     limit, seconds = available_memory(), SECONDS + size / BYTES_A_SECOND
-    command = [sys.executable, "-I", "-c", SURVEY, path, str(limit), json.dumps(sys.path)]
+    command = python_command("-c", SURVEY, path, str(limit), json.dumps(module_folders()))
     try:
         ended = subprocess.run(  # noqa: S603  Python itself, with a program of ours
-            command, capture_output=True, text=True, errors="replace", timeout=seconds, check=False
+            command,
+            cwd=NEUTRAL_FOLDER,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=seconds,
+            check=False,
         )
     except subprocess.TimeoutExpired:
         return "", f"is damaged: it cannot be read within {seconds:.0f} s"

@@ -125,7 +125,8 @@ def write_segment(folder: Path, segment: Segment) -> SegmentMark:
     arrays = _arrays(segment)
     checksum = _checksum(arrays)
     with replacing(segment_path(folder, segment.number)) as temporary, temporary.open("wb") as stream:
-        np.savez(stream, allow_pickle=False, checksum=np.array(checksum), **arrays)
+        # before NumPy 2.2 a word on pickles would be an array of that name
+        np.savez(stream, checksum=np.array(checksum), **arrays)  # type: ignore[arg-type]
     return SegmentMark(len(segment.times), checksum)
 
 
