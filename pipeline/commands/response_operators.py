@@ -84,6 +84,8 @@ def rao_command(
         linear = linearise(found.scene)
         hulls = linear_group(found.scene, linear)
     log.say(f"rao: {linear.text}")
+    for note in linear.notes:
+        log.say(f"rao: NOTE: {note}")
     if not hulls.database.has_excitation:
         raise InputError(
             "no exciting forces, radiation alone",

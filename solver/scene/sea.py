@@ -33,6 +33,7 @@ __all__ = [
     "LinearRestoring",
     "Memory",
     "Radiation",
+    "RestoringOfSurface",
     "Restored",
     "Sea",
     "Tank",
@@ -103,6 +104,10 @@ class LinearRestoring:
     def waterplane(self) -> NDArray[np.float64]:
         """A, Sx, Sy, Ixx, Iyy, Ixy: area and moments in the axes of the body."""
         return np.array([self.area, *self.first_moments, *self.second_moments], dtype=np.float64)
+
+
+class RestoringOfSurface(LinearRestoring):
+    """The same in numbers that were taken from the surface of the hull, so that they say of it what the surface does."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -18,6 +18,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, over_full_circle
 from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.sea import FloatingBody
 from heavylift.solver.water.hulls.frequency_domain import LinearHulls, linear_hulls, rigid_body_mass
 from heavylift.solver.water.waves.spectra import dispersion
 from heavylift.solver.water.waves.wave_transfer import excitation_at
@@ -169,6 +170,8 @@ class LinearScene:
         in equilibrium up to round-off and forces that follow a body.
     text
         What was done to find the equilibrium.
+    notes
+        Of hulls that lie there at another draught than in their databases, and are not refused.
     """
 
     bodies: tuple[str, ...]
@@ -181,6 +184,7 @@ class LinearScene:
     row_names: tuple[str, ...]
     asymmetry: float
     text: str
+    notes: tuple[str, ...] = ()
 
 
 def linearise(scene: Scene) -> LinearScene:
@@ -195,7 +199,8 @@ def linearise(scene: Scene) -> LinearScene:
     Raises
     ------
     InputError
-        If no hull has a database, a free body is not rigid, or there is no equilibrium.
+        If no hull has a database, a free body is not rigid, there is no equilibrium, or a database is of another
+        water, hull or draught.
 
     Notes
     -----
@@ -203,18 +208,23 @@ def linearise(scene: Scene) -> LinearScene:
     surfaces and tanks are those at the start of time.
     """
     from heavylift.solver.layout import pack_scene
+    from heavylift.solver.layout_sea import float_bodies
     from heavylift.solver.start.rows import StartRows
     from heavylift.solver.statics.equilibrium import find_equilibrium
     from heavylift.solver.statics.forces import StaticForces
+    from heavylift.solver.water.hulls.database_fit import check_databases, check_rest
 
     _check(scene)
     assert scene.sea is not None
+    hulls = [body for body in float_bodies(scene).bodies if isinstance(body, FloatingBody)]
+    check_databases(hulls, scene.sea)
     still = replace(
         scene, sea=_without_waves(scene.sea), contacts=(), contours=(), surfaces=(), collisions=()
     )
     layout = pack_scene(still, "dele2", 0.0)
     rows = StartRows(layout)
     text = find_equilibrium(rows).text
+    notes = check_rest(layout.bodies, layout.body_names, hulls, scene.sea)
     forces = StaticForces(rows)
     load, G, _ = forces.evaluate()
     reaction, _ = forces.balance(load, G)
@@ -253,6 +263,7 @@ def linearise(scene: Scene) -> LinearScene:
         row_names=tuple(rows.names[rows.block[row]] for row in kept),
         asymmetry=float(np.abs(scaled - scaled.T).max() / largest),
         text=text,
+        notes=tuple(notes),
     )
 
 
