@@ -90,4 +90,6 @@ def _sides(one: Any) -> set[str]:
     path = getattr(one, "path", None)
     if path is not None:
         return {stop.body for stop in path}
-    return {getattr(one, key) for key in ("body", "body_a", "body_b") if isinstance(getattr(one, key, None), str)}
+    return {
+        getattr(one, key) for key in ("body", "body_a", "body_b") if isinstance(getattr(one, key, None), str)
+    }

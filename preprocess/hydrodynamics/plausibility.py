@@ -44,7 +44,13 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
-__all__ = ["check_long_waves", "check_plausibility", "group_velocity", "haskind_damping", "outlying_frequencies"]
+__all__ = [
+    "check_long_waves",
+    "check_plausibility",
+    "group_velocity",
+    "haskind_damping",
+    "outlying_frequencies",
+]
 
 FELT = 0.01
 """Of the mass of the hull and the water with it: an added mass below it has no sign that counts."""

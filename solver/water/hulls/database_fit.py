@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
-    from heavylift.solver.scene.sea import FloatingBody, Radiation, Sea
+    from heavylift.solver.scene.sea import FloatingBody, Sea
 
 __all__ = ["check_databases", "check_rest", "weight_words"]
 
@@ -247,9 +247,7 @@ def _plane_of_database(database: HydrodynamicDatabase, row: int) -> _Plane:
     return _Plane(volume, centre, C[2, 2], -C[2, 4], C[2, 3], C[4, 4] - arm, C[3, 3] - arm)
 
 
-def _differences(
-    database: HydrodynamicDatabase, row: int, hull: _Plane, stated: _Plane
-) -> list[_Difference]:
+def _differences(database: HydrodynamicDatabase, row: int, hull: _Plane, stated: _Plane) -> list[_Difference]:
     """Of the hydrostatics that a database states, and of its symmetry."""
     along = hull.gyradii
     found: list[_Difference] = []
@@ -273,9 +271,7 @@ def _differences(
                 other / stated.area, along[axis],
             )  # fmt: skip
     draught = hull.volume / hull.area if hull.area > 0.0 else hull.volume ** (1.0 / 3.0)
-    compare(
-        "its centre of buoyancy at z =", "m from the water", hull.centre[2], stated.centre[2], draught
-    )
+    compare("its centre of buoyancy at z =", "m from the water", hull.centre[2], stated.centre[2], draught)
     if np.isfinite(stated.xx):
         whole = "a second moment of its water plane about the {} axis of"
         compare(whole.format("longitudinal"), "m4", hull.yy, stated.yy, hull.yy)

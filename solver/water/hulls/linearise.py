@@ -67,6 +67,7 @@ def joined_database(
     -------
     HydrodynamicDatabase
         Its origin is the reference point of the first body in the water plane, its x axis the heading of that body.
+        Without headings, if one of the databases has no exciting forces.
         Frequencies are those of the first database within the range of all.
 
     Raises
@@ -87,6 +88,10 @@ def joined_database(
             expected="databases over the same frequencies",
         )
     beta = over_full_circle(first).headings
+    if not all(
+        one.database.has_excitation for one in radiation
+    ):  # of what waves do to some of them nothing is known
+        beta = beta[:0]
     n, m = 6 * len(bodies), len(omega)
     c, s = math.cos(headings[0]), math.sin(headings[0])
     places = points - points[0]
