@@ -1,4 +1,4 @@
-"""Whether the databases of a case fit its sea, its hulls and what these carry: asked of every scene that is assembled."""
+"""Whether the databases of a case fit its sea, its hulls and what these carry: asked of every assembled scene."""
 
 from __future__ import annotations
 

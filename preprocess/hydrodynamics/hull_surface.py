@@ -280,7 +280,9 @@ def _part_volumes(surface: TriangleSurface, joins: NDArray[np.int64], source: st
             )
             if volume < -_FLAT * box:
                 problem = f"{which}is inside-out: its volume is {volume:.6g} m3"
-                expected = "triangles anticlockwise seen from outside (turn the normals), and no inner skins (leave them out)"
+                expected = (
+                    "triangles anticlockwise seen from outside (turn the normals), no inner skins (leave out)"
+                )
             else:
                 problem = f"{which}encloses no volume"
                 expected = "the outside of a hull; leave plates out"

@@ -60,6 +60,9 @@ SAME_FREQUENCY = 1e-4
 SAME_VALUE = 1e-5
 """Of two values of the same coefficient, and of the modulus to the largest of all: digits of a file."""
 
+COMPARED = 200
+"""Rows of a table that the last one is compared with."""
+
 MODULUS = 0.01
 """Between a modulus and that of real and imaginary part."""
 
@@ -100,8 +103,10 @@ class WamitRows:
         """
         waves = [w for w in self.added_mass if 0.0 < w < np.inf]
         union = set().union(*(self.added_mass[w].keys() for w in waves))
+        diagonal = {place for place in union if place[0] == place[1]}
         for omega, entries in self.added_mass.items():
-            lacking = union - entries.keys()
+            whole = 0.0 < omega < np.inf or any(i != j for i, j in entries)  # limits are known by diagonals too
+            lacking = (union if whole else diagonal) - entries.keys()
             if lacking:
                 i, j = min(lacking)
                 raise _incomplete(self.source, omega, f"no coefficient ({i + 1}, {j + 1})", len(lacking))
@@ -242,7 +247,6 @@ def wamit_database(
     for index, w in enumerate(omega):
         mass[index] = _matrix(rows.added_mass[float(w)], n, source) * mass_scale
         damping[index] = _matrix(rows.damping[float(w)], n, source) * mass_scale * w
-    _refuse_empty(mass, names, count, source)
     excitation = np.full((len(omega), len(degrees), n), np.nan, dtype=np.complex128)
     for index, w in enumerate(omega):
         near = waves[np.abs(waves - w) < SAME_FREQUENCY * w]
@@ -256,11 +260,11 @@ def wamit_database(
                     raise InputError(f"mode {i + 1}", source=source, expected=f"1 .. {n} for {count} bodies")
                 excitation[index, h, i] = value.conjugate() * force_scale[i]
     alone = [w for w in waves if not np.any(np.abs(omega - w) < SAME_FREQUENCY * w)]
-    told = ()
+    told: tuple[str, ...] = ()
     if alone:
+        span = f"{min(alone):.4g} to {max(alone):.4g} rad/s"
         told = (
-            f"exciting forces at {len(alone)} frequencies without added mass and damping ({min(alone):.4g} to "
-            f"{max(alone):.4g} rad/s) are left out: is the radiation cut?",
+            f"exciting forces at {len(alone)} frequencies without radiation ({span}) left out: is it cut?",
         )
     infinite = np.full((n, n), np.nan)
     if INFINITE_FREQUENCY in rows.added_mass:
@@ -283,19 +287,6 @@ def wamit_database(
         symmetric=symmetric,
         repairs=told,
     )
-
-
-def _refuse_empty(mass: NDArray[np.float64], names: tuple[str, ...], count: int, source: str) -> None:
-    """Every body has an added mass."""
-    for body in range(count):
-        own = slice(6 * body, 6 * body + 6)
-        if not np.any(mass[:, own, own]):
-            name = names[body] if len(names) == count else f"body {body + 1}"
-            raise InputError(
-                f"no added mass of {name!r}, modes {6 * body + 1} to {6 * body + 6}",
-                source=source,
-                expected=f"coefficients of all {count} bodies (is the file cut, or of other bodies?)",
-            )
 
 
 def _matrix(entries: dict[tuple[int, int], float], n: int, source: str) -> NDArray[np.float64]:
@@ -452,12 +443,13 @@ def _refuse_cut(lines: Sequence[str], path: Path, pattern: str = "") -> None:
     if last < 0 or not re.match(pattern, lines[last]):
         return
     width = len(lines[last].split())
-    rows = [
-        (i + 1, line)
-        for i, line in enumerate(lines[: last + 1])
-        if len(line.split()) == width and re.match(pattern, line) and (pattern or _are_numbers(line))
-    ]
-    if rows and rows[-1][0] == last + 1:
+    rows: list[tuple[int, str]] = []
+    for i in range(last, max(last - COMPARED, -1), -1):  # rows of another table end it
+        line = lines[i]
+        if len(line.split()) != width or not re.match(pattern, line) or not _are_numbers(line):
+            break
+        rows.insert(0, (i + 1, line))
+    if rows:
         _refuse_short(rows, path, ended=last < len(lines) - 1)
 
 
@@ -678,13 +670,21 @@ def read_wamit_out(
         )
         for body in listed
     ]
+    begun = sum(bool(_BEGUN.match(line)) for line in lines)
+    there = len(rows.added_mass)
+    told = (f"the listing begins with {begun} periods and has {there} of them",) if there < begun else ()
     database = replace(
         database,
+        repairs=(*database.repairs, *told),
         volumes=np.array([body.volume for body in listed]),
         centres_of_buoyancy=np.array([body.centre_of_buoyancy for body in listed]) + references,
         hydrostatic_stiffness=np.array(stiffness),
     )
     return repaired(database, repair)
+
+
+_BEGUN = re.compile(r"\s*-?\d+\.\d+\s+\d\d:\d\d:\d\d\s")
+"""Rows of a listing, a period and the time at which it was begun."""
 
 
 def _number_after(pattern: str, lines: list[str]) -> float | None:
@@ -715,16 +715,25 @@ def _stated_scales(lines: list[str], path: Path, density: float) -> tuple[float,
     return gravity, length, depth
 
 
-def _numbers(line: str) -> list[float]:
-    """Numbers after the last colon of a line."""
-    return [float(v) for v in line.rsplit(":", 1)[-1].split()]
+def _numbers(line: str, count: int, path: Path, number: int) -> list[float]:
+    """So many numbers after the last colon of a line."""
+    try:
+        found = [float(v) for v in line.rsplit(":", 1)[-1].split()]
+    except ValueError:
+        found = []
+    if len(found) != count:
+        raise _cut(path, number, f"{line.strip()!r}, where {count} numbers should be")
+    return found
 
 
 def _listed_bodies(lines: list[str], path: Path) -> Iterator[_Body]:
     """Bodies in the order of the listing."""
     starts = [i for i, line in enumerate(lines) if "XBODY" in line and "PHIBODY" in line]
-    for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
-        x, y, z, turn = (float(v) for v in re.findall(r"=\s*([-+.\dEe]+)", lines[start]))
+    for start, end in zip(starts, [*starts, len(lines)][1:], strict=True):
+        placed = re.findall(r"=\s*([-+.\dEe]+)", lines[start])
+        if len(placed) != 4:
+            raise _cut(path, start + 1, f"{lines[start].strip()!r}, where 4 numbers should be")
+        x, y, z, turn = map(float, placed)
         if turn != 0.0:
             raise InputError(
                 f"PHIBODY = {turn:g} deg",
@@ -734,26 +743,43 @@ def _listed_bodies(lines: list[str], path: Path) -> Iterator[_Body]:
             )
         volume, buoyancy, gravity_centre = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         restoring = np.zeros((6, 6))
-        for line in lines[start + 1 : min(end, start + 40)]:
+        found: set[str] = set()
+        for number, line in enumerate(lines[start + 1 : min(end, start + 40)], start=start + 2):
             if "Wave period" in line:
                 break
             if "Volumes (" in line:
-                volume = float(np.median(_numbers(line)))
+                volume = float(np.median(_numbers(line, 3, path, number)))
+                found.add("volumes")
             elif "Center of Buoyancy" in line:
-                buoyancy = _point(line)
+                buoyancy = _point(line, path, number)
             elif "Center of Gravity" in line:
-                gravity_centre = _point(line)
+                gravity_centre = _point(line, path, number)
+                found.add("centre of gravity")
             elif re.search(r"C\(\d,\d\)", line):
-                for (i, j), value in zip(re.findall(r"C\((\d),(\d)\)", line), _numbers(line), strict=True):
+                places = re.findall(r"C\((\d),(\d)\)", line)
+                found |= {f"C({i},{j})" for i, j in places}
+                for (i, j), value in zip(places, _numbers(line, len(places), path, number), strict=True):
                     restoring[int(i) - 1, int(j) - 1] = value
+        lacking = [
+            word
+            for word in ("volumes", "C(3,3)", "C(4,4)", "C(5,5)", "centre of gravity")
+            if word not in found
+        ]
+        if lacking:
+            raise InputError(
+                f"no {', '.join(lacking)} of the body",
+                source=path,
+                key=f"line {start + 1}",
+                expected="volumes, restoring coefficients and centre of gravity (is the file cut?)",
+            )
         for i, j in ((2, 3), (2, 4), (3, 4)):
             restoring[j, i] = restoring[i, j]
         yield _Body((x, y, z), volume, buoyancy, gravity_centre, restoring)
 
 
-def _point(line: str) -> tuple[float, float, float]:
+def _point(line: str, path: Path, number: int) -> tuple[float, float, float]:
     """Three coordinates."""
-    x, y, z = _numbers(line)
+    x, y, z = _numbers(line, 3, path, number)
     return x, y, z
 
 
@@ -774,7 +800,7 @@ def _read_listing(lines: list[str], path: Path, rows: WamitRows, forces: str) ->
         elif "EXCITING FORCES AND MOMENTS" in line:
             table = "excitation" if forces.upper() in line else ""
         elif "Wave Heading (deg)" in line:
-            heading = _numbers(line)[0]
+            heading = _numbers(line, 1, path, number)[0]
         elif re.match(r"\s*[A-Z]{4,}[ \-]", line):
             table = ""
         elif table and re.match(r"\s*-?\d+\s", line):

@@ -107,7 +107,7 @@ class LinearRestoring:
 
 
 class RestoringOfSurface(LinearRestoring):
-    """The same in numbers that were taken from the surface of the hull, so that they say of it what the surface does."""
+    """The same, taken from the surface of a hull: its numbers say what the surface does."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

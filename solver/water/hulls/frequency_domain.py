@@ -393,9 +393,9 @@ def _followed_modes(
 def _crossed_modes(
     hulls: LinearHulls, C: NDArray[np.float64], scale: NDArray[np.float64], free: NDArray[np.float64]
 ) -> list[tuple[float, NDArray[np.float64]]]:
-    """The same where mass and added mass may be indefinite: at which an eigenvalue of C - omega^2 (M + A) falls through 0.
+    """The same where M + A may be indefinite: where an eigenvalue of C - omega^2 (M + A) falls through zero.
 
-    Where one rises through zero, omega^2 A falls so fast that the free oscillation would have negative energy: such
+    Where one rises through zero, omega^2 A falls so fast that a free oscillation would have negative energy: such
     roots are no modes of the hulls.
     """
     database = hulls.database
