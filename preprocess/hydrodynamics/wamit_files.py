@@ -63,6 +63,9 @@ SAME_VALUE = 1e-5
 COMPARED = 200
 """Rows of a table that the last one is compared with."""
 
+FORMATTED = 3
+"""Rows of one length that tell that numbers are written in one format."""
+
 MODULUS = 0.01
 """Between a modulus and that of real and imaginary part."""
 
@@ -105,7 +108,9 @@ class WamitRows:
         union = set().union(*(self.added_mass[w].keys() for w in waves))
         diagonal = {place for place in union if place[0] == place[1]}
         for omega, entries in self.added_mass.items():
-            whole = 0.0 < omega < np.inf or any(i != j for i, j in entries)  # limits are known by diagonals too
+            whole = 0.0 < omega < np.inf or any(
+                i != j for i, j in entries
+            )  # limits are known by diagonals too
             lacking = (union if whole else diagonal) - entries.keys()
             if lacking:
                 i, j = min(lacking)
@@ -170,7 +175,7 @@ def _incomplete(path: Path, omega: float, problem: str, count: int) -> InputErro
 
 
 def _refuse_short(rows: Sequence[tuple[int, str]], path: Path, *, ended: bool) -> None:
-    """Refuse a last row that is shorter than the others with as many numbers: its last number has lost digits.
+    """Refuse a last row whose last number has lost digits.
 
     Parameters
     ----------
@@ -179,13 +184,18 @@ def _refuse_short(rows: Sequence[tuple[int, str]], path: Path, *, ended: bool) -
     path
         The file.
     ended
-        Whether the last row ends with its line. Then only a table whose other rows are all of one length tells.
+        Whether the last row ends with its line. If not, it must not be the shortest; if so, rows or numbers that are
+        all of one length tell.
     """
     *others, (number, last) = rows
-    lengths = {len(text.rstrip()) for _, text in others}
-    if not lengths or len(last.rstrip()) >= min(lengths) or (ended and (len(lengths) > 1 or len(others) < 3)):
+    if not others:
         return
-    raise _cut(path, number, f"{last.strip()!r} is shorter than the rows before")
+    lengths = {len(text.rstrip()) for _, text in others}
+    digits = {len(text.split()[-1].lstrip("-+")) for _, text in others}
+    short = len(last.rstrip()) < min(lengths) and (not ended or len(lengths) == 1)
+    cut = len(digits) == 1 and len(last.split()[-1].lstrip("-+")) < min(digits)
+    if (short or cut) and (not ended or len(others) >= FORMATTED):
+        raise _cut(path, number, f"{last.strip()!r} is shorter than the rows before")
 
 
 def text_lines(path: Path) -> list[str]:

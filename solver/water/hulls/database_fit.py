@@ -332,7 +332,8 @@ def _hint(hull: _Plane, stated: _Plane, found: Sequence[_Difference]) -> str:
         return ""
     if any("longer along" in one.what for one in moments):
         return " (is it turned by 90 degrees?)"
-    if np.isclose(hull.xx, stated.yy, rtol=REFUSED) and np.isclose(hull.yy, stated.xx, rtol=REFUSED):
+    own, other = hull.gyradii, stated.gyradii
+    if np.allclose(own, other[::-1], rtol=REFUSED) and not np.allclose(own, other, rtol=REFUSED):
         return " (is it turned by 90 degrees?)"
     return ""
 

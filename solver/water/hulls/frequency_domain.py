@@ -329,8 +329,11 @@ def natural_modes(hulls: LinearHulls, *, iterations: int = 50) -> list[NaturalMo
         return values, vectors
 
     try:
-        found = _followed_modes(solve, math.sqrt(low * high), iterations)
-    except np.linalg.LinAlgError:  # mass and added mass together are not positive definite somewhere
+        resonant = len(resonant_frequencies(hulls)) > 0
+        found = [] if resonant else _followed_modes(solve, math.sqrt(low * high), iterations)
+    except np.linalg.LinAlgError:  # not positive definite between the frequencies of the database
+        resonant = True
+    if resonant:
         found = _crossed_modes(hulls, C, scale, free)
     modes = []
     for w, vector in found:
@@ -430,8 +433,7 @@ def _crossed_modes(
                 if not a < middle < b:
                     break
                 a, b = (a, middle) if below(middle) >= wanted else (middle, b)
-            values, vectors = np.linalg.eigh(dynamic(b))
-            found.append((b, vectors[:, int(np.argmin(np.abs(values)))]))
+            found.append((b, np.linalg.eigh(dynamic(b))[1][:, wanted - 1]))  # the one that falls through zero
     return found
 
 
