@@ -144,8 +144,10 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     )
     if case.databases:
         from heavylift.pipeline.assemble.afloat import check_afloat
+        from heavylift.pipeline.case.places import in_case
 
-        check_afloat(case, scene)
+        with in_case(case):
+            check_afloat(case, scene)
     return scene
 
 
