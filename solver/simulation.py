@@ -287,10 +287,10 @@ class Simulation:
         sea, layout = self._scene.sea, self._layout
         if sea is None or not sea.radiation:
             return
-        from heavylift.solver.layout_sea import float_bodies
+        from heavylift.solver.layout_sea import floating_hulls
         from heavylift.solver.water.hulls.database_fit import check_rest
 
-        notes = check_rest(layout.bodies, layout.body_names, float_bodies(self._scene).bodies, sea)
+        notes = check_rest(layout.bodies, layout.body_names, floating_hulls(self._scene), sea)
         self._layout = replace(layout, notes=(*layout.notes, *notes))
 
     def _begin_scenario(self, operation: Operation) -> None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from heavylift.pipeline.assemble.loading import scene_loading
-from heavylift.solver.layout_sea import float_bodies
-from heavylift.solver.scene.sea import FloatingBody
+from heavylift.solver.layout_sea import floating_hulls
 from heavylift.solver.water.hulls.database_fit import check_databases, weight_words
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ def check_afloat(case: Case, scene: Scene) -> list[str]:
     """
     if scene.sea is None or not scene.sea.radiation:
         return []
-    return [*check_databases(_hulls(scene), scene.sea), *draught_notes(case, scene)]
+    return [*check_databases(floating_hulls(scene), scene.sea), *draught_notes(case, scene)]
 
 
 def draught_notes(case: Case, scene: Scene) -> list[str]:
@@ -51,7 +50,7 @@ def draught_notes(case: Case, scene: Scene) -> list[str]:
     sea = scene.sea
     if sea is None or not sea.radiation:
         return []
-    hulls = _hulls(scene)
+    hulls = floating_hulls(scene)
     names, found = [body.name for body in hulls], []
     for body in hulls:
         loading = scene_loading(scene, names, body.name)
@@ -63,10 +62,6 @@ def draught_notes(case: Case, scene: Scene) -> list[str]:
         at = "by its mass, its tanks and what joints hold on it"
         found.append(weight_words(hulls, sea, body.name, volume, unknown=", ".join(unknown), at=at))
     return [words for words in found if words]
-
-
-def _hulls(scene: Scene) -> list[FloatingBody]:
-    return [body for body in float_bodies(scene).bodies if isinstance(body, FloatingBody)]
 
 
 def _other_loads(scene: Scene, group: set[str]) -> list[str]:

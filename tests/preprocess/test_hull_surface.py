@@ -230,10 +230,3 @@ def test_what_is_above_an_open_deck_is_not_counted():
     assert twice_inside(houses).volume == pytest.approx(32.0, rel=0.1)
     assert twice_inside(houses, below=3.0).volume == pytest.approx(0.0, abs=1e-9)
     assert check_hull(lidless(), open_deck=2.0).volume == pytest.approx(VOLUME)
-
-
-def test_an_inner_skin_that_faces_inwards_is_refused_as_inside_out():
-    shell = boxes(((20, 4, 4), (0, 0, 0)), ((10, 2, 2), (0, 0, 0)))
-    triangles = shell.triangles.copy()
-    triangles[12:] = triangles[12:, ::-1]
-    assert "inner skins" in error_of(TriangleSurface(shell.points, triangles, name="barge"))

@@ -18,7 +18,6 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, over_full_circle
 from heavylift.solver.scene.scene import RigidBody, Scene
-from heavylift.solver.scene.sea import FloatingBody
 from heavylift.solver.water.hulls.frequency_domain import LinearHulls, linear_hulls, rigid_body_mass
 from heavylift.solver.water.waves.spectra import dispersion
 from heavylift.solver.water.waves.wave_transfer import excitation_at
@@ -213,7 +212,7 @@ def linearise(scene: Scene) -> LinearScene:
     surfaces and tanks are those at the start of time.
     """
     from heavylift.solver.layout import pack_scene
-    from heavylift.solver.layout_sea import float_bodies
+    from heavylift.solver.layout_sea import floating_hulls
     from heavylift.solver.start.rows import StartRows
     from heavylift.solver.statics.equilibrium import find_equilibrium
     from heavylift.solver.statics.forces import StaticForces
@@ -221,7 +220,7 @@ def linearise(scene: Scene) -> LinearScene:
 
     _check(scene)
     assert scene.sea is not None
-    hulls = [body for body in float_bodies(scene).bodies if isinstance(body, FloatingBody)]
+    hulls = floating_hulls(scene)
     check_databases(hulls, scene.sea)
     still = replace(
         scene, sea=_without_waves(scene.sea), contacts=(), contours=(), surfaces=(), collisions=()

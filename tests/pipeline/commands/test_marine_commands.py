@@ -219,7 +219,9 @@ MISFITS = {
 
 @pytest.mark.parametrize("name", MISFITS)
 @pytest.mark.parametrize("command", ["rao", "hydrostatics", "lines", "database", "simulate", "draw"])
-def test_every_command_refuses_a_database_that_does_not_fit(heavylift, barge: Path, command: str, name: str) -> None:
+def test_every_command_refuses_a_database_that_does_not_fit(
+    heavylift, barge: Path, command: str, name: str
+) -> None:
     """A barge of 97.5 x 36 m with a draught of 4.5 m in deep water of 1025 kg/m3: 15,795 m3."""
     changes, words = MISFITS[name]
     if command == "lines" and "lines=" in changes:

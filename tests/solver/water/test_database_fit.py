@@ -11,7 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.preprocess.surfaces.triangle_surface import placed
-from heavylift.solver.layout_sea import float_bodies
+from heavylift.solver.layout_sea import floating_hulls
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, RestoringOfSurface, Sea, Tank, Water
 from heavylift.solver.water.hulls.database_fit import check_databases, weight_words
@@ -94,7 +94,7 @@ def scene(database, restoring=None, *, reference=(0.0, 0.0, 0.0), tanks=(), **wa
 
 def notes_of(made: Scene) -> list[str]:
     assert made.sea is not None
-    return check_databases(float_bodies(made).bodies, made.sea)
+    return check_databases(floating_hulls(made), made.sea)
 
 
 def error_of(made: Scene) -> str:
@@ -207,7 +207,7 @@ def test_a_float_plane_in_numbers_is_told_of_and_not_refused() -> None:
 def words_at(volume: float, **changes: Any) -> str:
     made = scene(box_database(**changes.pop("database", {})), tanks=changes.pop("tanks", ()))
     assert made.sea is not None
-    return weight_words(float_bodies(made).bodies, made.sea, "hull", volume, **changes)
+    return weight_words(floating_hulls(made), made.sea, "hull", volume, **changes)
 
 
 @pytest.mark.parametrize("numbers", [{}, without])
