@@ -58,6 +58,8 @@ def draught_notes(case: Case, scene: Scene) -> list[str]:
         hanging = case.hulls[body.name].hanging
         mass += 0.0 if hanging is None else hanging.mass
         unknown = [*loading.left_out, *_other_loads(scene, {body.name, *loading.bodies})]
+        if case.ballast is not None and case.ballast.hull == body.name:
+            unknown.append("what [ballast] fills")
         volume = mass / sea.water.density
         at = "by its mass, its tanks and what joints hold on it"
         found.append(weight_words(hulls, sea, body.name, volume, unknown=", ".join(unknown), at=at))

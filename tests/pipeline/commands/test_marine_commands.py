@@ -231,6 +231,20 @@ def test_every_command_refuses_a_database_that_does_not_fit(
     assert words in err.splitlines()[-1]
 
 
+def test_what_ballast_is_to_fill_is_told_and_not_refused(heavylift, barge: Path) -> None:
+    """9,000 t, 200 t of cargo and an empty tank, of 16,190 t that the database has: the plan finds the rest."""
+    file = barge / "case.toml"
+    tank = 'name = "wing"\nhull = "barge"\nfloor = [0, 0, -4]\nsize = [60, 30, 8]\nmass = 0\n'
+    plan = f'\n[[tanks]]\n{tank}\n[ballast]\nhull = "barge"\ntanks = ["wing"]\nstages = [{{ name = "a" }}]\n'
+    file.write_text(file.read_text() + plan)
+    code, out, err = heavylift("hydrostatics", barge, "--set", "bodies.barge.mass=9000 t", "--set", "lines=")
+    assert code == 0
+    assert (
+        "43% less than the 15795 m3 of its database (barge.nc); not counted: what [ballast] fills"
+        in out + err
+    )
+
+
 @pytest.mark.slow
 def test_the_database_is_drawn(heavylift, barge: Path) -> None:
     code, out, _ = heavylift("database", barge, "--json")
