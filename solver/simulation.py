@@ -271,6 +271,8 @@ class Simulation:
             start_contacts(layout, self.step, settled=settled)
         if layout.block_names and self.integrator == "dele2":
             self._probe()
+        if self._start_mode in AT_REST:
+            self._check_draughts()
         prepare_counts(layout)
         if layout.controllers is not None:
             from heavylift.solver.water.hulls.controllers import begin_controllers
@@ -279,6 +281,17 @@ class Simulation:
             begin_controllers(layout.controllers, [one.name for one in self._scene.sea.controllers])
         if self.operation is not None:
             self._begin_scenario(self.operation)
+
+    def _check_draughts(self) -> None:
+        """Hulls with databases lie at rest as these have them."""
+        sea, layout = self._scene.sea, self._layout
+        if sea is None or not sea.radiation:
+            return
+        from heavylift.solver.layout_sea import floating_hulls
+        from heavylift.solver.water.hulls.database_fit import check_rest
+
+        notes = check_rest(layout.bodies, layout.body_names, floating_hulls(self._scene), sea)
+        self._layout = replace(layout, notes=(*layout.notes, *notes))
 
     def _begin_scenario(self, operation: Operation) -> None:
         """Do what the first phase begins with; a phase that is over before it begins is a mistake."""

@@ -209,7 +209,7 @@ def linear_from_panels(still: PanelHydrostatics, level: float) -> seas.LinearRes
     lever = V * centre[2]
     # C33 = A, C34 = Sy, C35 = -Sx, C44 = Iyy + V z_B, C55 = Ixx + V z_B, C45 = -Ixy
     shift = np.array([0.0, 0.0, level])
-    return seas.LinearRestoring(
+    return seas.RestoringOfSurface(
         volume=float(V),
         centre_of_buoyancy=centre + shift,
         reference=shift,

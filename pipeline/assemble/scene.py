@@ -56,7 +56,13 @@ MEASURED = ("relative_motions", "leads", "lugs", "hook_loads", "rope_groups")
 
 
 def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
-    """Scene of a case; the reduced bodies are read from its output folder."""
+    """Scene of a case; the reduced bodies are read from its output folder.
+
+    Raises
+    ------
+    InputError
+        If something does not fit: shapes, points, or a database and its hull.
+    """
     bodies: list[s.FlexibleBody | s.RigidBody | FrameBody | ShellBody] = []
     origins: dict[str, NDArray[np.float64]] = {}
     for name, body in case.bodies.items():
@@ -121,7 +127,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 check_on_mesh(made, point, case.file, key)
             if isinstance(made, FrameBody):
                 check_pulleys(case, made)
-    return s.Scene(
+    scene = s.Scene(
         tuple(bodies),
         tuple(forces),
         tuple(assemble_list(case, "sensors", sides)),
@@ -136,6 +142,13 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         sea=_sea(case, sides, folder),
         scenario=case.operation,
     )
+    if case.databases:
+        from heavylift.pipeline.assemble.afloat import check_afloat
+        from heavylift.pipeline.case.places import in_case
+
+        with in_case(case):
+            check_afloat(case, scene)
+    return scene
 
 
 # cases import only what they have: most have no contours, surfaces or sea

@@ -167,7 +167,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
     from heavylift.solver.scene.meshes import MeshBody
-    from heavylift.solver.simulation import Simulation
+    from heavylift.solver.simulation import AT_REST, Simulation
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
@@ -175,6 +175,11 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     scene = assemble_scene(work.case, folder)
     for note in collision_notes(work.case):
         log.say(f"simulate: {note}")
+    if work.case.databases and section.start not in AT_REST:  # an equilibrium tells it better
+        from heavylift.pipeline.assemble.afloat import draught_notes
+
+        for note in draught_notes(work.case, scene):
+            log.say(f"simulate: NOTE: {note}")
     meshes = [mesh_shape(body) for body in scene.bodies if isinstance(body, MeshBody)]
     options: dict[str, Any] = {"record_every": section.record_every}
     if section.solver_tolerance is not None:

@@ -20,6 +20,7 @@ from heavylift.preprocess.hydrodynamics.database import (
     Limits,
     at_frequencies,
     check_axes,
+    check_bodies,
     check_database,
     check_phase,
     check_shapes,
@@ -147,6 +148,7 @@ def repaired(
     repair = repair or Repair()
     check_shapes(database)
     check_axes(database)
+    check_bodies(database)
     if not database.has_excitation:
         database = _told(database, "no exciting forces: for motions in still water")
     for step in (_asked, _finite):
