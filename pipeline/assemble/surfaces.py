@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import json
-import zipfile
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import told_of_file
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import surface_digest
@@ -144,18 +144,17 @@ def read_surface_file(path: Path) -> StoredSurface:
     """
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
-    remedy = "make it with `heavylift mesh CASE --force`"
-    try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
-            about = json.loads(str(content["about"]))
-            whole = TriangleSurface(
-                content["points"], content["triangles"], float(content["radius"]), str(about["name"])
-            )
-            return StoredSurface(whole, content["kept"], about["report"], str(about["digest"]))
-    except FileNotFoundError:
-        raise InputError("does not exist", source=path, expected=f"a surface; {remedy}") from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"is damaged: {error}", source=path, expected=f"a whole file; {remedy}") from None
+    expected = "a whole surface; make it with `heavylift mesh CASE --force`"
+    with (
+        told_of_file(path, expected),
+        path.open("rb") as stream,
+        np.load(stream, allow_pickle=False) as content,
+    ):
+        about = json.loads(str(content["about"]))
+        whole = TriangleSurface(
+            content["points"], content["triangles"], float(content["radius"]), str(about["name"])
+        )
+        return StoredSurface(whole, content["kept"], about["report"], str(about["digest"]))
 
 
 def stored_surface(case: Case, index: int, folder: OutputFolder) -> StoredSurface:

@@ -61,24 +61,28 @@ def input_errors(
 def _causes(items: Sequence[Any], document: dict[str, Any]) -> list[Any]:
     """The items without those that only follow from another one, so that one mistake is one line."""
     places = [tuple(item["loc"]) for item in items]
+    above = {place[:length] for place in places for length in range(len(place))}
+    last_repeated: dict[str, int] = {}
+    last_missing: dict[tuple[Any, ...], int] = {}
+    unknown: dict[tuple[Any, ...], list[str]] = {}
+    for index, (item, place) in enumerate(zip(items, places, strict=True)):
+        if item["type"] == "repeated":
+            last_repeated[item["ctx"]["problem"]] = index
+        elif item["type"] == "missing":
+            last_missing[place[:-1]] = index
+        elif item["type"] == "extra_forbidden":
+            unknown.setdefault(place[:-1], []).append(str(place[-1]))
     kept = []
     for index, (item, place) in enumerate(zip(items, places, strict=True)):
-        kind, later = item["type"], range(index + 1, len(items))
-        if kind == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places):
+        kind = item["type"]
+        if kind == "too_short" and place in above:
             continue  # an entry that is wrong was not counted
-        if kind == "repeated" and any(
-            items[i]["type"] == kind and items[i]["ctx"]["problem"] == item["ctx"]["problem"] for i in later
-        ):
+        if kind == "repeated" and last_repeated[item["ctx"]["problem"]] != index:
             continue  # the last occurrence is told
         if kind == "missing" and isinstance(_place(document, item)[1], list):
-            if any(items[i]["type"] == kind and places[i][:-1] == place[:-1] for i in later):
+            if last_missing[place[:-1]] != index:
                 continue  # the last missing entry says how many are needed
-        elif kind == "missing" and any(
-            other["type"] == "extra_forbidden"
-            and p[:-1] == place[:-1]
-            and get_close_matches(str(p[-1]), [str(place[-1])], 1)
-            for other, p in zip(items, places, strict=True)
-        ):
+        elif kind == "missing" and get_close_matches(str(place[-1]), unknown.get(place[:-1], ()), 1):
             continue  # it is there, misspelt
         kept.append(item)
     return kept
