@@ -234,9 +234,7 @@ class _Writer:
     def complain(self, error: InputError, key: str) -> None:
         """Note an error at its place, the first one of each place."""
         if key not in self.errors:
-            self.errors[key] = InputError(
-                error.problem, source=self.file, key=key, expected=error.expected
-            )
+            self.errors[key] = InputError(error.problem, source=self.file, key=key, expected=error.expected)
 
     def plan(self, target: dict[str, Any], block: Any, path: str) -> _Plan | None:
         """What one block will write, with its own settings put into a document; None if it cannot be told."""

@@ -54,6 +54,7 @@ __all__ = [
     "Factor",
     "crane_points",
     "evaluate_criteria",
+    "evaluate_criterion",
     "phase_words",
 ]
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.quantity_names import QuantityName
     from heavylift.pipeline.checks.stresses import SolidStresses
 
-__all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
+__all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_check", "evaluate_checks", "relative_drift"]
 
 _REDUCTIONS: tuple[Callable[..., NDArray[np.float64]], ...] = (np.max, np.min, np.linalg.norm)
 _ACROSS = dict(zip(ACROSS, _REDUCTIONS, strict=True))
@@ -550,7 +550,7 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     errors: list[InputError] = []
     for check in case.check:
         try:
-            found.append(_evaluate(check, quantities.within(check), case.quantity(check.quantity)))
+            found.append(evaluate_check(case, quantities, check))
         except InputErrors as error:
             errors += error.errors
         except InputError as error:
@@ -562,10 +562,11 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     return found
 
 
-def _evaluate(check: CheckSection, quantities: Quantities, name: QuantityName) -> CheckResult:
+def evaluate_check(case: Case, quantities: Quantities, check: CheckSection) -> CheckResult:
     """The check of the member of a group that is worst, or of a quantity by itself."""
+    within, name = quantities.within(check), case.quantity(check.quantity)
     results = [
-        _of_member(check, quantities, name.kind.unit, owner, text)
+        _of_member(check, within, name.kind.unit, owner, text)
         for owner, text in name.members or (("", check.quantity),)
     ]
     return max(results, key=_badness)

@@ -7,15 +7,15 @@ from dataclasses import replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
-from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.checks.quantities import CheckResult, evaluate_checks
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.checks.judge import judge
 from heavylift.pipeline.page.packing import LibraryMissingError, page_parts
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.collisions import collision_sections, surface_sections
 from heavylift.pipeline.report.contacts import contact_sections
 from heavylift.pipeline.report.criteria import (
-    criteria_results,
+    briefly,
     criteria_section,
     used_words,
     write_criteria,
@@ -48,18 +48,26 @@ from heavylift.pipeline.report.transport import transport_section
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.histories import Results
 
 __all__ = ["judged_run", "write_report"]
 
 
-def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) -> list[Path]:
+def write_report(
+    case: Case,
+    folder: Path,
+    out: Path,
+    log: Log | None = None,
+    *,
+    tell: Callable[[JudgedRun], object] | None = None,
+) -> list[Path]:
     """Write ``report.md``, ``report.html`` and their pictures from whatever stages have run.
 
     Parameters
@@ -72,6 +80,8 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         Output folder of the case, with a folder for each stage that has run.
     log
         Told the verdict, and how far an animation is.
+    tell
+        Told how the run is judged.
 
     Returns
     -------
@@ -105,6 +115,8 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         if renderer is not None:
             renderer.close()
     told = judged_run(case, stages, results, problem)
+    if tell is not None:
+        tell(told)
     judged, open_criteria, verdict = told.criteria, told.open_criteria, told.verdict
     warnings = [Text(text, warning=True) for text in (*told.warnings, remedy) if text]
     document = Document(
@@ -168,8 +180,10 @@ def judged_run(case: Case, stages: OutputFolder, results: Results | None, proble
     problem
         What is wrong with them.
     """
-    checks, open_checks = _checks(case, stages.root)
-    judged, open_criteria = criteria_results(case, stages.root, results)
+    found = judge(case, stages.root, results)
+    checks, judged = list(found.checks), list(found.criteria)
+    open_checks = {name: briefly(error) for name, error in found.open_checks.items()}
+    open_criteria = {name: briefly(error) for name, error in found.open_criteria.items()}
     told = str(results.metadata.get("warning", "")) if results is not None else ""
     outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
     failed = tuple(dict.fromkeys(f"criterion {one.name}" for one in judged if not one.passed))
@@ -196,24 +210,6 @@ def _linked_pictures(report: Path) -> set[str]:
         return set(re.findall(r"\]\(([A-Za-z0-9_-]+\.(?:png|gif|mp4))\)", report.read_text(encoding="utf-8")))
     except (OSError, UnicodeDecodeError):
         return set()
-
-
-def _checks(case: Case, out: Path) -> tuple[list[CheckResult], dict[str, str]]:
-    """Checks that can be evaluated, and for the others by id why not."""
-    try:
-        return evaluate_checks(case, out), {}
-    except (InputError, IndexError, ValueError):
-        pass  # one by one, to keep those that can be evaluated
-    done: list[CheckResult] = []
-    missing: dict[str, str] = {}
-    for check in case.check:
-        try:
-            done += evaluate_checks(case.model_copy(update={"check": (check,)}), out)
-        except InputError as error:
-            missing[check.id] = str(error).partition("; expected")[0]
-        except (IndexError, ValueError):  # statistics of a run that stopped before its first record
-            missing[check.id] = "cannot be evaluated from the records that there are"
-    return done, missing
 
 
 def _stopped(

@@ -222,7 +222,13 @@ def _read_segment(path: Path, index: int) -> Segment | None:
         header = json.loads(str(arrays.pop("header")))
         times, records = arrays.pop("times"), arrays.pop("records")
         told = header.pop("number"), header["first_record"], header["digest"], header["channels"]
-    except (KeyError, ValueError, TypeError, AttributeError, RecursionError):  # no table, or not all that it says
+    except (
+        KeyError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        RecursionError,
+    ):  # no table, or not all that it says
         return None
     shaped = times.ndim == 1 and records.ndim == 2 and len(records) == len(times)
     if told[0] != index or not shaped or {times.dtype.kind, records.dtype.kind} != {"f"}:

@@ -4,8 +4,8 @@ What is understood:
 
 * *text*: keywords in any case and with or without inner blanks; comments ``**``; blank lines; a keyword line goes
   on after a comma at its end; lines of elements, constants and sets go on as long as numbers are missing; commas at
-  the end of a line; numbers like 1.5D-3; quoted names; ``*INCLUDE``, and ``INPUT=`` of nodes, elements, sets, surfaces and the
-  like, of files below the case folder;
+  the end of a line; numbers like 1.5D-3; quoted names; ``*INCLUDE``, and ``INPUT=`` of nodes, elements, sets and the
+  like (`INPUT_IS_DATA`), of files below the case folder;
 * *mesh*: ``*NODE`` (``NSET``, ``SYSTEM=R|C|S``) and ``*SYSTEM``; ``*ELEMENT`` (``TYPE``, ``ELSET``), of which C3D8,
   C3D20 and C3D10 with all letters behind (R, I, H, M, T ...) become bricks and tetrahedra; numbers behind the nodes
   of an element are passed over;
@@ -930,9 +930,7 @@ class _Assembler:
     def _nodes(self, scope: _Scope, place: int | None, name: str) -> NDArray[np.int64]:
         return self._resolve(scope, place, name, nodes=True)
 
-    def _resolve(
-        self, scope: _Scope, place: int | None, name: str, *, nodes: bool
-    ) -> NDArray[np.int64]:
+    def _resolve(self, scope: _Scope, place: int | None, name: str, *, nodes: bool) -> NDArray[np.int64]:
         """Members of a set as rows; what does not exist is passed over, as ranges may have holes.
 
         A set has the members of all that it names, however often and in whatever circle.

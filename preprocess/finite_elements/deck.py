@@ -175,7 +175,9 @@ class DeckLines:
                 else f"includes {name!r} again, with {self._again:,} bytes of files that were read before",
                 source=place,
                 key=f"line {line}",
-                expected=f"at most {MOST_INCLUDES:,} files in all" if many else f"at most {MOST_AGAIN:,} bytes",
+                expected=f"at most {MOST_INCLUDES:,} files in all"
+                if many
+                else f"at most {MOST_AGAIN:,} bytes",
             )
         return target
 

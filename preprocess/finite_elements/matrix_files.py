@@ -123,9 +123,9 @@ def _node_rows(deck: Deck) -> tuple[dict[int, int], dict[int, tuple[str, ...]]]:
         used[block.nodes.ravel()] = True
     found: dict[int, list[int]] = {}
     for row, label in enumerate(deck.node_labels):
-        number = str(label).rpartition(".")[2]
-        if number.isdigit():
-            found.setdefault(int(number), []).append(row)
+        own = str(label).rpartition(".")[2]
+        if own.isdecimal():
+            found.setdefault(int(own), []).append(row)
     rows: dict[int, int] = {}
     twice: dict[int, tuple[str, ...]] = {}
     for number, candidates in found.items():
@@ -142,7 +142,10 @@ def _refuse_twice(path: Path, line: int, number: int, twice: Mapping[int, tuple[
     if number in twice:
         nodes = ", ".join(twice[number][:4]) + (", ..." if len(twice[number]) > 4 else "")
         raise InputError(
-            f"node {number} is one of several: {nodes}", source=path, key=f"line {line}", expected=_ONE_INSTANCE
+            f"node {number} is one of several: {nodes}",
+            source=path,
+            key=f"line {line}",
+            expected=_ONE_INSTANCE,
         )
 
 
@@ -208,7 +211,9 @@ def _entries(
         if double.any():
             at, side = (int(k) for k in np.argwhere(double)[0])
             _refuse_twice(path, int(table.lines[at]), int(labels[at, 2 * side]), twice)
-        wrong = np.union1d(wrong, np.flatnonzero(~np.isin(labels[:, [0, 2]], known.astype(float)).all(axis=1)))
+        wrong = np.union1d(
+            wrong, np.flatnonzero(~np.isin(labels[:, [0, 2]], known.astype(float)).all(axis=1))
+        )
         expected = "nodes of the deck, and directions 1, 2 or 3"
     if wrong.size:
         at = int(wrong[0])
