@@ -2,11 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from difflib import SequenceMatcher, get_close_matches
+from typing import TYPE_CHECKING, Any, get_args
 
 from heavylift.numerics.outcome import InputError
 
-__all__ = ["check_word"]
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["check_word", "nearest"]
+
+_ALIKE = 0.6
+"""Of two words that may be one with a slip, as `difflib` measures it."""
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The known word that somebody may have meant; ``""`` if none is near.
+
+    A word with a part too many is meant without it (``linear_velocity``: ``velocity``). Words whose parts differ in
+    more than a slip are others, however many letters they share (``linear_velocity``, ``angular_velocity``).
+    """
+    words, parts = list(known), word.split("_")
+    inside = [one for one in words if one != word and set(one.split("_")) < set(parts)]
+    if inside:
+        return max(inside, key=len)
+    for one in get_close_matches(word, words, 5, _ALIKE):
+        others = one.split("_")
+        if len(others) != len(parts) or all(
+            SequenceMatcher(None, a, b).ratio() >= _ALIKE for a, b in zip(parts, others, strict=True)
+        ):
+            return one
+    return ""
 
 
 def check_word(word: str, words: Any, *, source: object, key: str) -> None:

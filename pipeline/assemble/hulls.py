@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
     from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels, PanelHydrostatics
+    from heavylift.preprocess.hydrodynamics.words import FirstColumn
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.sea import Radiation
     from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
@@ -515,15 +516,34 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
         )
     from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit
 
-    return read_wamit(
-        path,
-        length=section.length_scale or 1.0,
-        density=water.density,
-        gravity=water.gravity,
-        depth=water.depth,
-        reference_points=np.zeros((len(section.hulls), 3)) if points is None else points,
-        bodies=section.hulls,
-        first_column=section.first_column or "period",
-        symmetric=bool(section.symmetric),
-        repair=section.repair,
-    )
+    def read(first_column: FirstColumn) -> HydrodynamicDatabase:
+        return read_wamit(
+            path,
+            length=section.length_scale or 1.0,
+            density=water.density,
+            gravity=water.gravity,
+            depth=water.depth,
+            reference_points=np.zeros((len(section.hulls), 3)) if points is None else points,
+            bodies=section.hulls,
+            first_column=first_column,
+            symmetric=bool(section.symmetric),
+            repair=section.repair,
+        )
+
+    said = section.first_column or "period"
+    other: FirstColumn = "frequency" if said == "period" else "period"
+    try:
+        return read(said)
+    except InputError as error:
+        try:
+            read(other)
+        except InputError:
+            raise error from None
+        what = {"period": "periods [s]", "frequency": "frequencies [rad/s]"}
+        raise InputError(
+            f"{error.problem}; its first column was read as {what[said]}",
+            source=error.source,
+            key=error.key,
+            expected=f"{error.expected}; or 'first_column = \"{other}\"', with which the file is sound: HAMS and "
+            "others write frequencies where WAMIT writes periods",
+        ) from None

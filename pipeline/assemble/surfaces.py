@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -223,10 +224,19 @@ def _of_file(file: str) -> Iterator[None]:
 
 
 def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[str]:
-    """What looks like a file in millimetres among surfaces that may touch, with their boxes; each once."""
-    from heavylift.preprocess.surfaces.report import check_magnitudes
+    """What looks like a file in millimetres: against the body of a surface, and against others; each once."""
+    from heavylift.preprocess.surfaces.report import check_against_body, check_magnitudes
 
     found: dict[str, None] = {}
+    for section in case.surfaces:
+        body = case.bodies.get(section.body)
+        if section.name in surfaces and body is not None and body.type == "rigid":
+            inertia = np.asarray(body.inertia, dtype=np.float64)
+            moments = inertia if inertia.ndim == 1 else np.diagonal(inertia)
+            gyration = math.sqrt(max(float(moments.max()), 0.0) / body.mass)
+            text = check_against_body(section.name, surfaces[section.name].surface, section.body, gyration)
+            if text:
+                found[text] = None
     for _, (a, b) in case.collided.values():
         if a in surfaces and b in surfaces:
             text = check_magnitudes(a, surfaces[a].surface, b, surfaces[b].surface)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import TAG
 
@@ -130,8 +131,8 @@ def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseMo
         return f"{value!r} is not a list", "a list"
     if kind == "extra_forbidden":
         keys = known_keys(candidates)
-        near = get_close_matches(str(item["loc"][-1]), keys, 1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        near = nearest(str(item["loc"][-1]), sorted(keys))
+        hint = f"; did you mean {near!r}?" if near else ""
         return f"unknown key{hint}", f"one of: {', '.join(sorted(keys))}" if keys else "no such key"
     if kind == "union_tag_invalid":
         if context["tag"].startswith(TAG):  # a choice by `type_tag`

@@ -201,7 +201,7 @@ def exit_code(verdicts: Sequence[CaseVerdict]) -> int:
 
 def _ending(check: CheckResult) -> str:
     """Result of a check, which member of a group it is of, when, and what was seen."""
-    words = [*([check.where] if check.where else []), *([check.seen] if check.seen else [])]
+    words = [word for word in (check.where, check.seen, check.note) if word]
     return ("passed" if check.passed else "FAILED") + (f"  ({'; '.join(words)})" if words else "")
 
 

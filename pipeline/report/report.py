@@ -48,7 +48,7 @@ from heavylift.pipeline.report.transport import transport_section
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
@@ -241,12 +241,14 @@ def _verdict(
     failed = [_with_place(check) for check in checks if not check.passed]
     count, criteria = len(case.check), len(case.criteria)
     if failed or broken:
-        parts = [f"{len(broken)} of {criteria} criteria ({', '.join(broken)})"] if broken else []
-        parts += [f"{len(failed)} of {count} checks ({', '.join(failed)})"] if failed else []
+        parts = [_share(broken, criteria, "criteria")] if broken else []
+        parts += [_share(failed, count, "checks")] if failed else []
+        unknown = [*(open_criteria or ()), *missing]
+        parts += [f"not evaluated: {', '.join(unknown)}"] if unknown else []
         return Verdict(f"Failed: {'; '.join(parts)}.", passed=False)
     if missing or open_criteria:
-        parts = [f"{len(open_criteria)} of {criteria} criteria"] if open_criteria else []
-        parts += [f"{len(missing)} of {count} checks"] if missing else []
+        parts = [_share(open_criteria, criteria, "criteria")] if open_criteria else []
+        parts += [_share(missing, count, "checks")] if missing else []
         return Verdict(f"Open: {' and '.join(parts)} could not be evaluated.", passed=None)
     if case.simulate is not None and not simulated:
         return Verdict("Open: the case has not been simulated.", passed=None)
@@ -262,6 +264,10 @@ def _verdict(
         parts[0] += f", of which {worst.name} uses most, {100.0 * worst.utilisation:.3g} %"
     parts += [_all_of(count, "check", "checks") + most] if count else []
     return Verdict(f"Passed: {'; '.join(parts)}.", passed=True)
+
+
+def _share(names: Collection[str], count: int, what: str) -> str:
+    return f"{len(names)} of {count} {what} ({', '.join(names)})"
 
 
 def _all_of(count: int, one: str, several: str) -> str:
@@ -325,7 +331,7 @@ def _limit_row(check: CheckResult) -> tuple[str, ...]:
         used_words(check) or "–",
         f"{check.margin:.4g}",
         check.where or "–",
-        _source(check, check.seen) or "–",
+        _source(check, check.seen, check.note) or "–",
         _result(check),
     )
 

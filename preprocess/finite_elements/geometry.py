@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.foreign_files import converter_words
 from heavylift.numerics.hdf5_files import check_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
@@ -97,7 +98,8 @@ def load_geometry(
         f"suffix {path.suffix!r} is unknown",
         source=path,
         expected="a STEP file or a mesh: "
-        + " ".join(sorted({*STEP_SUFFIXES, *MESH_SUFFIXES, *DECK_SUFFIXES})),
+        + " ".join(sorted({*STEP_SUFFIXES, *MESH_SUFFIXES, *DECK_SUFFIXES}))
+        + converter_words(path),
     )
 
 

@@ -46,6 +46,7 @@ __all__ = [
     "TOLERANCE",
     "Repair",
     "passive_damping",
+    "refuse_between",
     "remedies",
     "repaired",
 ]
@@ -193,6 +194,41 @@ def _down(omega: float, *, up: bool = False) -> str:
     return f"{(np.ceil(omega / step - ROUND) if up else np.floor(omega / step + ROUND)) * step:.4g}"
 
 
+MEANT = 0.1
+"""Of the step to the next frequency: how far from one a number still means it."""
+SHOWN = 8
+"""Frequencies that a sentence names."""
+
+
+def refuse_between(wanted: float, omega: NDArray[np.float64], source: str = "") -> None:
+    """Refuse a frequency that is to be left out and is none: its neighbours are good, and would go in its place.
+
+    Parameters
+    ----------
+    wanted
+        What is to be left out [rad/s].
+    omega
+        Frequencies that there are [rad/s], increasing.
+    source
+        Of the message.
+
+    Raises
+    ------
+    InputError
+        With the nearest ones.
+    """
+    at = int(np.argmin(np.abs(omega - wanted)))
+    steps = np.diff(omega)[max(at - 1, 0) : at + 1]
+    if abs(omega[at] - wanted) > MEANT * float(min(steps, default=0.0)) + 5e-4 * wanted:
+        near = " and ".join(f"{w:.6g}" for w in np.sort(omega[np.argsort(np.abs(omega - wanted))[:2]]))
+        raise InputError(
+            f"{wanted:.6g} rad/s is none of the frequencies",
+            source=source,
+            key="leave_out",
+            expected=f"frequencies from {omega[0]:.6g} to {omega[-1]:.6g} rad/s that are there; the nearest are {near}",
+        )
+
+
 # ---- steps ----
 
 
@@ -205,26 +241,19 @@ def _asked(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicDataba
         kept = (omega >= low * (1.0 - ROUND)) & (omega <= high * (1.0 + ROUND))
         if not kept.any():
             raise _few(database, kept, f"from {low:g} to {high:g} rad/s", "frequency_range")
-    steps = np.diff(omega)
     for wanted in repair.leave_out:
         at = int(np.argmin(np.abs(omega - wanted)))
-        near = 0.5 * max(steps[max(at - 1, 0) : at + 1], default=0.0)
-        if abs(omega[at] - wanted) > near * (1.0 + ROUND) + ROUND * wanted:
-            raise InputError(
-                f"{wanted:g} rad/s",
-                source=database.source,
-                key="leave_out",
-                expected=f"frequencies of the database, {omega[0]:.4g} to {omega[-1]:.4g} rad/s",
-            )
+        refuse_between(wanted, omega, database.source)
         kept[at] = False
     if kept.all():
         return database
     if kept.sum() < FEWEST:
         raise _few(database, kept, "", "leave_out" if repair.leave_out else "frequency_range")
-    left = omega[kept]
+    left, gone = omega[kept], omega[~kept]
+    which = ", ".join(f"{w:.4g}" for w in gone[:SHOWN]) + (", ..." if len(gone) > SHOWN else "")
     return _told(
         at_frequencies(database, kept),
-        f"{np.count_nonzero(~kept)} of {len(omega)} frequencies left out as asked; "
+        f"{len(gone)} of {len(omega)} frequencies left out as asked ({which} rad/s); "
         f"{left[0]:.4g} to {left[-1]:.4g} rad/s are used",
     )
 
