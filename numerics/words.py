@@ -23,16 +23,17 @@ def nearest(word: str, known: Iterable[str]) -> str:
     more than a slip are others, however many letters they share (``linear_velocity``, ``angular_velocity``).
     """
     words, parts = list(known), word.split("_")
-    inside = [one for one in words if one != word and set(one.split("_")) < set(parts)]
-    if inside:
-        return max(inside, key=len)
-    for one in get_close_matches(word, words, 5, _ALIKE):
+    near = get_close_matches(word, words, 5, _ALIKE)
+    for one in near:
         others = one.split("_")
-        if len(others) != len(parts) or all(
+        if len(others) == len(parts) and all(
             SequenceMatcher(None, a, b).ratio() >= _ALIKE for a, b in zip(parts, others, strict=True)
         ):
             return one
-    return ""
+    inside = [one for one in words if set(one.split("_")) < set(parts)]
+    if inside:
+        return max(inside, key=len)
+    return next((one for one in near if one.count("_") != word.count("_")), "")
 
 
 def check_word(word: str, words: Any, *, source: object, key: str) -> None:

@@ -874,7 +874,7 @@ def test_files_and_section_of_the_report(judged, folder, tmp_path):
         "tensions_1.png",
     }
     verdict = _verdict(case, [], {}, simulated=True, judged=found, open_criteria=missing)
-    assert (verdict.text, verdict.passed) == ("Failed: 1 of 3 criteria (crane).", False)
+    assert (verdict.text, verdict.passed) == ("Failed: 1 of 3 criteria (crane); not evaluated: daf.", False)
     good = [row for row in found if row.passed]
     assert (
         "1 of 3 criteria could not"
