@@ -14,6 +14,8 @@ __all__ = ["check_word", "nearest"]
 
 _ALIKE = 0.6
 """Of two words that may be one with a slip, as `difflib` measures it."""
+_ONE_WORD = 0.9
+"""The same of words that are not parted alike."""
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -26,14 +28,12 @@ def nearest(word: str, known: Iterable[str]) -> str:
     near = get_close_matches(word, words, 5, _ALIKE)
     for one in near:
         others = one.split("_")
-        if len(others) == len(parts) and all(
-            SequenceMatcher(None, a, b).ratio() >= _ALIKE for a, b in zip(parts, others, strict=True)
-        ):
+        pairs = zip(parts, others, strict=True) if len(others) == len(parts) else [(word, one)]
+        least = _ALIKE if len(others) == len(parts) else _ONE_WORD
+        if all(SequenceMatcher(None, a, b).ratio() >= least for a, b in pairs):
             return one
     inside = [one for one in words if set(one.split("_")) < set(parts)]
-    if inside:
-        return max(inside, key=len)
-    return next((one for one in near if one.count("_") != word.count("_")), "")
+    return max(inside, key=len, default="")
 
 
 def check_word(word: str, words: Any, *, source: object, key: str) -> None:
