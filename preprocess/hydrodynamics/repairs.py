@@ -45,6 +45,7 @@ __all__ = [
     "LARGEST_TOLERANCE",
     "TOLERANCE",
     "Repair",
+    "implied_scatter",
     "passive_damping",
     "refuse_between",
     "remedies",
@@ -405,9 +406,7 @@ def _with_limit(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicD
             "all of it found from the damping by Ogilvie's relation",
         )
     value, spread = _implied(database)
-    largest = np.abs(np.diagonal(database.added_mass, axis1=1, axis2=2)).max(axis=0)
-    largest = np.maximum(largest, FELT_MASS * mass_scales(database))
-    scatter = float((spread / np.sqrt(np.outer(largest, largest))).max())
+    scatter = _relative(database, spread)
     if scatter > max(INCONSISTENT, repair.tolerance):
         raise InputError(
             f"no added mass of infinite frequency, and what damping implies scatters by {scatter:.1%}",
@@ -420,6 +419,26 @@ def _with_limit(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicD
         "no added mass of infinite frequency: found from the damping by Ogilvie's relation, "
         f"which scatters by {max(scatter, 1e-4):.2%} over these frequencies and knows nothing of damping beyond them",
     )
+
+
+def implied_scatter(database: HydrodynamicDatabase) -> float:
+    """How far added mass and damping are from belonging to each other over the frequencies, of the added mass.
+
+    Ogilvie's relation gives the added mass of infinite frequency at each frequency; of a true database all are one.
+
+    Raises
+    ------
+    InputError
+        Too few frequencies.
+    """
+    return _relative(database, _implied(database)[1])
+
+
+def _relative(database: HydrodynamicDatabase, spread: NDArray[np.float64]) -> float:
+    """Largest entry of a matrix of masses over the largest added masses of its coordinates."""
+    largest = np.abs(np.diagonal(database.added_mass, axis1=1, axis2=2)).max(axis=0)
+    largest = np.maximum(largest, FELT_MASS * mass_scales(database))
+    return float((spread / np.sqrt(np.outer(largest, largest))).max())
 
 
 def _implied(database: HydrodynamicDatabase) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
