@@ -559,7 +559,7 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
 
 
 DOUBTED, BETTER = 0.02, 0.2
-"""From which `implied_scatter` on a first column is doubted, and the part of it that the other reading must stay below."""
+"""`implied_scatter` from which a first column is doubted, and the part of it that the other reading must stay below."""
 
 
 def _of_the_other_column(error: InputError, said: FirstColumn, other: FirstColumn) -> InputError:
