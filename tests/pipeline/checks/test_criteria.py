@@ -877,7 +877,7 @@ def test_files_and_section_of_the_report(judged, folder, tmp_path):
     assert (verdict.text, verdict.passed) == ("Failed: 1 of 3 criteria (crane); not evaluated: daf.", False)
     good = [row for row in found if row.passed]
     assert (
-        "1 of 3 criteria could not"
+        "1 of 3 criteria (daf) could not"
         in _verdict(case, [], {}, simulated=True, judged=good, open_criteria=missing).text
     )
 
