@@ -54,6 +54,7 @@ __all__ = [
     "Factor",
     "crane_points",
     "evaluate_criteria",
+    "evaluate_criterion",
     "phase_words",
 ]
 
@@ -260,9 +261,10 @@ class _Run:
         """Records of a channel or stress, ``"channel.fall.tension"``, or their extremes since the record before."""
         values = self.quantities.history(f"{name}.{side}")
         found: NDArray[np.float64] = values[self.inside].copy()
-        if side in {"max", "min"} and self.begins.any():
-            found[self.begins] = self.quantities.history(f"{name}.end")[self.inside][self.begins]
-        return found
+        if side in {"max", "min", "absolute"} and self.begins.any():
+            ends = self.quantities.history(f"{name}.end")[self.inside][self.begins]
+            found[self.begins] = np.abs(ends) if side == "absolute" else ends
+        return np.abs(found) if side == "absolute" else found
 
     @property
     def steps(self) -> NDArray[np.float64]:
@@ -977,24 +979,39 @@ def _limit(run: _Run, c: LimitCriterion) -> list[CriterionResult]:
     family = run.case.quantity(members[0][1]).family
     statistic = c.quantity.rpartition(".")[2] if family in {"channel", "stress"} else ""
     clause = _OF_THE_CASE
-    series, times = [], np.empty(0)
+    series, times, notes = [], np.empty(0), list[str]()
     for where, text in members:
         name = text.removesuffix(f".{statistic}")
-        if statistic in {"max", "min"}:
+        if statistic in {"max", "min", "absolute"}:
             values, times = run.history(name, statistic), run.times
         elif statistic:
             values = np.array([run.quantities.statistic(statistic, run.history(name), run.times)])
         else:
             values = np.array([run.quantities.number(text)])
-        if statistic in {"max", "min"} and (statistic == "max") != (side == "<="):
+        if statistic in {"max", "min", "absolute"} and (statistic != "min") != (side == "<="):
             # the largest value of all must exceed a limit, not every value
-            extreme = values.argmax() if statistic == "max" else values.argmin()
+            extreme = values.argmin() if statistic == "min" else values.argmax()
             values, times = values[[extreme]], np.empty(0)
         series.append(_Series(where, values, limit))
+        if statistic == ("max" if side == "<=" else "min"):
+            notes.append(_beyond(run.history(name, "min" if side == "<=" else "max"), side, limit, where))
     seen = (
         run.seen([text.removesuffix(f".{statistic}") for _, text in members], statistic) if len(times) else ""
     )
-    return [run.result(c.quantity, quantity.kind.unit, series, (clause,), side=side, seen=seen, times=times)]
+    note = next(filter(None, notes), "")
+    unit = quantity.kind.unit
+    return [run.result(c.quantity, unit, series, (clause,), side=side, seen=seen, times=times, note=note)]
+
+
+def _beyond(values: NDArray[np.float64], side: str, limit: float, where: str) -> str:
+    """That values within a limit are beyond the same amount on the other side of zero; empty if they are not."""
+    sign = 1.0 if side == "<=" else -1.0
+    worst = float(values.min() if side == "<=" else values.max())
+    if sign * limit <= 0.0 or sign * worst >= -abs(limit):
+        return ""
+    whose = f"{where}: " if where else ""
+    what = "smallest" if side == "<=" else "largest"
+    return f"{whose}the {what} is {worst:.6g}, beyond the same amount; 'absolute' judges both sides"
 
 
 _EVALUATED: dict[type, Callable[[_Run, Any], list[CriterionResult]]] = {

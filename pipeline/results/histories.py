@@ -219,10 +219,21 @@ def _read_segment(path: Path, index: int) -> Segment | None:
     checksum = str(arrays.pop("checksum", ""))
     if checksum != _checksum(arrays):
         return None
-    header = json.loads(str(arrays.pop("header")))
-    if header.pop("number") != index:
+    try:
+        header = json.loads(str(arrays.pop("header")))
+        times, records = arrays.pop("times"), arrays.pop("records")
+        told = header.pop("number"), header["first_record"], header["digest"], header["channels"]
+    except (
+        KeyError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        RecursionError,
+    ):  # no table, or not all that it says
         return None
-    times, records = arrays.pop("times"), arrays.pop("records")
+    shaped = times.ndim == 1 and records.ndim == 2 and len(records) == len(times)
+    if told[0] != index or not shaped or {times.dtype.kind, records.dtype.kind} != {"f"}:
+        return None
     state = {key.removeprefix(STATE_PREFIX): value for key, value in arrays.items()}
     return Segment(index, header, times, records, state, checksum)
 

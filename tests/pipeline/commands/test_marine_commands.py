@@ -495,3 +495,23 @@ def test_operators_and_simulated_seas_agree(heavylift, barge: Path) -> None:
     extremes = table(barge / "out" / "statistics" / "extremes.csv")
     assert [row["seed"] for row in extremes] == ["7", "8", "9"]
     assert len({row["barge.pitch maximum"] for row in extremes}) == 3
+
+
+def test_what_only_watches_hangs_on_no_hull():
+    """Relative motions, angles of ropes and the like have no force; springs and tuggers are called what they are."""
+    from heavylift.pipeline.commands.hydrostatics import _ropes
+    from heavylift.solver.forces.spring import Spring
+    from heavylift.solver.forces.tugger import Tugger
+    from heavylift.solver.measures.relative_motions import RelativeMotion
+    from heavylift.solver.scene.scene import Scene
+
+    ends = {"body_a": "barge", "body_b": "ground"}
+    watches = object.__new__(RelativeMotion)
+    spring, tugger = object.__new__(Spring), object.__new__(Tugger)
+    for one, name in ((watches, "airgap"), (spring, "soft"), (tugger, "tag")):
+        for key, value in {"name": name, **ends}.items():
+            object.__setattr__(one, key, value)
+    scene = object.__new__(Scene)
+    object.__setattr__(scene, "ropes", ())
+    object.__setattr__(scene, "forces", (watches, spring, tugger))
+    assert _ropes(scene, {"barge"}) == ["spring soft", "tugger tag"]
