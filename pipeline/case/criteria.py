@@ -710,9 +710,7 @@ def straight_parts(rope: Any) -> list[tuple[int, int]]:
 def parts_to(case: Any, rope: str, body: str) -> list[tuple[int, int]]:
     """Straight parts of a rope that lead to a body from another one: their numbers, and 1 or -1 of those from it."""
     found = next(one for one in case.ropes if one.name == rope)
-    ends = [
-        (found.path[a].body == body, found.path[b].body == body) for a, b in straight_parts(found)
-    ]
+    ends = [(found.path[a].body == body, found.path[b].body == body) for a, b in straight_parts(found)]
     return [(k, 1 if last else -1) for k, (first, last) in enumerate(ends) if first != last]
 
 
@@ -749,7 +747,9 @@ def ropes_over_pulleys(case: Any, text: str) -> list[str]:
     """Ropes of lines of one force whose own tension a channel, or a combination of channels, takes."""
     owners = re.findall(r"([^\s(),.]+)\.tension(?:_max|_min)?(?![\w])", text)
     return [
-        rope.name for rope in case.ropes if _has_lines(rope) and any(fnmatchcase(rope.name, one) for one in owners)
+        rope.name
+        for rope in case.ropes
+        if _has_lines(rope) and any(fnmatchcase(rope.name, one) for one in owners)
     ]
 
 

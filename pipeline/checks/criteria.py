@@ -586,8 +586,6 @@ def _shackle(run: _Run, c: ShackleCriterion) -> list[CriterionResult]:
     return [result]
 
 
-
-
 def _angles(
     run: _Run,
     what: str,

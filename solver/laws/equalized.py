@@ -89,9 +89,14 @@ class SharedLines:
         ChannelKind("segment_tension", "force", "tension of each line, from the first one on", None),
         *interval_extremes("segment_tension", "force", components=None),
         ChannelKind(
-            "stop", "number", "of each line: -1 if its pulley is at the upper stop, 1 at the lower one, else 0", None
+            "stop",
+            "number",
+            "of each line: -1 if its pulley is at the upper stop, 1 at the lower one, else 0",
+            None,
         ),
-        ChannelKind("stopped_time", "time", "of each line: how long so far its pulley has been at a stop", None),
+        ChannelKind(
+            "stopped_time", "time", "of each line: how long so far its pulley has been at a stop", None
+        ),
     )
     """What it records, in the order of its columns; of segments the lines."""
 
