@@ -702,7 +702,7 @@ def phase_names(case: Any) -> list[str]:
 
 
 def straight_parts(rope: Any) -> list[tuple[int, int]]:
-    """Places of a path, from 0 on, between which a rope of a case has its straight parts; of lines of one force the lines."""
+    """Places of a path, from 0 on, between which a rope has its straight parts; of lines of one force the lines."""
     last = len(rope.path) - 1
     return [(k, k + 1) for k in range(0, last, 2 if _has_lines(rope) else 1)]
 

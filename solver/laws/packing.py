@@ -85,7 +85,7 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
     segments = tuple(str(i + 1) for i in range(parts))
     chosen = {
         "segment_tension": segments,
-        **{name: segments if rubbing else () for name in ("segment_tension_max", "segment_tension_min")},
+        **dict.fromkeys(("segment_tension_max", "segment_tension_min"), segments if rubbing else ()),
         "sheave_speed": rubbing,
         "sheave_state": rubbing,
         **{name: (name,) if controlled(owner) else () for name in ("paid_out", "paying_speed")},
