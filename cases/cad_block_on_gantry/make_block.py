@@ -2,9 +2,9 @@
 
     python make_block.py
 
-A block of 12 x 8 x 4 m: bottom, two sides, two bulkheads, and a deck with an opening of 4 x 2 m between its edges; a web
-across the middle and a coaming about the opening. Nothing is closed: the deck has a hole, the web meets bottom, sides and
-deck in edges of three plates, and every second plate is wound the other way.
+A block of 12 x 8 x 4 m: bottom, two sides, two bulkheads, a web across the middle, and a deck with an opening of
+4 x 2 m and a coaming about it. Nothing is closed: the deck has a hole, the web meets bottom and sides in edges of three
+plates, and every second plate is wound the other way.
 """
 
 from __future__ import annotations
