@@ -612,7 +612,8 @@ def _angles(
 
 
 def _sling_angle(run: _Run, c: SlingAngleCriterion) -> list[CriterionResult]:
-    found, channels = {}, _tensions(run, c.ropes)
+    channels = _tensions(run, c.ropes)
+    found: dict[str, NDArray[np.float64]] = {}
     for rope in c.ropes:
         angles = []
         for begin, end in zip(*run.parts(rope), strict=True):
