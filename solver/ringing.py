@@ -11,7 +11,8 @@ so the smaller of both changes counts, and none if they differ in sign (the minm
 Phys. 49, 1983).
 
 Forces of joints are known in the middle of steps and are carried on by half a step. Where one changes by turns, three
-steps on end, the part that does so is left out.
+steps on end, the part that does so is left out; of a vector along the direction in which it does, so that it does not
+matter along which axes its components are.
 
 A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with
 it: this drives the ringing, in shells by a percent a step, until it has as much energy as the motion. There the part
@@ -22,7 +23,7 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 
-__all__ = ["alternating", "steady_force", "steady_rate"]
+__all__ = ["alternating", "alternating_slope", "steady_force", "steady_rate"]
 
 
 @kernel(inline=True, internal=True)
@@ -56,17 +57,29 @@ def alternating(deviation: float, before: float) -> float:
 
 
 @kernel(inline=True, internal=True)
-def steady_force(
-    middle: float, slope: float, before: float, long_before: float, step: float, spacing: float
-) -> float:
+def alternating_slope(slope: float, before: float, long_before: float) -> float:
+    """The part of three slopes on end, the last one first, that changes its sign with every step: 0 if they do not.
+
+    Their second difference, which leaves out what is constant; but no more than twice the smallest of them, so that it
+    begins and ends without a jump.
+    """
+    if slope * before >= 0.0 or before * long_before >= 0.0:
+        return 0.0
+    part = 0.25 * (slope - 2.0 * before + long_before)
+    least = 2.0 * min(abs(slope), abs(before), abs(long_before))
+    return max(-least, min(least, part))
+
+
+@kernel(inline=True, internal=True)
+def steady_force(middle: float, slope: float, part: float, step: float, spacing: float) -> float:
     """Force at the end of a step without ringing, from those in the middles of the last four.
 
     Parameters
     ----------
     middle
         In the middle of the step [N].
-    slope, before, long_before
-        Of the force from the middle of one step to that of the next [N/s]: the last one first.
+    slope, part
+        Of the force from the middle of the step before to that of this one, and its `alternating_slope` [N/s].
     step, spacing
         The step, and the time since the middle of the one before [s].
 
@@ -74,6 +87,4 @@ def steady_force(
     -----
     Of second order where the force is smooth: three slopes on end never alternate there.
     """
-    if slope * before < 0.0 and before * long_before < 0.0:
-        return middle - 0.5 * spacing * alternating(alternating(slope, before), -long_before)
-    return middle + 0.5 * step * slope
+    return middle + 0.5 * step * (slope - part) - 0.5 * spacing * part

@@ -17,7 +17,14 @@ import numpy as np
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.assemble.connections import assemble_joint
 from heavylift.pipeline.assemble.described import assemble
-from heavylift.pipeline.assemble.scene import MEASURED, assemble_rigid, motion_of, points_on, start_of_frame
+from heavylift.pipeline.assemble.scene import (
+    MEASURED,
+    assemble_rigid,
+    gravity_of,
+    motion_of,
+    points_on,
+    start_of_frame,
+)
 from heavylift.pipeline.assemble.sides import start_sides
 from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.fields import GROUND
@@ -272,7 +279,11 @@ def _takes_time(case: Case) -> bool:
 
 
 def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> None:
-    """Refuse what the solver refuses of all that hangs on no solid, as axes that disagree or sides that cannot move."""
+    """Refuse what the solver refuses of all that hangs on no solid, as axes that disagree or sides that cannot move.
+
+    What is packed has the gravity of the whole scene. What is left out (solids and all that hangs on them, surfaces,
+    contacts, the sea, the operation) must not be needed by what stays: that is left out too.
+    """
     case = scene.case
     bodies = [body for name, body in scene.bodies.items() if not scene.is_solid(name)]
     names = {body.name for body in bodies} | {GROUND}
@@ -285,7 +296,8 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
         return
     held = known("joints", joints)
     along = {joint.name for joint in held}
-    forces = [
+    forces: list[Any] = [*gravity_of(case)]
+    forces += [
         force for force in known("forces", made["forces"]) if getattr(force, "joint", None) in {None, *along}
     ]
     ropes = known("ropes", made["ropes"])

@@ -45,6 +45,7 @@ __all__ = [
     "MEASURED",
     "assemble_rigid",
     "assemble_scene",
+    "gravity_of",
     "modal_coordinates",
     "motion_of",
     "points_on",
@@ -105,8 +106,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             )
         )
     sides = start_sides(bodies, origins)
-    forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
-    forces += assemble_list(case, "forces", sides)
+    forces: list[Any] = [*gravity_of(case), *assemble_list(case, "forces", sides)]
     for key in MEASURED:
         forces += assemble_list(case, key, sides)
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
@@ -149,6 +149,11 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         with in_case(case):
             check_afloat(case, scene)
     return scene
+
+
+def gravity_of(case: Case) -> tuple[s.Gravity, ...]:
+    """Gravity of a case as a force; none without."""
+    return () if case.gravity is None else (s.Gravity(np.array(case.gravity.acceleration)),)
 
 
 # cases import only what they have: most have no contours, surfaces or sea

@@ -366,7 +366,11 @@ class ConditionSection(_Comparison):
             if patterns is not None:
                 own = known.names.channels
                 ropes = known.fitting(word, patterns, [name for name in own if "tension" in own[name]])
+                lines = [
+                    name for name in ropes if "stopped_time" in own[name]
+                ]  # each of which is one of them
                 terms = tuple(Term(f"{name}.tension") for name in ropes)
+                terms += tuple(Term(f"{name}.segment_tension") for name in lines)
                 signal = Signal(terms, function, f"{function}({', '.join(patterns)}).tension")  # type: ignore[arg-type]
                 given = self.above if word == "taut" else self.below
                 return Condition(signal, TAUT if given is None else given, word == "slack", self.hold)

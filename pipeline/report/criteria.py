@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.case.criteria import CraneCriterion
+from heavylift.pipeline.case.criteria import CraneCriterion, tensions_of
 from heavylift.pipeline.checks.criteria import crane_points
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.pictures.criteria_plots import crane_plot, tension_plot, utilisation_plot
@@ -178,11 +178,12 @@ def _charts(
         caption += f" {left} that use less are left out." if left else ""
         items.append(Figure(album.add("criteria", content), caption))
     given: list[tuple[str, ...]] = [getattr(criterion, "ropes", ()) for criterion in case.criteria]
-    groups = dict.fromkeys(ropes for ropes in given if len(ropes) > 1)
+    groups = dict.fromkeys(given)
     for number, ropes in enumerate(groups):
-        names = {rope: f"{rope}.tension" for rope in ropes if f"{rope}.tension" in results}
+        recorded = [rope for rope in ropes if f"{rope}.tension" in results]
+        names = tensions_of(case, recorded)
         if len(results.time) > 1 and len(names) > 1:
-            tensions = {rope: results[name] for rope, name in names.items()}
+            tensions = {label: quantities.history(f"channel.{name}.end") for label, name in names.items()}
             title = f"Tensions of {len(names)} ropes"
             content = tension_plot(results.time, tensions, title=title, bands=bands)
             caption = f"Spread of the tensions of {', '.join(list(names)[:8])}{' …' * (len(names) > 8)}, by records."

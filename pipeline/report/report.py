@@ -8,6 +8,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.checks.hanging import hanging_warnings
 from heavylift.pipeline.checks.judge import judge
 from heavylift.pipeline.page.packing import LibraryMissingError, page_parts
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
@@ -190,7 +191,8 @@ def judged_run(case: Case, stages: OutputFolder, results: Results | None, proble
     verdict = _stopped(outcome, message, checks, failed) or _verdict(
         case, checks, open_checks, simulated=results is not None, judged=judged, open_criteria=open_criteria
     )
-    warnings = tuple(text for text in (problem, f"{told}." if told else "") if text)
+    hanging = [] if results is None else hanging_warnings(case, results)
+    warnings = tuple(f"{text}." if text != problem else text for text in (problem, told, *hanging) if text)
     return JudgedRun(verdict, checks, open_checks, judged, open_criteria, warnings)
 
 

@@ -256,15 +256,25 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         "energy_drift": drift if math.isfinite(drift) else None,
         **about,
     }
+    if finished:
+        details["warning"] = "; ".join(filter(None, (about["warning"], *_hanging(work))))
     _write_manifest(work, digest, details["outcome"], message, finished=finished, details=details)
     if finished:
         remove_segments(folder.segments)
     log.say(f"simulate: {outcome.text}: {_words(details)}")
-    if about["warning"]:
-        log.say(f"simulate: WARNING: {about['warning']}")
+    if details["warning"]:
+        log.say(f"simulate: WARNING: {details['warning']}")
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
+
+
+def _hanging(work: Work) -> list[str]:
+    """What is to be told of how loads hang, by the results of the run."""
+    from heavylift.pipeline.checks.hanging import hanging_warnings
+    from heavylift.pipeline.results.histories import load_results
+
+    return hanging_warnings(work.case, load_results(work.case, work.folder.root))
 
 
 def _check_plan(work: Work, scene: Scene, operation: Operation) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
@@ -215,6 +216,7 @@ def _with_friction(
         leaving=records(PlaceGradient, places),
         parts=np.zeros(places),
         tension=np.zeros(places),
+        part_extremes=records(Extremes, places),
         slope=np.zeros(places),
         flows=np.zeros(flow),
         by_place=np.zeros((places, widest)),

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -120,7 +121,8 @@ def diagnose(rows: StartRows) -> Diagnosis:
     count = len(rows.layout.body_names)
     free = np.bincount(rows.owner[rows.free], minlength=count)
     width = np.bincount(rows.owner, minlength=count)
-    graph = body_graph(count, sides, (width != 6) | ((free != 6) & (free != 0)))
+    sides, more = _touched(scaled, sides)
+    graph = body_graph(count, sides, (width != 6) | ((free != 6) & (free != 0)), more)
     moving = set(np.flatnonzero(free).tolist())
 
     places = rows.survey()[0]
@@ -213,6 +215,26 @@ def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
     unit.sort_indices()
     tolerance = EXACT + 30.0 * violation / min(1.0, float(lengths.min(initial=1.0)))
     return _Scaled(unit, rows.block[rows.rigid], owner[rows.free], tolerance), lengths
+
+
+def _touched(
+    scaled: _Scaled, sides: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], list[tuple[int, int, int]]]:
+    """Bodies of each block on which its rows act in this position, and of those on more than two the other pairs.
+
+    A block may name bodies that its rows do not touch, as decks on which a vehicle does not stand yet.
+    """
+    sides, more = sides.copy(), []
+    for block in np.unique(scaled.block):
+        rows = scaled.rows([block])
+        entries = scaled.matrix.indices[scaled.matrix.indptr[rows[0]] : scaled.matrix.indptr[rows[-1] + 1]]
+        found = np.unique(scaled.owner[entries]).tolist()
+        if set(found) == {int(side) for side in sides[block]} - {-1}:
+            continue
+        sides[block] = (*found[:2], -1, -1)[:2]
+        if len(found) > 2:
+            more += [(a, b, int(block)) for a, b in pairwise((*found[1:], found[0]))]
+    return sides, more
 
 
 def _core_part(scaled: _Scaled, core: Core) -> tuple[Any, NDArray[np.int64]]:
@@ -530,7 +552,12 @@ class BodyGraph:
     floating: tuple[tuple[int, ...], ...]
 
 
-def body_graph(count: int, sides: NDArray[np.int64], whole: NDArray[np.bool_]) -> BodyGraph:
+def body_graph(
+    count: int,
+    sides: NDArray[np.int64],
+    whole: NDArray[np.bool_],
+    more: Sequence[tuple[int, int, int]] = (),
+) -> BodyGraph:
     """Take a scene apart.
 
     Parameters
@@ -541,9 +568,12 @@ def body_graph(count: int, sides: NDArray[np.int64], whole: NDArray[np.bool_]) -
         Bodies of each block that counts, -1 for the ground; shape (blocks, 2).
     whole
         Bodies that must not be cut off at a bridge, because they are not rigid and free; shape (count,).
+    more
+        Other pairs of bodies of blocks on more than two, with the number of the block.
     """
     between: dict[tuple[int, int], list[int]] = {}
-    for block, (a, b) in enumerate(sides):
+    pairs = [(a, b, block) for block, (a, b) in enumerate(sides)]
+    for a, b, block in (*pairs, *more):
         u, v = sorted((count if a < 0 else int(a), count if b < 0 else int(b)))
         if u != v:
             between.setdefault((u, v), []).append(block)

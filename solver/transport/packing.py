@@ -16,6 +16,7 @@ from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.rows.structure import MOVES
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.joined import joined_bodies
@@ -273,7 +274,11 @@ def pack_transporters(
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, *on_path))
-            blocks.append(LawBlock(transporter.name, tuple(ends), scale, compliance=0.0, rows=3))
+            blocks.append(
+                LawBlock(
+                    transporter.name, tuple(ends), scale, compliance=0.0, rows=3, vectors=(MOVES, MOVES, 0)
+                )
+            )
             free_block += blocks[-1].block_count
         else:
             paths.skip(len(places.points))
