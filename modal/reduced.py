@@ -14,10 +14,45 @@ if TYPE_CHECKING:
 
     from heavylift.modal.invariants import ShapeIntegrals
 
-__all__ = ["EIGENMODE_RESIDUAL", "ReducedBody"]
+__all__ = ["EIGENMODE_RESIDUAL", "ReducedBody", "check_orthonormal"]
 
 EIGENMODE_RESIDUAL = 1e-3
 """A vector with a smaller relative residual is an eigenmode of the full model."""
+
+
+LARGEST_DEVIATION = 1e-6
+"""Of the modal mass from the identity: what the equations of motion take for granted."""
+
+
+def check_orthonormal(
+    orthogonality: float, eigenvalues: NDArray[np.float64], source: str = "reduced body"
+) -> None:
+    """Refuse shapes whose modal mass is not the identity.
+
+    Parameters
+    ----------
+    orthogonality
+        Largest deviation of ``Phi^T M Phi`` from the identity.
+    eigenvalues
+        Of the modes [rad^2/s^2].
+    source
+        Named in the message.
+
+    Raises
+    ------
+    InputError
+        If the deviation exceeds `LARGEST_DEVIATION`, or a number is not finite.
+    """
+    if orthogonality <= LARGEST_DEVIATION and np.all(np.isfinite(eigenvalues)):
+        return
+    largest = float(np.sqrt(max(float(np.max(eigenvalues, initial=0.0)), 0.0)) / (2.0 * np.pi))
+    raise InputError(
+        f"the modal mass differs from the identity by {orthogonality:.3g}, with frequencies up to {largest:.3g} Hz",
+        source=source,
+        key="basis",
+        expected=f"mass-orthonormal shapes, to {LARGEST_DEVIATION:g}: fewer vectors that are nearly combinations of "
+        "each other (nodes of the interface, static points, stored shapes)",
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +86,7 @@ class ReducedBody:
     Raises
     ------
     InputError
-        If the arrays do not fit together.
+        If the arrays do not fit together, or the shapes are not mass-orthonormal.
     """
 
     nodes: NDArray[np.float64]
@@ -86,6 +121,7 @@ class ReducedBody:
                 key="labels",
                 expected=f"{nf}, one a vector",
             )
+        check_orthonormal(self.orthogonality, self.eigenvalues)
 
     @property
     def mode_count(self) -> int:
