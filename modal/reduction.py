@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -207,6 +208,7 @@ def reduce_body(
         residuals=ritz.residuals,
         orthogonality=orthogonality,
         dropped=ritz.dropped,
+        mesh=None if model.mesh is None else replace(model.mesh, nodes=nodes, node_groups={}),
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.finite_elements import check_on_body, four_files, in_body
+from heavylift.pipeline.assemble.finite_elements import four_files, in_body
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
@@ -36,10 +36,6 @@ def reduce_model(
     """Reduced body of a model in a folder, origin of its frame in coordinates of the geometry [m], static states."""
     name = next(name for name, other in case.bodies.items() if other is body)
     with in_body(case, name, model.name):
-        for index, point in enumerate(body.modes.static_points):
-            key = f"modes.static_points.{index}"
-            elements = None if model.mesh is None else model.mesh.elements
-            check_on_body(point, model.nodes, elements, source=case.file, key=key)
         held = held_directions(model, body.supports)
         return _reduce(case, name, body, replace(model, fixed_dofs=held), folder)
 
@@ -204,10 +200,11 @@ def _loads(options: ModesSection, model: FEModel, clamped: NDArray[np.int64]) ->
 
     loads = []
     if options.static_points:
-        nearest = {
-            int(np.argmin(((model.nodes - point) ** 2).sum(axis=1))): None for point in options.static_points
-        }
-        loads.append(bases.point_loads(model, list(nearest), options.static_directions))
+        loads.append(
+            bases.place_loads(
+                model, options.static_points, options.static_directions, key="modes.static_points"
+            )
+        )
     for group in options.static_groups:
         nodes = _nodes_of(model, [group], "modes.static_groups")
         loads.append(bases.patch_loads(model, nodes, options.static_directions, name=group))

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
-from heavylift.modal.reduced import ReducedBody
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
@@ -132,7 +131,7 @@ def pack_floating_frames(
             kind.damping[modes] = 2.0 * body.damping_ratio * critical
         dof += 6 + counts[row]
         column += 13 + 2 * counts[row] + (0 if isinstance(body.motion, Free) else 6)
-    shapes_of = [_marker_shapes(body.reduced) for body in bodies]
+    shapes_of = [_marker_shapes(body) for body in bodies]
     marker_index = pack_markers(markers, shapes_of, constants)
     sensor_index = pack_markers(sensors, shapes_of, constants)
     flat = aligned(sum(map(len, constants)))
@@ -221,11 +220,12 @@ def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
         )
 
 
-def _marker_shapes(reduced: ReducedBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def _marker_shapes(body: FlexibleBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Return a function from a body-frame point to (undeformed position, 3 nf mode shape entries)."""
+    reduced = body.reduced
 
     def shapes(point: NDArray[np.float64]) -> NDArray[np.float64]:
-        node = reduced.nearest_node(point)
-        return np.concatenate([reduced.nodes[node], reduced.mode_shapes[:, node, :].T.ravel()])
+        nodes, weights = reduced.locate(point, source=body.name)
+        return np.concatenate([weights @ reduced.nodes[nodes], reduced.shapes_at(nodes, weights).T.ravel()])
 
     return shapes

@@ -1,0 +1,184 @@
+"""Whether bodies with modes stay where linear modes hold: how far they deform, and how fast they spin.
+
+Modes add up displacements that are small beside the body, in a frame whose turning only softens them. Left out are the
+shortening of what bends, of the square of the deflection, and the stiffness that loads along the body give or take,
+as centrifugal forces do. Two shares tell how far that counts:
+
+    deformation / size    largest displacement of a node relative to the frame, over the largest extent
+    spin / frequency      sqrt(w . J w / J_max) / omega_1
+
+with the angular velocity w of the frame, the inertia J about the centre of mass and the lowest frequency of the modes:
+the root is the whole spin across a slender body, and next to nothing about its axis, along which it pulls at nothing. A
+cantilever that bends by a tenth of its length is 0.6 % shorter; a blade that turns at a third of its frequency has its
+lowest mode in the plane of rotation at 94 % of its frequency in place of 101 % (Southwell: w^2 + 0.19 Omega^2).
+
+Records are looked at, at the ends of intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.outcome import Outcome
+from heavylift.solver.scene.bodies import Fixed, FlexibleBody
+from heavylift.solver.scene.channels import Channel
+
+__all__ = ["ModalRange"]
+
+TOLD = (0.1, 1.0 / 3.0)
+"""Shares of the size and of the lowest frequency that are worth a warning."""
+LARGEST = (0.2, 2.0 / 3.0)
+"""The same beyond which a run stops."""
+
+SHARES = 2
+"""Numbers of a body: the two shares."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Watched:
+    """One body: where its modal coordinates and its spin are recorded, and what makes shares of them.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    size
+        Largest extent [m].
+    modes, spin
+        First columns; the second is -1 for a fixed frame.
+    bound
+        Largest displacement of each mode over the size, shape (nf,).
+    shapes
+        Displacements of the nodes that some mode moves most, over the size, shape (nf, 3 m).
+    inertia
+        About the centre of mass over its largest value and the square of the lowest frequency, shape (3, 3).
+    """
+
+    name: str
+    size: float
+    modes: int
+    spin: int
+    bound: NDArray[np.float64]
+    shapes: NDArray[np.float64]
+    inertia: NDArray[np.float64]
+
+    def shares(self, records: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Deformation and spin of records, shape (rows, 2)."""
+        q = records[:, self.modes : self.modes + len(self.bound)]
+        found = np.zeros((len(records), SHARES))
+        found[:, 0] = np.abs(q) @ self.bound  # more than it can be: most records need no second look
+        large = np.flatnonzero(found[:, 0] > TOLD[0])
+        moved = (q[large] @ self.shapes).reshape(len(large), self.shapes.shape[1] // 3, 3)
+        found[large, 0] = np.linalg.norm(moved, axis=2).max(axis=1, initial=0.0)
+        if self.spin >= 0:
+            w = records[:, self.spin : self.spin + 3]
+            found[:, 1] = np.sqrt(np.einsum("rk,kl,rl->r", w, self.inertia, w).clip(0.0))
+        return found
+
+
+class ModalRange:
+    """Largest deformations and spins of the bodies with modes of a scene.
+
+    Parameters
+    ----------
+    bodies
+        Of the scene. Bodies of loose points have no size that modes must be small beside, and are left out.
+    channels
+        Of the records.
+
+    Attributes
+    ----------
+    state
+        Largest deformation and spin of each body so far, shape (bodies, 2): what a continuation needs.
+    """
+
+    def __init__(self, bodies: Sequence[object], channels: Sequence[Channel]) -> None:
+        columns = {channel.name: channel.column for channel in channels}
+        self._bodies = [
+            _watched(body, columns)
+            for body in bodies
+            if isinstance(body, FlexibleBody) and body.reduced.continuum and body.reduced.mode_count
+        ]
+        self.state = np.zeros((len(self._bodies), SHARES))
+
+    def add(self, records: NDArray[np.float64]) -> int:
+        """Look at more records, shape (rows, columns); the number of the first that is out of range, or -1."""
+        end = len(records)
+        shares = [body.shares(records) for body in self._bodies]
+        for found in shares:
+            beyond = np.flatnonzero((found > LARGEST).any(axis=1))
+            end = min(end, int(beyond[0])) if beyond.size else end
+        for i, found in enumerate(shares):
+            if len(found):
+                self.state[i] = np.maximum(self.state[i], np.nanmax(found[: end + 1], axis=0, initial=0.0))
+        return end if end < len(records) else -1
+
+    @property
+    def left(self) -> bool:
+        """Whether a body has left the range."""
+        return bool(np.any(self.state > LARGEST))
+
+    def message(self, when: str) -> str:
+        """Sentence on the bodies that have left their range, at a time as words."""
+        words = [
+            f"body {body.name!r} {' and '.join(self._parts(i, LARGEST))}"
+            for i, body in enumerate(self._bodies)
+            if np.any(self.state[i] > LARGEST)
+        ]
+        return f"{Outcome.MODES_LEFT.text} at {when}: {'; '.join(words)}; try {_remedy(self.state, LARGEST)}"
+
+    @property
+    def warning(self) -> str:
+        """A sentence if a body comes near the end of its range, else empty."""
+        words = [
+            f"{body.name!r} {' and '.join(self._parts(i, TOLD))}"
+            for i, body in enumerate(self._bodies)
+            if np.any(self.state[i] > TOLD)
+        ]
+        return f"{'; '.join(words)}: take {_remedy(self.state, TOLD)}" if words else ""
+
+    def _parts(self, i: int, limits: tuple[float, float]) -> list[str]:
+        body, (deformed, spun) = self._bodies[i], self.state[i]
+        parts = []
+        if deformed > limits[0]:
+            parts.append(
+                f"deforms by {deformed:.3g} of its size of {body.size:.3g} m, and linear modes hold for deflections "
+                f"that are small beside it ({TOLD[0]:.0%}; a run ends at {LARGEST[0]:.0%})"
+            )
+        if spun > limits[1]:
+            parts.append(
+                f"turns with {spun:.3g} of its lowest frequency, and modes lack the stiffness that centrifugal forces "
+                f"give (they hold to {TOLD[1]:.2f}; a run ends at {LARGEST[1]:.2f})"
+            )
+        return parts
+
+
+def _remedy(state: NDArray[np.float64], limits: tuple[float, float]) -> str:
+    softer = "a body of type 'frame' or 'shell', which bends and turns as far as it likes"
+    return softer + (", or smaller loads" if np.any(state[:, 0] > limits[0]) else ", or a slower drive")
+
+
+def _watched(body: FlexibleBody, columns: dict[str, int]) -> _Watched:
+    reduced, integrals = body.reduced, body.reduced.integrals
+    lengths = np.linalg.norm(reduced.mode_shapes, axis=2)
+    # the largest of each mode, and in each direction: of any sum of modes some node is near its largest
+    most = np.unique([lengths.argmax(axis=1), *np.abs(reduced.mode_shapes).argmax(axis=1).T])
+    shapes = reduced.mode_shapes[:, most].reshape(reduced.mode_count, -1)
+    c = integrals.first_moment / integrals.mass
+    second = integrals.inertia_kl - integrals.mass * np.outer(c, c)
+    J = np.trace(second) * np.eye(3) - second
+    lowest = float(reduced.eigenvalues.min())
+    turns = not isinstance(body.motion, Fixed) and lowest > 0.0
+    return _Watched(
+        body.name,
+        reduced.size,
+        columns[f"{body.name}.modal_position"],
+        columns[f"{body.name}.angular_velocity"] if turns else -1,
+        lengths.max(axis=1) / reduced.size,
+        shapes / reduced.size,
+        J / (np.linalg.eigvalsh(J)[-1] * lowest) if turns else np.zeros((3, 3)),
+    )
