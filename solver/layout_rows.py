@@ -207,12 +207,12 @@ def _tell_turned(scene: Scene, flexible: Sequence[FlexibleBody], book: MarkerBoo
     """Sentences on forces and measures with directions of bodies with modes where these turn."""
     if not flexible:
         return ()
-    from heavylift.solver.bodies.floating_frame.turned import tell_turned
+    from heavylift.solver.bodies.floating_frame.turned import tell_held_chords, tell_turned
 
     things = [force for force in scene.forces if not isinstance(force, Gravity)]
     if scene.sea is not None:
         things += [*scene.sea.loads, *scene.sea.fenders]
-    return tell_turned(flexible, book, things)
+    return (*tell_turned(flexible, book, things), *tell_held_chords(flexible, scene.joints))
 
 
 def _watched(scene: Scene, integrator: str) -> WatchedRopes:

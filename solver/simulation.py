@@ -210,7 +210,12 @@ class Simulation:
         self.compile_seconds = 0.0
         remedy = energy_remedy(self._layout)
         self._watch = RunWatch(
-            self.channels, self._size(), self._weight(scene), remedy, touches=scene.touches
+            self.channels,
+            self._size(),
+            self._weight(scene),
+            remedy,
+            touches=scene.touches,
+            mass=sum(float(mass.sum()) for mass, _ in self._bodies()),
         )
         self._range: ModalRange | None = None
         if any(isinstance(body, FlexibleBody) for body in scene.bodies):

@@ -137,7 +137,7 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
         grouped |= error.key in {"elements", "part", "merge_nodes"} and of_file
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
-        if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.")):
+        if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.", "contours.")):
             raise
         problem, key = error.problem, ""
         for pattern, below in _CASE_KEYS:

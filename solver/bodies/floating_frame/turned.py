@@ -13,18 +13,21 @@ symmetry leave the direction.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.modal.reduced import TURNED
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
+    from heavylift.modal.reduced import ReducedBody
     from heavylift.solver.markers import MarkerBook
     from heavylift.solver.scene.bodies import FlexibleBody
 
-__all__ = ["refuse_turned", "tell_turned"]
+__all__ = ["refuse_turned", "tell_held_chords", "tell_turned"]
 
 
 def refuse_turned(
@@ -74,6 +77,50 @@ def tell_turned(bodies: Sequence[FlexibleBody], book: MarkerBook, things: Sequen
     return tuple(sentences)
 
 
+def tell_held_chords(bodies: Sequence[FlexibleBody], joints: Sequence[Any]) -> tuple[str, ...]:
+    """Sentences on joints of points that together hold chords of bodies with modes where the modes turn these.
+
+    Linear modes lengthen what they turn by an angle a by a^2 / 2 of its length. Two points that another body holds at
+    their distance resist that, as no solid would: a triangle of three, where one point and three rods would do.
+    """
+    sentences = []
+    for body in bodies:
+        if not body.reduced.continuum:
+            continue
+        held: dict[str, list[tuple[str, NDArray[np.float64]]]] = {}
+        for joint in joints:
+            if tuple(joint.rotational) == (False, False, False) and body.name in {joint.body_a, joint.body_b}:
+                first = joint.body_a == body.name
+                frame, other = (joint.frame_a, joint.body_b) if first else (joint.frame_b, joint.body_a)
+                held.setdefault(other, []).append((joint.name, np.asarray(frame.point, dtype=np.float64)))
+        for other, points in held.items():
+            names = {
+                name
+                for (a, p), (b, q) in combinations(points, 2)
+                if _turns_chord(body.reduced, p, q)
+                for name in (a, b)
+            }
+            if names:
+                named = ", ".join(repr(name) for name, _ in points if name in names)
+                sentences.append(
+                    f"joints {named} hold points of the flexible body {body.name!r} at fixed distances on {other!r}: "
+                    "where they turn by an angle a, its modes lengthen what is between them by a^2 / 2 of it, which "
+                    "such joints resist; take one 'ball' joint and rods (type 'distance') that hold no more than it takes"
+                )
+    return tuple(sentences)
+
+
+def _turns_chord(reduced: ReducedBody, p: NDArray[np.float64], q: NDArray[np.float64]) -> bool:
+    """Whether modes turn the chord of two points that are nearer than half of the size of the body."""
+    length = float(np.linalg.norm(q - p))
+    if not 0.0 < length < 0.5 * reduced.size:
+        return False
+    moved = reduced.shapes_at(*reduced.locate(q)) - reduced.shapes_at(*reduced.locate(p))
+    turned = np.linalg.norm(np.cross(moved, (q - p) / length), axis=1) / length
+    largest = np.linalg.norm(reduced.mode_shapes, axis=2).max(axis=1)
+    return bool(np.any(turned * reduced.size > TURNED * largest))
+
+
 def _turned(body: FlexibleBody, book: MarkerBook, first: int) -> list[NDArray[np.float64]]:
     """Places of a body [m] with a direction that its modes turn, each once."""
     found: dict[bytes, NDArray[np.float64]] = {}
@@ -94,9 +141,9 @@ def _refuse(thing: Any, body: FlexibleBody, place: NDArray[np.float64]) -> None:
         f"it holds a direction of the flexible body {body.name!r} at ({at}) mm in its frame, where its modes turn it; "
         "such a body has the directions of its frame only, and no moment would bend it",
         source=thing.name,
-        expected="joints of points there: 'ball' joints on three points some way apart hold as 'fixed' does, on two "
-        "points of its axis as 'hinge'; or a place where a body with a fixed or driven frame is clamped; or a body of "
-        "type 'frame' or 'shell', whose joints pass moments",
+        expected="joints of points there that hold no more than it takes: one 'ball' joint and three rods (type "
+        "'distance') hold as 'fixed' does, one and two rods across its axis as 'hinge'; or a place where a body with a "
+        "fixed or driven frame is clamped; or a body of type 'frame' or 'shell', whose joints pass moments",
     )
 
 
