@@ -105,7 +105,7 @@ def tell_held_chords(bodies: Sequence[FlexibleBody], joints: Sequence[Any]) -> t
                 sentences.append(
                     f"joints {named} hold points of the flexible body {body.name!r} at fixed distances on {other!r}: "
                     "where they turn by an angle a, its modes lengthen what is between them by a^2 / 2 of it, which "
-                    "such joints resist; take one 'ball' joint and rods (type 'distance') that hold no more than it takes"
+                    "they resist; take one 'ball' joint, and rods (type 'distance') that hold no more than it needs"
                 )
     return tuple(sentences)
 
