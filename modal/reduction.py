@@ -29,8 +29,8 @@ __all__ = ["Ritz", "mean_axis", "reduce_body", "ritz_vectors"]
 _DEPENDENT = 1e-6
 """Part of a vector's length that must not lie in the span of those before it."""
 
-_ROUNDING = 1e-15
-"""Of the largest eigenvalue of a Gram matrix, for each of its rows: what rounding leaves of one that is zero."""
+_ROUNDING = 1e-14
+"""Of the largest eigenvalue of a Gram matrix: more than rounding leaves of one that is zero."""
 
 _TAKES_PART = 0.05
 """A vector takes part in a linear dependence from this factor on; the squares of all factors have the sum 1."""
@@ -253,7 +253,7 @@ def _independent(
     """
     values, axes = np.linalg.eigh(gram)
     lengths = np.sqrt(np.maximum(np.diag(gram), 0.0))
-    rank = int(np.count_nonzero(values > max(_DEPENDENT**2, _ROUNDING * len(gram) * values[-1])))
+    rank = int(np.count_nonzero(values > max(_DEPENDENT**2, _ROUNDING * values[-1])))
     if rank < len(gram):
         null = axes[:, : len(gram) - rank]
         lacking = _most_dependent(null, lengths <= _DEPENDENT)

@@ -335,6 +335,7 @@ def contour_loads(
 def reduced_properties(reduced: ReducedBody, states: Sequence[StaticState] = ()) -> dict[str, Any]:
     """Numbers of a reduced body and its static load cases for its manifest."""
     return {
+        "notes": _large_deflections(reduced, states),
         "static": {state.name: f"residual {state.residual:.0e}" for state in states} or None,
         "vector_count": reduced.mode_count,
         "frequencies_hz": [float(f) for f in reduced.frequencies],
@@ -342,3 +343,19 @@ def reduced_properties(reduced: ReducedBody, states: Sequence[StaticState] = ())
         "orthogonality": reduced.orthogonality,
         "dropped": list(reduced.dropped) or None,
     }
+
+
+def _large_deflections(reduced: ReducedBody, states: Sequence[StaticState]) -> list[str]:
+    """Sentences on static load cases that move the body too far for linear statics."""
+    from heavylift.modal.reduced import LARGE_DEFLECTION
+
+    found = []
+    for state in states:
+        share = float(np.linalg.norm(state.displacements, axis=1).max()) / reduced.size
+        if share > LARGE_DEFLECTION:
+            found.append(
+                f"WARNING: static load case {state.name!r} moves it by {share:.3g} of its size: linear statics are "
+                f"for displacements that are small beside it ({LARGE_DEFLECTION:.0%}); take a body of type 'frame' or "
+                "'shell', or smaller loads"
+            )
+    return found

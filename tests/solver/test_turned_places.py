@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.sparse import eye_array
-from solid_beams import LENGTH, beam, cantilever
+from solid_beams import BENDING, LENGTH, beam, cantilever
 
 from heavylift.modal.invariants import shape_integrals
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
 from heavylift.solver.joints.fixed import FixedJoint
@@ -23,7 +24,8 @@ from heavylift.solver.joints.universal import Universal
 from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.measures.relative_motions import RelativeMotion
 from heavylift.solver.scene.connections import JointFrame, axes_about
-from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene, Sensor
+from heavylift.solver.simulation import Simulation
 
 ROOT, TIP = np.zeros(3), np.array([LENGTH, 0.0, 0.0])
 TURNING = (FixedJoint, Hinge, Slider, Planar, Guide)
@@ -71,6 +73,38 @@ def test_joints_of_points_go_on() -> None:
     frames = {"frame_a": JointFrame(TIP), "frame_b": JointFrame(np.array([0.1, 0.0, 0.0]))}
     rod = Distance(name="rod", body_a="beam", body_b="arm", **frames)
     pack_scene(Scene((beam(cantilever()), arm(TIP)), joints=(rod,)))
+
+
+@pytest.mark.slow
+def test_ball_and_three_rods_pass_the_moment() -> None:
+    """An arm of 0.5 m with F at its end: tip F L^3 / 3 E I + F a L^2 / 2 E I, end a (F L^2 / 2 + F a L) / E I more."""
+    corners = np.array([[LENGTH, -0.01, -0.01], [LENGTH, 0.01, -0.01], [LENGTH, 0.0, 0.01]])
+    reduced = cantilever(points=tuple(map(tuple, corners.tolist())))
+    weight = RigidBody("arm", 2.0, 1e-3 * np.eye(3), centre_of_mass=np.array([0.5, 0.0, 0.0]), position=TIP)
+    ends = [(corners[1], (50.0, 0.0, 0.0)), (corners[1], (0.0, 0.0, -50.0)), (corners[2], (50.0, 0.0, 0.0))]
+    joints: list[Any] = [
+        Ball(
+            name="ball",
+            body_a="beam",
+            body_b="arm",
+            frame_a=JointFrame(corners[0]),
+            frame_b=JointFrame(corners[0] - TIP),
+        )
+    ]
+    for k, (place, along) in enumerate(ends):  # long rods, so that they turn by next to nothing
+        frames = {"frame_a": JointFrame(place), "frame_b": JointFrame(place + np.array(along) - TIP)}
+        joints.append(Distance(name=f"rod{k}", body_a="beam", body_b="arm", **frames))
+    seen = (Sensor("tip", "beam", TIP), Sensor("load", "arm", np.array([0.5, 0.0, 0.0])))
+    bodies = beam(reduced), weight
+    pull = PointForce("pull", "arm", np.array([0.5, 0.0, 0.0]), force=np.array([0.0, 0.0, -19.62]))
+    run = Simulation(Scene(bodies, (pull,), seen, tuple(joints)), 1e-4, start="equilibrium")
+    row = run.record()
+    height = {c.name: row[c.column + 2] for c in run.channels if c.name.endswith(".position")}
+    force, a, L = 19.62, 0.5, LENGTH
+    tip = -force * (L**3 / 3.0 + a * L**2 / 2.0) / BENDING
+    np.testing.assert_allclose(height["tip.position"], tip, rtol=2e-3)
+    load = tip - a * force * (L**2 / 2.0 + a * L) / BENDING
+    np.testing.assert_allclose(height["load.position"], load, rtol=2e-3)
 
 
 def test_universal_joint_at_the_tip_is_refused() -> None:

@@ -23,15 +23,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.modal.reduced import LARGE_DEFLECTION
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.scene.bodies import Fixed, FlexibleBody
 from heavylift.solver.scene.channels import Channel
 
 __all__ = ["ModalRange"]
 
-TOLD = (0.1, 1.0 / 3.0)
+TOLD = (LARGE_DEFLECTION, 1.0 / 3.0)
 """Shares of the size and of the lowest frequency that are worth a warning."""
-LARGEST = (0.2, 2.0 / 3.0)
+LARGEST = (2.0 * TOLD[0], 2.0 * TOLD[1])
 """The same beyond which a run stops."""
 
 SHARES = 2
