@@ -209,7 +209,7 @@ def _tell_turned(scene: Scene, flexible: Sequence[FlexibleBody], book: MarkerBoo
         return ()
     from heavylift.solver.bodies.floating_frame.turned import tell_held_chords, tell_turned
 
-    things = [force for force in scene.forces if not isinstance(force, Gravity)]
+    things: list[Any] = [force for force in scene.forces if not isinstance(force, Gravity)]
     if scene.sea is not None:
         things += [*scene.sea.loads, *scene.sea.fenders]
     return (*tell_turned(flexible, book, things), *tell_held_chords(flexible, scene.joints))

@@ -348,13 +348,13 @@ def find_place(
     squares = np.sum((nodes - place) ** 2, axis=1)
     node = int(np.argmin(squares))
     distance = float(np.sqrt(squares[node]))
-    found = np.array([node]), np.ones(1)
+    found, weights = np.array([node]), np.ones(1)
     if mesh is not None and distance > _AT * size:
-        *found, distance = mesh.nearest_place(place)
+        found, weights, distance = mesh.nearest_place(place)
     if distance <= within * size:
-        return found[0], found[1]
+        return found, weights
     words = ", ".join(f"{1e3 * x:.6g}" for x in place + np.asarray(origin))
-    near = ", ".join(f"{1e3 * x:.6g}" for x in found[1] @ nodes[found[0]] + np.asarray(origin))
+    near = ", ".join(f"{1e3 * x:.6g}" for x in weights @ nodes[found] + np.asarray(origin))
     what = "its nearest place" if mesh is not None else "its nearest node (no elements are known)"
     raise InputError(
         f"point ({words}) mm is not on the body: {what}, at ({near}) mm, is {1e3 * distance:.6g} mm away",
