@@ -7,7 +7,8 @@ import pytest
 from solid_beams import DENSITY, LENGTH, SIDE, beam, cantilever
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.solver.scene.bodies import Driven, Profile
+from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
+from heavylift.solver.scene.bodies import Driven, Free, Profile
 from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
@@ -46,6 +47,26 @@ def test_deflection_at_rest(share: float, outcome: Outcome, told: bool) -> None:
     assert len(times) == (20 if outcome is Outcome.COMPLETED else 0)
     assert again.outcome is outcome
     assert ("deforms by" in again.warning) == told
+
+
+@pytest.mark.parametrize(
+    ("end", "told", "beyond"), [(0.03, False, False), (0.04, True, False), (0.07, True, True)]
+)
+def test_a_frame_that_follows_the_body_does_not_hide_how_far_it_bends(
+    end: float, told: bool, beyond: bool
+) -> None:
+    """First mode of a free bar: w' / w = 4.6474 / L at its ends, so a tenth of its length would be half a radian."""
+    reduced = cantilever(elements=40, free=True)
+    run = Simulation(Scene((beam(reduced, motion=Free()),), ()), 1e-3)
+    record = run.record()
+    first = next(c.column for c in run.channels if c.name == "beam.modal_position")
+    tip = np.linalg.norm(reduced.shapes_at(*reduced.locate(np.array([LENGTH, 0.0, 0.0])))[0])
+    record[first] = end * LENGTH / tip
+    seen = ModalRange((beam(reduced, motion=Free()),), run.channels)
+    assert (seen.add(record[None]) == 0) == beyond
+    np.testing.assert_allclose(seen.state[0, :2], [end, 4.6474 * end], rtol=0.02)
+    assert ("turns by" in seen.warning) == told
+    assert seen.left == beyond
 
 
 def spun(axis: tuple[float, float, float] = (0.0, 0.0, 1.0), most: float = 1.2) -> tuple[Simulation, float]:

@@ -2,15 +2,18 @@
 
 Modes add up displacements that are small beside the body, in a frame whose turning only softens them. Left out are the
 shortening of what bends, of the square of the deflection, and the stiffness that loads along the body give or take,
-as centrifugal forces do. Two shares tell how far that counts:
+as centrifugal forces do. Three numbers tell how far that counts:
 
     deformation / size    largest displacement of a node relative to the frame, over the largest extent
+    turn                  largest rotation of a place relative to the frame, which does not depend on how the frame lies
     spin / frequency      sqrt(w . J w / J_max) / omega_1
 
 with the angular velocity w of the frame, the inertia J about the centre of mass and the lowest frequency of the modes:
 the root is the whole spin across a slender body, and next to nothing about its axis, along which it pulls at nothing. A
-cantilever that bends by a tenth of its length is 0.6 % shorter; a blade that turns at a third of its frequency has its
-lowest mode in the plane of rotation at 94 % of its frequency in place of 101 % (Southwell: w^2 + 0.19 Omega^2).
+cantilever that bends by a tenth of its length under a load at its tip turns there by 0.15 rad and is 0.6 % shorter; in
+a frame that follows its mean motion a parabola is a sixth of its displacement, and half of its turn. A blade that turns
+at a third of its frequency has its lowest mode in the plane of rotation at 94 % of its frequency in place of 101 %
+(Southwell: w^2 + 0.19 Omega^2).
 
 Records are looked at, at the ends of intervals.
 """
@@ -30,13 +33,13 @@ from heavylift.solver.scene.channels import Channel
 
 __all__ = ["ModalRange"]
 
-TOLD = (LARGE_DEFLECTION, 1.0 / 3.0)
-"""Shares of the size and of the lowest frequency that are worth a warning."""
-LARGEST = (2.0 * TOLD[0], 2.0 * TOLD[1])
+TOLD = (LARGE_DEFLECTION, 1.5 * LARGE_DEFLECTION, 1.0 / 3.0)
+"""Share of the size, angle [rad] and share of the lowest frequency that are worth a warning."""
+LARGEST = (2.0 * TOLD[0], 2.0 * TOLD[1], 2.0 * TOLD[2])
 """The same beyond which a run stops."""
 
-SHARES = 2
-"""Numbers of a body: the two shares."""
+SHARES = 3
+"""Numbers of a body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,10 +54,10 @@ class _Watched:
         Largest extent [m].
     modes, spin
         First columns; the second is -1 for a fixed frame.
-    bound
-        Largest displacement of each mode over the size, shape (nf,).
+    bounds
+        Largest displacement of each mode over the size, and largest rotation, shape (2, nf).
     shapes
-        Displacements of the nodes that some mode moves most, over the size, shape (nf, 3 m).
+        Displacements over the size, and rotations, of the nodes that some mode moves most, shape (2, nf, 3 m).
     inertia
         About the centre of mass over its largest value and the square of the lowest frequency, shape (3, 3).
     """
@@ -63,21 +66,22 @@ class _Watched:
     size: float
     modes: int
     spin: int
-    bound: NDArray[np.float64]
+    bounds: NDArray[np.float64]
     shapes: NDArray[np.float64]
     inertia: NDArray[np.float64]
 
     def shares(self, records: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Deformation and spin of records, shape (rows, 2)."""
-        q = records[:, self.modes : self.modes + len(self.bound)]
+        """Deformation, turn and spin of records, shape (rows, 3)."""
+        q = records[:, self.modes : self.modes + self.bounds.shape[1]]
         found = np.zeros((len(records), SHARES))
-        found[:, 0] = np.abs(q) @ self.bound  # more than it can be: most records need no second look
-        large = np.flatnonzero(found[:, 0] > TOLD[0])
-        moved = (q[large] @ self.shapes).reshape(len(large), self.shapes.shape[1] // 3, 3)
-        found[large, 0] = np.linalg.norm(moved, axis=2).max(axis=1, initial=0.0)
+        for k in range(2):
+            found[:, k] = np.abs(q) @ self.bounds[k]  # more than it can be: most records need no second look
+            large = np.flatnonzero(found[:, k] > TOLD[k])
+            moved = (q[large] @ self.shapes[k]).reshape(len(large), self.shapes.shape[2] // 3, 3)
+            found[large, k] = np.linalg.norm(moved, axis=2).max(axis=1, initial=0.0)
         if self.spin >= 0:
             w = records[:, self.spin : self.spin + 3]
-            found[:, 1] = np.sqrt(np.einsum("rk,kl,rl->r", w, self.inertia, w).clip(0.0))
+            found[:, 2] = np.sqrt(np.einsum("rk,kl,rl->r", w, self.inertia, w).clip(0.0))
         return found
 
 
@@ -94,7 +98,7 @@ class ModalRange:
     Attributes
     ----------
     state
-        Largest deformation and spin of each body so far, shape (bodies, 2): what a continuation needs.
+        Largest deformation, turn and spin of each body so far, shape (bodies, 3): what a continuation needs.
     """
 
     def __init__(self, bodies: Sequence[object], channels: Sequence[Channel]) -> None:
@@ -142,25 +146,30 @@ class ModalRange:
         ]
         return f"{'; '.join(words)}: take {_remedy(self.state, TOLD)}" if words else ""
 
-    def _parts(self, i: int, limits: tuple[float, float]) -> list[str]:
-        body, (deformed, spun) = self._bodies[i], self.state[i]
+    def _parts(self, i: int, limits: tuple[float, float, float]) -> list[str]:
+        body, (deformed, turned, spun) = self._bodies[i], self.state[i]
         parts = []
         if deformed > limits[0]:
             parts.append(
                 f"deforms by {deformed:.3g} of its size of {body.size:.3g} m, and linear modes hold for deflections "
                 f"that are small beside it ({TOLD[0]:.0%}; a run ends at {LARGEST[0]:.0%})"
             )
-        if spun > limits[1]:
+        if turned > limits[1] and not parts:
+            parts.append(
+                f"bends until a place turns by {turned:.3g} rad, and linear modes hold for small angles "
+                f"({TOLD[1]:.2f} rad; a run ends at {LARGEST[1]:.1f})"
+            )
+        if spun > limits[2]:
             parts.append(
                 f"turns with {spun:.3g} of its lowest frequency, and modes lack the stiffness that centrifugal forces "
-                f"give (they hold to {TOLD[1]:.2f}; a run ends at {LARGEST[1]:.2f})"
+                f"give (they hold to {TOLD[2]:.2f}; a run ends at {LARGEST[2]:.2f})"
             )
         return parts
 
 
-def _remedy(state: NDArray[np.float64], limits: tuple[float, float]) -> str:
+def _remedy(state: NDArray[np.float64], limits: tuple[float, float, float]) -> str:
     softer = "a body of type 'frame' or 'shell', which bends and turns as far as it likes"
-    return softer + (", or smaller loads" if np.any(state[:, 0] > limits[0]) else ", or a slower drive")
+    return softer + (", or smaller loads" if np.any(state[:, :2] > limits[:2]) else ", or a slower drive")
 
 
 def _watched(body: FlexibleBody, columns: dict[str, int]) -> _Watched:
@@ -168,7 +177,8 @@ def _watched(body: FlexibleBody, columns: dict[str, int]) -> _Watched:
     lengths = np.linalg.norm(reduced.mode_shapes, axis=2)
     # the largest of each mode, and in each direction: of any sum of modes some node is near its largest
     most = np.unique([lengths.argmax(axis=1), *np.abs(reduced.mode_shapes).argmax(axis=1).T])
-    shapes = reduced.mode_shapes[:, most].reshape(reduced.mode_count, -1)
+    moved = reduced.mode_shapes[:, most].reshape(reduced.mode_count, -1) / reduced.size
+    turned = np.stack([reduced.turn_at(np.array([node]), np.ones(1)) for node in most], axis=1)
     c = integrals.first_moment / integrals.mass
     second = integrals.inertia_kl - integrals.mass * np.outer(c, c)
     J = np.trace(second) * np.eye(3) - second
@@ -179,7 +189,7 @@ def _watched(body: FlexibleBody, columns: dict[str, int]) -> _Watched:
         reduced.size,
         columns[f"{body.name}.modal_position"],
         columns[f"{body.name}.angular_velocity"] if turns else -1,
-        lengths.max(axis=1) / reduced.size,
-        shapes / reduced.size,
+        np.array([lengths.max(axis=1) / reduced.size, np.linalg.norm(turned, axis=2).max(axis=1)]),
+        np.array([moved, turned.reshape(reduced.mode_count, -1)]),
         J / (np.linalg.eigvalsh(J)[-1] * lowest) if turns else np.zeros((3, 3)),
     )
