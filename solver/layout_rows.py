@@ -16,7 +16,7 @@ from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes, watch_rope
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
-from heavylift.solver.scene.connections import Between, OnBody, PackedForce
+from heavylift.solver.scene.connections import OnBody, PackedForce
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, Scene
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
@@ -156,8 +156,9 @@ def _pack(
     laws, first = None, book.count
     if _has_laws(scene):
         laws = _pack_laws(scene, ordered, packed, attachment, watched, integrator)
-        springs = [force for force in scene.forces if isinstance(force, Between)]
-        _refuse_turned(flexible, book, first, springs)
+        # of what laws hang on, line bearings hold a plane; ropes pull at the centres of their sheaves
+        bearings = [force for force in scene.forces if hasattr(force, "inward")]
+        _refuse_turned(flexible, book, first, bearings)
     if laws is not None:
         packed.joints += tuple(laws.joints)
         packed.block_names += laws.block_names
@@ -209,7 +210,11 @@ def _tell_turned(scene: Scene, flexible: Sequence[FlexibleBody], book: MarkerBoo
         return ()
     from heavylift.solver.bodies.floating_frame.turned import tell_held_chords, tell_turned
 
-    things: list[Any] = [force for force in scene.forces if not isinstance(force, Gravity)]
+    things: list[Any] = [
+        force
+        for force in scene.forces
+        if isinstance(force, PackedForce) or getattr(force, "frame", "world") == "body"
+    ]
     if scene.sea is not None:
         things += [*scene.sea.loads, *scene.sea.fenders]
     return (*tell_turned(flexible, book, things), *tell_held_chords(flexible, scene.joints))

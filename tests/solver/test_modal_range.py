@@ -69,6 +69,22 @@ def test_a_frame_that_follows_the_body_does_not_hide_how_far_it_bends(
     assert seen.left == beyond
 
 
+def test_twist_of_a_shaft_is_no_large_bending() -> None:
+    """Half a radian at the tip moves its corners by less than a hundredth of its length."""
+    reduced = cantilever(modes=9)
+    nodes, weights = reduced.locate(np.array([LENGTH, 0.0, 0.0]))
+    turn = reduced.turn_at(nodes, weights)
+    mode = int(np.abs(turn[:, 0] / np.linalg.norm(turn, axis=1).clip(1e-12)).argmax())
+    assert abs(turn[mode, 0]) > 0.999 * np.linalg.norm(turn[mode])
+    run = Simulation(Scene((beam(reduced),), ()), 1e-3)
+    record = run.record()
+    first = next(c.column for c in run.channels if c.name == "beam.modal_position")
+    record[first + mode] = 0.5 / turn[mode, 0]
+    seen = ModalRange((beam(reduced),), run.channels)
+    assert seen.add(record[None]) == -1
+    assert not seen.warning
+
+
 def spun(axis: tuple[float, float, float] = (0.0, 0.0, 1.0), most: float = 1.2) -> tuple[Simulation, float]:
     """Driven about an axis through its clamp, in a second to a share of its first frequency."""
     reduced = cantilever()

@@ -5,7 +5,7 @@ shortening of what bends, of the square of the deflection, and the stiffness tha
 as centrifugal forces do. Three numbers tell how far that counts:
 
     deformation / size    largest displacement of a node relative to the frame, over the largest extent
-    turn                  largest rotation of a place relative to the frame, which does not depend on how the frame lies
+    turn                  largest rotation of a place relative to the frame, but for the twist of a slender body
     spin / frequency      sqrt(w . J w / J_max) / omega_1
 
 with the angular velocity w of the frame, the inertia J about the centre of mass and the lowest frequency of the modes:
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from heavylift.modal.reduced import LARGE_DEFLECTION
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.scene.bodies import Fixed, FlexibleBody
 from heavylift.solver.scene.channels import Channel
 
@@ -182,6 +183,9 @@ def _watched(body: FlexibleBody, columns: dict[str, int]) -> _Watched:
     c = integrals.first_moment / integrals.mass
     second = integrals.inertia_kl - integrals.mass * np.outer(c, c)
     J = np.trace(second) * np.eye(3) - second
+    moments, axes = np.linalg.eigh(J)
+    if moments[0] < SLENDER * moments[1]:  # twist about the axis of a slender body shortens nothing
+        turned = turned - (turned @ axes[:, 0])[..., None] * axes[:, 0]
     lowest = float(reduced.eigenvalues.min())
     turns = not isinstance(body.motion, Fixed) and lowest > 0.0
     return _Watched(
@@ -191,5 +195,5 @@ def _watched(body: FlexibleBody, columns: dict[str, int]) -> _Watched:
         columns[f"{body.name}.angular_velocity"] if turns else -1,
         np.array([lengths.max(axis=1) / reduced.size, np.linalg.norm(turned, axis=2).max(axis=1)]),
         np.array([moved, turned.reshape(reduced.mode_count, -1)]),
-        J / (np.linalg.eigvalsh(J)[-1] * lowest) if turns else np.zeros((3, 3)),
+        J / (moments[-1] * lowest) if turns else np.zeros((3, 3)),
     )

@@ -148,7 +148,9 @@ def _refuse(thing: Any, body: FlexibleBody, place: NDArray[np.float64]) -> None:
 
 
 def _is_at(thing: Any, body: str, place: NDArray[np.float64]) -> bool:
-    """Whether something stands at a place of a body."""
+    """Whether something stands at a place of a body; a lug does where its rope ends."""
+    if hasattr(thing, "rope") and hasattr(thing, "body"):
+        return bool(thing.body == body)
     ends = [(getattr(thing, "body", None), getattr(thing, "point", None))]
     for side in "ab":
         frame = getattr(thing, f"frame_{side}", None)
