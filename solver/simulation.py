@@ -221,7 +221,7 @@ class Simulation:
         if any(isinstance(body, FlexibleBody) for body in scene.bodies):
             from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
 
-            self._range = ModalRange(scene.bodies, self.channels)
+            self._range = ModalRange(scene.bodies, self.channels, scene.joints)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
