@@ -190,7 +190,7 @@ def _remedy(state: NDArray[np.float64], limits: NDArray[np.float64]) -> str:
 
 
 def _held_frequency(body: FlexibleBody, joints: Sequence[Joint]) -> float:
-    """Square of the lowest frequency [rad^2/s^2] of a free body whose points in joints are at rest, but for mechanisms."""
+    """Square of the lowest frequency [rad^2/s^2] of a free body with its points in joints at rest, mechanisms apart."""
     reduced = body.reduced
     lowest = float(reduced.eigenvalues.min())
     points = [

@@ -186,7 +186,7 @@ def _central_inertia(integrals: ShapeIntegrals) -> tuple[NDArray[np.float64], ND
 
 
 def frame_inertia(integrals: ShapeIntegrals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mass matrix of the frame, (6, 6), and its coupling ``[S; I_tf]`` with the modes, (6, nf), of the undeformed body."""
+    """Mass matrix of the frame, (6, 6), and its coupling ``[S; I_tf]`` with the modes, (6, nf); undeformed."""
     Ibar, I = integrals.position_mode, integrals.inertia_kl
     C = np.vstack(
         [
