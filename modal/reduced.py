@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -217,11 +218,11 @@ class ReducedBody:
         """
         at = nodes[np.abs(weights) > _WEIGHTLESS]
         around = self._around(at, weights @ self.nodes[nodes])
-        still = np.abs(self.mode_shapes).max(axis=(0, 2)) <= _STILL * np.abs(self.mode_shapes).max(
-            initial=0.0
-        )
-        held = around[still[around]]
-        if still[at].all() and np.linalg.matrix_rank(_centred(self.nodes[held]), tol=1e-6 * self.size) >= 2:
+        held = around[self._stands(around)]
+        if (
+            self._stands(at).all()
+            and np.linalg.matrix_rank(_centred(self.nodes[held]), tol=1e-6 * self.size) >= 2
+        ):
             return np.zeros((self.mode_count, 3))
         arms = _centred(self.nodes[around])
         moved = self.mode_shapes[:, around] - self.mode_shapes[:, around].mean(axis=1, keepdims=True)
@@ -240,6 +241,18 @@ class ReducedBody:
         turned = np.linalg.norm(np.cross(self.turn_at(nodes, weights), np.asarray(direction)), axis=1)
         largest = np.linalg.norm(self.mode_shapes, axis=2).max(axis=1)
         return bool(np.any(turned * self.size > TURNED * largest))
+
+    def _stands(self, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Whether no mode moves some nodes, shape (m,)."""
+        found: NDArray[np.bool_] = (
+            np.abs(self.mode_shapes[:, nodes]).max(axis=(0, 2)) <= _STILL * self._largest
+        )
+        return found
+
+    @cached_property
+    def _largest(self) -> float:
+        """Largest component of all mode shapes [kg^-1/2]."""
+        return float(np.abs(self.mode_shapes).max(initial=0.0))
 
     @property
     def size(self) -> float:

@@ -44,6 +44,9 @@ TOLD = (LARGE_DEFLECTION, 1.5 * LARGE_DEFLECTION, 1.0 / 3.0)
 LARGEST = (2.0 * TOLD[0], 2.0 * TOLD[1], 2.0 * TOLD[2])
 """The same beyond which a run stops."""
 
+LOWEST = 20
+"""Modes by which a body bends as a whole: turns are looked at where they move it most."""
+
 MECHANISM = 1e-4
 """Of the square of the lowest frequency of the free body: joints leave a motion without stiffness."""
 
@@ -66,7 +69,8 @@ class _Watched:
     bounds
         Largest displacement of each mode over the size, and largest rotation, shape (2, nf).
     shapes
-        Displacements over the size, and rotations, of the nodes that some mode moves most, shape (2, nf, 3 m).
+        Displacements over the size, of the nodes that some mode moves most, and rotations, of those that one of the
+        lowest does; each of shape (nf, 3 m).
     inertia
         About the centre of mass over its largest value and the square of the lowest frequency, shape (3, 3).
     largest
@@ -78,7 +82,7 @@ class _Watched:
     modes: int
     spin: int
     bounds: NDArray[np.float64]
-    shapes: NDArray[np.float64]
+    shapes: tuple[NDArray[np.float64], NDArray[np.float64]]
     inertia: NDArray[np.float64]
     largest: NDArray[np.float64]
 
@@ -89,7 +93,7 @@ class _Watched:
         for k in range(2):
             found[:, k] = np.abs(q) @ self.bounds[k]  # more than it can be: most records need no second look
             large = np.flatnonzero(found[:, k] > TOLD[k])
-            moved = (q[large] @ self.shapes[k]).reshape(len(large), self.shapes.shape[2] // 3, 3)
+            moved = (q[large] @ self.shapes[k]).reshape(len(large), self.shapes[k].shape[1] // 3, 3)
             found[large, k] = np.linalg.norm(moved, axis=2).max(axis=1, initial=0.0)
         if self.spin >= 0:
             w = records[:, self.spin : self.spin + 3]
@@ -225,7 +229,8 @@ def _watched(body: FlexibleBody, columns: dict[str, int], joints: Sequence[Joint
     # the largest of each mode, and in each direction: of any sum of modes some node is near its largest
     most = np.unique([lengths.argmax(axis=1), *np.abs(reduced.mode_shapes).argmax(axis=1).T])
     moved = reduced.mode_shapes[:, most].reshape(reduced.mode_count, -1) / reduced.size
-    turned = np.stack([reduced.turn_at(np.array([node]), np.ones(1)) for node in most], axis=1)
+    few = np.unique(lengths[:LOWEST].argmax(axis=1))
+    turned = np.stack([reduced.turn_at(np.array([node]), np.ones(1)) for node in few], axis=1)
     c = integrals.first_moment / integrals.mass
     second = integrals.inertia_kl - integrals.mass * np.outer(c, c)
     J = np.trace(second) * np.eye(3) - second
@@ -240,7 +245,7 @@ def _watched(body: FlexibleBody, columns: dict[str, int], joints: Sequence[Joint
         columns[f"{body.name}.modal_position"],
         columns[f"{body.name}.angular_velocity"] if turns else -1,
         np.array([lengths.max(axis=1) / reduced.size, np.linalg.norm(turned, axis=2).max(axis=1)]),
-        np.array([moved, turned.reshape(reduced.mode_count, -1)]),
+        (moved, turned.reshape(reduced.mode_count, -1)),
         J / (moments[-1] * held) if turns else np.zeros((3, 3)),
         np.array([*LARGEST[:2], LARGEST[2] * (np.sqrt(lowest / held) if turns else 1.0)]),
     )
