@@ -481,7 +481,8 @@ class Simulation:
 
         The first of the records is the one with a `number` of the run.
         """
-        beyond = -1 if self._range is None else self._range.add(records)
+        looks = self._watch.finite  # energies that are no numbers say enough
+        beyond = self._range.add(records) if self._range is not None and looks else -1
         if beyond >= 0:
             assert self._range is not None
             when = f"t = {(number + beyond) * self.record_every * self.step:.9g} s"

@@ -23,7 +23,6 @@ from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.fields import GROUND
 from heavylift.pipeline.case.places import in_case, located
 from heavylift.pipeline.results.storage import OutputFolder
-from heavylift.preprocess.finite_elements.mesh import BESIDE
 from heavylift.solver.scene.connections import EdgeJoint
 from heavylift.solver.scene.scene import Scene
 
@@ -214,6 +213,8 @@ def _check_points(scene: _Scene, joints: list[Any], contacts: list[Any]) -> None
 
 def _check_on_blocks(case: Case, body: FlexibleBodySection, point: ArrayLike, key: str) -> None:
     """Refuse a point farther from all blocks than from a mesh of them."""
+    from heavylift.preprocess.finite_elements.mesh import BESIDE
+
     geometry = body.geometry
     assert geometry.type == "blocks"
     place = np.asarray(point, dtype=np.float64)

@@ -134,7 +134,8 @@ class ModalRange:
     def add(self, records: NDArray[np.float64]) -> int:
         """Look at more records, shape (rows, columns); the number of the first that is out of range, or -1."""
         end = len(records)
-        shares = [body.shares(records) for body in self._bodies]
+        with np.errstate(over="ignore", invalid="ignore"):
+            shares = [body.shares(records) for body in self._bodies]
         for found, largest in zip(shares, self._largest, strict=True):
             beyond = np.flatnonzero((found > largest).any(axis=1))
             end = min(end, int(beyond[0])) if beyond.size else end
