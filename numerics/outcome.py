@@ -36,6 +36,7 @@ class Outcome(IntEnum):
     TIMED_OUT = 17
     PHASES_LEFT = 18
     OFF_ROAD = 19
+    MODES_LEFT = 20
     FAULT = 70
     OUT_OF_MEMORY = 71
 
@@ -65,6 +66,7 @@ _TEXTS = {
     Outcome.TIMED_OUT: "stopped: a phase of the scenario takes too long",
     Outcome.PHASES_LEFT: "phases of the scenario are left",
     Outcome.OFF_ROAD: "stopped: a wheel has left the road",
+    Outcome.MODES_LEFT: "stopped: a body has left the range of its modes",
     Outcome.FAULT: "stopped by a fault of the program",
     Outcome.OUT_OF_MEMORY: "stopped: there is not enough memory",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",

@@ -26,7 +26,7 @@ from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.contacts import RigidLaw
-from heavylift.solver.scene.scene import Gravity, Scene, Start
+from heavylift.solver.scene.scene import FlexibleBody, Gravity, Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
     drive_warning,
@@ -39,6 +39,7 @@ from heavylift.solver.stop_message import (
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
+    from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
     from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.start.diagnosis import Diagnosis
 
@@ -209,8 +210,18 @@ class Simulation:
         self.compile_seconds = 0.0
         remedy = energy_remedy(self._layout)
         self._watch = RunWatch(
-            self.channels, self._size(), self._weight(scene), remedy, touches=scene.touches
+            self.channels,
+            self._size(),
+            self._weight(scene),
+            remedy,
+            touches=scene.touches,
+            mass=sum(float(mass.sum()) for mass, _ in self._bodies()),
         )
+        self._range: ModalRange | None = None
+        if any(isinstance(body, FlexibleBody) for body in scene.bodies):
+            from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
+
+            self._range = ModalRange(scene.bodies, self.channels, scene.joints)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -449,7 +460,10 @@ class Simulation:
         if self.outcome is not Outcome.COMPLETED or self.ended or steps <= 0:
             return np.empty(0), records[:0]
         if not self._watch.begun:
-            self._watch.add(self.record()[np.newaxis])
+            begun = self.record()[np.newaxis]
+            self._watch.add(begun)
+            if self._left_range(begun) >= 0:
+                return np.empty(0), records[:0]
         before = self.state()
         begin = clock.thread_time()
         done = self._call(first, last, every, records)
@@ -464,9 +478,29 @@ class Simulation:
             self._stop()
             self._back_to(before, done, records)
         count = int(done) // every - first // every
+        beyond = self._left_range(records[:count], first // every + 1)
+        if beyond >= 0:
+            assert self._range is not None
+            count, seen = beyond + 1, self._range.state
+            self.ended = False
+            self._back_to(before, (first // every + count) * every, records)
+            self._range.state = seen
         self._watch.add(records[:count])
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
+
+    def _left_range(self, records: NDArray[np.float64], number: int = 0) -> int:
+        """Number of the record at which a body has left the range of its modes, with which the run ends; or -1.
+
+        The first of the records is the one with a `number` of the run.
+        """
+        looks = self._watch.finite  # energies that are no numbers say enough
+        beyond = self._range.add(records) if self._range is not None and looks else -1
+        if beyond >= 0:
+            assert self._range is not None
+            when = f"t = {(number + beyond) * self.record_every * self.step:.9g} s"
+            self.outcome, self.message = Outcome.MODES_LEFT, self._range.message(when)
+        return beyond
 
     def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
         layout = self._layout
@@ -515,6 +549,10 @@ class Simulation:
     @property
     def verdict(self) -> tuple[Outcome, str]:
         """Whether a run that has come to its end is to be believed, and a message why not."""
+        if not self._watch.begun:  # nothing but a start
+            self._left_range(self.record()[np.newaxis])
+        if self.outcome is Outcome.MODES_LEFT:
+            return self.outcome, self.message
         outcome, message = self._watch.verdict
         if outcome is Outcome.COMPLETED and self.operation is not None and self.operation.unfinished:
             outcome = Outcome.PHASES_LEFT
@@ -527,7 +565,9 @@ class Simulation:
         layout = self._layout
         seen = (force_warning, mesh_warning, hull_warning, contact_warning, drive_warning)
         steps = step_warning(layout, self._watch.floor)
-        found = "; ".join(filter(None, [self._watch.warning, steps, *(look(layout) for look in seen)]))
+        modes = "" if self._range is None or self._range.left else self._range.warning
+        words = [modes, self._watch.warning, steps, *(look(layout) for look in seen)]
+        found = "; ".join(filter(None, words))
         if found:
             return found
         if self.integrator == "accurate":
@@ -546,6 +586,8 @@ class Simulation:
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
         arrays["cpu_seconds"] = np.array(self.cpu_seconds)
         arrays["watch"] = self._watch.state
+        if self._range is not None:
+            arrays["modal_range"] = self._range.state.copy()
         arrays["scene"] = self._scene_digest.copy()
         return arrays
 
@@ -565,6 +607,7 @@ class Simulation:
             "step_index": (),
             "cpu_seconds": (),
             "watch": (STATE,),
+            **({} if self._range is None else {"modal_range": self._range.state.shape}),
             "scene": own.shape,
         }.items():
             foreign = name == "scene" and name in state and not np.array_equal(state[name], own)
@@ -580,6 +623,8 @@ class Simulation:
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
+        if self._range is not None:
+            self._range.state = state["modal_range"].copy()
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
         self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record

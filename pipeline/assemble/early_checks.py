@@ -57,10 +57,6 @@ DESCRIBED = (
 )
 """Lists of tables that `heavylift.pipeline.assemble.described.assemble` takes as they are."""
 
-NEAR, EDGE = 0.02, 4.0
-"""How far a point may be from the blocks of a body: this share of its extent, or so many target sizes of its elements.
-Not less than what `heavylift.pipeline.assemble.finite_elements.check_on_body` allows."""
-
 
 @dataclass(frozen=True, eq=False)
 class _Started:
@@ -223,24 +219,23 @@ def _check_points(scene: _Scene, joints: list[Any], contacts: list[Any]) -> None
 
 
 def _check_on_blocks(case: Case, body: FlexibleBodySection, point: ArrayLike, key: str) -> None:
-    """Refuse a point farther from all blocks than any mesh of them would allow."""
+    """Refuse a point farther from all blocks than from a mesh of them."""
+    from heavylift.preprocess.finite_elements.mesh import BESIDE
+
     geometry = body.geometry
     assert geometry.type == "blocks"
     place = np.asarray(point, dtype=np.float64)
     low, high = (np.array([getattr(block, side) for block in geometry.add]) for side in ("lower", "upper"))
     distance = np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=1).min()
-    extent = high.max(axis=0) - low.min(axis=0)
-    if body.mesh.divisions:
-        edge = float(np.linalg.norm(extent))
-    else:
-        edge = EDGE * (body.mesh.size or float((high - low).min()))
-    if distance > max(NEAR * float(extent.max()), edge):
+    extent = float((high.max(axis=0) - low.min(axis=0)).max())
+    if distance > BESIDE * extent:
         words = ", ".join(f"{1e3 * value:.6g}" for value in place)
         raise InputError(
             f"point ({words}) mm is not on the body: it is {1e3 * distance:.6g} mm away from its blocks",
             source=case.file,
             key=key,
-            expected="a point on the body, in the coordinates of the geometry (are the units right?)",
+            expected=f"a point on the body, to {BESIDE:.0%} of its largest extent of {1e3 * extent:.6g} mm, in the "
+            "coordinates of the geometry (are the units right?)",
         )
 
 

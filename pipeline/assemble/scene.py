@@ -12,12 +12,11 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.connections import assemble_joints
 from heavylift.pipeline.assemble.described import assemble, assemble_list
-from heavylift.pipeline.assemble.finite_elements import check_on_body
 from heavylift.pipeline.assemble.sides import Side, start_sides
 from heavylift.pipeline.assemble.water import has_sea
 from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.places import located
-from heavylift.pipeline.results.model_io import read_header, read_model, read_reduced
+from heavylift.pipeline.results.model_io import read_header, read_reduced
 from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.connections import EdgeJoint
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
@@ -119,7 +118,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 for place, part in edges
                 if part.body_b == made.name
             ]
-            _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
+            _check_points(case, points, made.reduced, origins[made.name])
         elif isinstance(made, (FrameBody, ShellBody)):
             from heavylift.pipeline.assemble.meshes import check_on_mesh, check_pulleys
 
@@ -263,16 +262,11 @@ def points_on(
 
 
 def _check_points(
-    case: Case, points: Sequence[tuple[str, ArrayLike]], model: Path, nodes: NDArray[np.float64]
+    case: Case, points: Sequence[tuple[str, ArrayLike]], reduced: ReducedBody, origin: NDArray[np.float64]
 ) -> None:
-    """Points that a flexible body carries must lie on it, or the nearest node would be far away."""
-    mesh, looked = None, False
+    """Points that a flexible body carries must lie on it; they and the origin in coordinates of the geometry [m]."""
     for key, point in points:
-        near = np.linalg.norm(nodes - np.array(point), axis=1).min()
-        if not looked and near > 0.02 * np.ptp(nodes, axis=0).max() and model.is_file():
-            mesh, looked = read_model(model).mesh, True  # only where the elements decide
-        elements = None if mesh is None else mesh.elements
-        check_on_body(point, nodes, elements, source=case.file, key=key)
+        reduced.locate(np.asarray(point) - origin, source=case.file, key=key, origin=origin)
 
 
 def modal_coordinates(

@@ -204,6 +204,7 @@ REPORTED = {
     Outcome.TIMED_OUT,
     Outcome.PHASES_LEFT,
     Outcome.OFF_ROAD,
+    Outcome.MODES_LEFT,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 

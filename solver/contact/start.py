@@ -71,8 +71,8 @@ def _locate_all(contacts: ContactRows, bodies: Bodies, work: Workspace, step: fl
 def _close(contacts: ContactRows, step: float, work: Workspace) -> None:
     """What has met without restitution stays closed, and what rests; impulses and forces are none yet.
 
-    A body that is put onto another one has gaps of rounding errors, and whether it bears must not be theirs to say. A closed
-    contact pushes and never pulls, so one that does not bear is open again after the first step.
+    A body that is put onto another one has gaps of rounding errors, and whether it bears must not be theirs to say. A
+    closed contact pushes and never pulls, so one that does not bear is open again after the first step.
     """
     for c in range(contact_count(contacts)):
         state = contacts.state[c]

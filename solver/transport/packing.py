@@ -429,7 +429,7 @@ class Places:
     def pack(
         self, book: MarkerBook, point: NDArray[np.float64]
     ) -> tuple[int, int, int, int, tuple[float, ...]]:
-        """Markers of a place of the body [m]: itself, or the node of a mesh on which it hangs, and the axes of its arm.
+        """Markers of a place of the body [m]: itself, or that of a mesh on which it hangs, and the axes of its arm.
 
         Raises
         ------
@@ -440,9 +440,12 @@ class Places:
         if not isinstance(self.body, FlexibleBody):
             return book.point(name, point, FORCES), *none, (0.0, 0.0, 0.0)
         nodes = self.body.reduced.nodes
-        node = nodes[self.body.reduced.nearest_node(point)]
-        arm = np.asarray(point, dtype=np.float64) - node
-        near = np.sort(np.linalg.norm(nodes - node, axis=1))[: AROUND + 1][-1]
+        found, weights = self.body.reduced.locate(
+            point, source=self.transporter.name, key="groups", within=np.inf
+        )
+        place = weights @ nodes[found]
+        arm = np.asarray(point, dtype=np.float64) - place
+        near = np.sort(np.linalg.norm(nodes - place, axis=1))[: AROUND + 1][-1]
         if np.linalg.norm(self.axes[:2] @ arm) > max(near, NEAR * float(np.ptp(nodes, axis=0).max())):
             raise InputError(
                 f"place {np.round(point, 6).tolist()} m of a bogie is {np.linalg.norm(self.axes[:2] @ arm):.4g} m "
@@ -452,9 +455,9 @@ class Places:
                 expected="places below the body, in the coordinates of its geometry (are the units right?)",
             )
         if self._arms is None and np.any(arm):
-            x, y, z = (book.direction(name, axis, FORCES, at=node) for axis in np.eye(3))
+            x, y, z = (book.direction(name, axis, FORCES, at=place) for axis in np.eye(3))
             self._arms = x, y, z
-        return book.point(name, node, FORCES), *(self._arms or none), tuple(map(float, arm))
+        return book.point(name, place, FORCES), *(self._arms or none), tuple(map(float, arm))
 
     def on_decks(self, number: int, decks: Sequence[Deck], steering: float) -> tuple[int, float, list[float]]:
         """Deck under a bogie, what it lifts its wheel [m], and its station and offset on every deck [m]."""
