@@ -8,7 +8,6 @@ import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -185,7 +184,7 @@ class Simulation:
             )
         self._start_mode, self._scene = start, scene
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
-        self.start_text = ""
+        self.start_text = self._unsettled = ""
         module = importlib.import_module(INTEGRATORS[integrator])
         self._run = module.run
         if integrator == "accurate":
@@ -326,21 +325,34 @@ class Simulation:
         """Bring the scene to rest with what it touches."""
         from heavylift.solver.contact.check_start import start_contacts
         from heavylift.solver.start.rows import StartRows
-        from heavylift.solver.statics.contact_rest import settle_contacts
+        from heavylift.solver.statics.contact_rest import ContactRest, settle_contacts
 
         records = np.empty((0, self.column_count))
 
-        def advance() -> str:
-            if self._call(0, 1, 2, records) == 1:
-                return ""
-            return stop_message(self._layout, "the first step")
+        scene, layout = self._scene, self._layout
 
-        def search(rows: Any) -> SimpleNamespace:
-            start_contacts(self._layout, self.step, settled=bool(self.start_text))
-            return SimpleNamespace(text=settle_contacts(rows, self._arrays, advance, weight))
+        def advance(step: float) -> str:
+            layout.work.control.next_step = step
+            if self._run(
+                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
+                step, 0.0, 0, 1, 2, records,
+            ) == 1:  # fmt: skip
+                return ""
+            message = stop_message(layout, "a step to rest")
+            layout.work.status.words[:] = 0.0
+            return message
+
+        def meet() -> None:
+            start_contacts(layout, self.step, settled=bool(self.start_text))
+
+        def search(rows: Any) -> ContactRest:
+            found = settle_contacts(rows, self._arrays, advance, meet, weight, _gravity(scene), rubs=rubs)
+            self._unsettled = found.warning
+            return found
 
         begin = clock.thread_time()
-        weight = max(self._weight(self._scene), SMALLEST_WEIGHT)
+        weight = max(self._weight(scene), SMALLEST_WEIGHT)
+        rubs = any(pair.friction for pair in (*scene.contacts, *scene.collisions))
         rows, self.start_text = StartRows(self._layout), ""
         self.start_text = search(rows).text
         if self._fits_tensions:
@@ -514,7 +526,9 @@ class Simulation:
         layout = self._layout
         seen = (force_warning, mesh_warning, hull_warning, contact_warning, drive_warning)
         steps = step_warning(layout, self._watch.floor)
-        found = "; ".join(filter(None, [self._watch.warning, steps, *(look(layout) for look in seen)]))
+        found = "; ".join(
+            filter(None, [self._unsettled, self._watch.warning, steps, *(look(layout) for look in seen)])
+        )
         if found:
             return found
         if self.integrator == "accurate":
@@ -591,10 +605,7 @@ class Simulation:
 
     def _weight(self, scene: Scene) -> float:
         """Weights of all bodies, each times its length [J]."""
-        gravity = sum(
-            (force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3)
-        )
-        return float(np.linalg.norm(gravity)) * sum(float(mass @ length) for mass, length in self._bodies())
+        return _gravity(scene) * sum(float(mass @ length) for mass, length in self._bodies())
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.
@@ -620,6 +631,12 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
+
+
+def _gravity(scene: Scene) -> float:
+    """[m/s2]."""
+    gravity = sum((force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3))
+    return float(np.linalg.norm(gravity))
 
 
 def _relax(rows: Any) -> Any:
