@@ -161,6 +161,7 @@ class Simulation:
         self.integrator = integrator
         self.record_every = int(record_every)
         self.tolerance = float(tolerance or 0.0)
+        scene = replace(scene, at_rest=start in AT_REST)
         if scene.sea is not None and start in AT_REST:
             scene = replace(scene, sea=replace(scene.sea, at_rest=True))
         self._layout = pack_scene(scene, integrator, 0.0 if self.tolerance else self.step)
@@ -267,6 +268,7 @@ class Simulation:
             settled = self._start_mode in AT_REST
             if settled:
                 self._settle_contacts()
+                self._check_strains()
             start_contacts(layout, self.step, settled=settled)
         if layout.block_names and self.integrator == "dele2":
             self._probe()
@@ -311,6 +313,8 @@ class Simulation:
                 from heavylift.solver.statics.start_tensions import fit_start_tensions
 
                 self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
+        if self._start_mode in AT_REST and not settles:
+            self._check_strains()
         if any("excitation" in kind._fields for kind in self._layout.bodies):
             from heavylift.solver.water.hulls.packing import check_series
 
@@ -320,6 +324,19 @@ class Simulation:
             self.diagnosis = diagnose(rows)
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
+
+    def _check_strains(self) -> None:
+        """Refuse ropes that are too short for where the scene has come to rest."""
+        if self._scene.ropes:
+            from heavylift.solver.laws.rope_packing import check_strains_at_rest
+            from heavylift.solver.statics.forces import STEP
+            from heavylift.solver.statics.rows_at_rest import fill_at_rest
+
+            layout = self._layout
+            fill_at_rest(
+                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, STEP
+            )
+            check_strains_at_rest((*layout.joints, *layout.forces), layout.block_names)
 
     def _settle_contacts(self) -> None:
         """Bring the scene to rest with what it touches."""

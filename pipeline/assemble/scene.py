@@ -135,6 +135,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         collisions=_collisions(case),
         sea=_sea(case, sides, folder),
         scenario=case.operation,
+        at_rest=case.begins_at_rest,
     )
 
 

@@ -210,7 +210,13 @@ def linearise(scene: Scene) -> LinearScene:
     _check(scene)
     assert scene.sea is not None
     still = replace(
-        scene, sea=_without_waves(scene.sea), contacts=(), contours=(), surfaces=(), collisions=()
+        scene,
+        sea=_without_waves(scene.sea),
+        contacts=(),
+        contours=(),
+        surfaces=(),
+        collisions=(),
+        at_rest=True,
     )
     layout = pack_scene(still, "dele2", 0.0)
     rows = StartRows(layout)
