@@ -201,7 +201,7 @@ def _with_friction(
             block = entry.block + part * stride
             stop = (entry.first + place - 1, block, lane, flow + part * ROWS_A_BLOCK + lane, column + row - 1)
             point = rope.path[place - 1]
-            sheaves.append((*stop, point.efficiency, point.friction))
+            sheaves.append((*stop, point.efficiency, point.efficiency, point.friction))
         flow += (len(rubbing) // rows + 1) * ROWS_A_BLOCK
     places = len(kind.places)
     held = {stop.body for rope in ropes for stop in rope.path if stop.body != GROUND}
@@ -325,7 +325,7 @@ def check_strains_at_rest(kinds: Iterable[Any], names: Sequence[str]) -> None:
             f" {length * worst:.4g} m, a strain of {100.0 * worst:.3g} %",
             source=names[found.block] if found.block >= 0 else "simulation",
             key="length",
-            expected=f"a strain of at most {100.0 * LARGEST_STRAIN:g} % under the loads at rest: a longer or stiffer rope",
+            expected=f"at most {100.0 * LARGEST_STRAIN:g} % under the loads at rest: a longer or a stiffer rope",
         )
 
 

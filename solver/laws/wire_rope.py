@@ -196,8 +196,8 @@ class Rope:
                 f"{self.length:.6g} m is shorter than the path of at least {path:.6g} m by "
                 f"{path - self.length:.6g} m, a strain of {100.0 * strain:.3g} % at the start",
                 key="length",
-                expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, none for a rope as drawn, or start"
-                " 'equilibrium', which finds where it hangs",
+                expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, none for a rope as drawn, or"
+                " start 'equilibrium', which finds where it hangs",
             )
 
 

@@ -331,9 +331,9 @@ class _Search:
 
         Notes
         -----
-        Drag and forces that turn with a body have no potential, and no symmetric stiffness. Its symmetric part says only
-        when a position is certainly stable; else the eigenvalue of the stiffness with the smallest real part tells
-        whether something leaves it (H. Ziegler, Principles of Structural Stability, 1968).
+        Drag and forces that turn with a body have no potential, and no symmetric stiffness. Its symmetric part says
+        only when a position is certainly stable; else the eigenvalue of the stiffness with the smallest real part
+        tells whether something leaves it (H. Ziegler, Principles of Structural Stability, 1968).
         """
         count = K.shape[0]
         shift = 1e-6 * self.natural

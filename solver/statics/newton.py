@@ -162,7 +162,7 @@ def correct(
         if good is not None and residual >= good[2]:  # along what nothing holds steps lead nowhere
             problem.restore(good[0])
             progress.multipliers, progress.factor, progress.residual = good[1], factor, good[2]
-            progress.rounded = ROUNDED < good[2]
+            progress.rounded = good[2] > ROUNDED
             return True
         if residual <= enough and now.gap_size <= CLOSED:
             good = problem.snapshot(), multipliers, residual

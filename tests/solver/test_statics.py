@@ -293,7 +293,7 @@ def follower(spin_stiffness: float) -> Scene:
 
 @pytest.mark.parametrize("spin_stiffness", [10.0, 1000.0])
 def test_a_force_that_turns_with_its_body_is_no_mechanism(spin_stiffness: float) -> None:
-    """``[[100, -200], [0, c]]`` has the eigenvalues 100 and c, though its symmetric part is not positive for c < 100."""
+    """``[[100, -200], [0, c]]`` has the eigenvalues 100 and c; its symmetric part is not positive for c < 100."""
     rows = rows_of(follower(spin_stiffness))
     found = find_equilibrium(rows)
     assert found.residual < 1e-8
