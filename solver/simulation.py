@@ -369,7 +369,9 @@ class Simulation:
 
         begin = clock.thread_time()
         weight = max(self._weight(scene), SMALLEST_WEIGHT)
-        rubs = any(pair.friction for pair in (*scene.contacts, *scene.collisions))
+        rubs = any(pair.friction for pair in scene.contacts) or any(
+            pair.friction for pair in scene.collisions
+        )
         rows, self.start_text = StartRows(self._layout), ""
         self.start_text = search(rows).text
         if self._fits_tensions:

@@ -32,7 +32,7 @@ def assemble_list(case: Case, key: str, sides: Mapping[str, Side]) -> list[Any]:
     found = []
     for index, section in enumerate(getattr(case, key)):
         with located(case, f"{key}.{index}"):
-            found.append(assemble(section, sides, case.folder, at_rest=case.begins_at_rest))
+            found.append(assemble(section, sides, case.folder, "", case.begins_at_rest))
     return found
 
 
@@ -47,9 +47,8 @@ def assemble(
     sides: Mapping[str, Side],
     folder: Path,
     body: str = "",
-    /,
-    *,
     at_rest: bool = False,
+    /,
     **more: Any,
 ) -> Any:
     """What a table describes.

@@ -113,7 +113,7 @@ def scene_errors(case: Case) -> list[InputError]:
     sides = scene.sides
     rests = case.begins_at_rest
     made = {
-        key: scene.parts(key, lambda section: assemble(section, sides, case.folder, at_rest=rests))
+        key: scene.parts(key, lambda section: assemble(section, sides, case.folder, "", rests))
         for key in DESCRIBED
     }
     joints = scene.parts("joints", lambda section: assemble_joint(case, section, sides))

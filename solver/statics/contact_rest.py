@@ -211,13 +211,15 @@ class _Search:
 
     def go(self, longest: float, begin_again: Callable[[], None]) -> _Way:
         """From the start to rest, with shorter steps where one fails."""
+        failed = 0, ""
         for _ in range(TRIES):
             found = self._go(longest)
             if isinstance(found, _Way):
                 return found
+            failed = found
             begin_again()
             longest /= RATIO
-        raise self._failure(*found)
+        raise self._failure(*failed)
 
     def _go(self, longest: float) -> _Way | tuple[int, str]:
         """A way with steps of some length, or after how many of them one failed, and why."""
