@@ -8,7 +8,6 @@ import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -163,6 +162,7 @@ class Simulation:
         self.integrator = integrator
         self.record_every = int(record_every)
         self.tolerance = float(tolerance or 0.0)
+        scene = replace(scene, at_rest=start in AT_REST)
         if scene.sea is not None and start in AT_REST:
             scene = replace(scene, sea=replace(scene.sea, at_rest=True))
         self._layout = pack_scene(scene, integrator, 0.0 if self.tolerance else self.step)
@@ -186,7 +186,7 @@ class Simulation:
             )
         self._start_mode, self._scene = start, scene
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
-        self.start_text = ""
+        self.start_text = self._unsettled = ""
         module = importlib.import_module(INTEGRATORS[integrator])
         self._run = module.run
         if integrator == "accurate":
@@ -279,6 +279,7 @@ class Simulation:
             settled = self._start_mode in AT_REST
             if settled:
                 self._settle_contacts()
+                self._check_strains()
             start_contacts(layout, self.step, settled=settled)
         if layout.block_names and self.integrator == "dele2":
             self._probe()
@@ -336,6 +337,8 @@ class Simulation:
                 from heavylift.solver.statics.start_tensions import fit_start_tensions
 
                 self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
+        if self._start_mode in AT_REST and not settles:
+            self._check_strains()
         if any("excitation" in kind._fields for kind in self._layout.bodies):
             from heavylift.solver.water.hulls.packing import check_series
 
@@ -346,25 +349,53 @@ class Simulation:
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
 
+    def _check_strains(self) -> None:
+        """Refuse ropes that are too short for where the scene has come to rest."""
+        if self._scene.ropes:
+            from heavylift.solver.laws.rope_packing import check_strains_at_rest
+            from heavylift.solver.statics.forces import STEP
+            from heavylift.solver.statics.rows_at_rest import fill_at_rest
+
+            layout = self._layout
+            fill_at_rest(
+                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, STEP
+            )
+            check_strains_at_rest((*layout.joints, *layout.forces), layout.block_names)
+
     def _settle_contacts(self) -> None:
         """Bring the scene to rest with what it touches."""
         from heavylift.solver.contact.check_start import start_contacts
         from heavylift.solver.start.rows import StartRows
-        from heavylift.solver.statics.contact_rest import settle_contacts
+        from heavylift.solver.statics.contact_rest import ContactRest, settle_contacts
 
         records = np.empty((0, self.column_count))
 
-        def advance() -> str:
-            if self._call(0, 1, 2, records) == 1:
-                return ""
-            return stop_message(self._layout, "the first step")
+        scene, layout = self._scene, self._layout
 
-        def search(rows: Any) -> SimpleNamespace:
-            start_contacts(self._layout, self.step, settled=bool(self.start_text))
-            return SimpleNamespace(text=settle_contacts(rows, self._arrays, advance, weight))
+        def advance(step: float) -> str:
+            layout.work.control.next_step = step
+            if self._run(
+                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
+                step, 0.0, 0, 1, 2, records,
+            ) == 1:  # fmt: skip
+                return ""
+            message = stop_message(layout, "a step to rest")
+            layout.work.status.words[:] = 0.0
+            return message
+
+        def meet() -> None:
+            start_contacts(layout, self.step, settled=bool(self.start_text))
+
+        def search(rows: Any) -> ContactRest:
+            found = settle_contacts(rows, self._arrays, advance, meet, weight, _gravity(scene), rubs=rubs)
+            self._unsettled = found.warning
+            return found
 
         begin = clock.thread_time()
-        weight = max(self._weight(self._scene), SMALLEST_WEIGHT)
+        weight = max(self._weight(scene), SMALLEST_WEIGHT)
+        rubs = any(pair.friction for pair in scene.contacts) or any(
+            pair.friction for pair in scene.collisions
+        )
         rows, self.start_text = StartRows(self._layout), ""
         self.start_text = search(rows).text
         if self._fits_tensions:
@@ -566,7 +597,7 @@ class Simulation:
         seen = (force_warning, mesh_warning, hull_warning, contact_warning, drive_warning)
         steps = step_warning(layout, self._watch.floor)
         modes = "" if self._range is None or self._range.left else self._range.warning
-        words = [modes, self._watch.warning, steps, *(look(layout) for look in seen)]
+        words = [self._unsettled, modes, self._watch.warning, steps, *(look(layout) for look in seen)]
         found = "; ".join(filter(None, words))
         if found:
             return found
@@ -649,10 +680,7 @@ class Simulation:
 
     def _weight(self, scene: Scene) -> float:
         """Weights of all bodies, each times its length [J]."""
-        gravity = sum(
-            (force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3)
-        )
-        return float(np.linalg.norm(gravity)) * sum(float(mass @ length) for mass, length in self._bodies())
+        return _gravity(scene) * sum(float(mass @ length) for mass, length in self._bodies())
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.
@@ -678,6 +706,12 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
+
+
+def _gravity(scene: Scene) -> float:
+    """[m/s2]."""
+    gravity = sum((force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3))
+    return float(np.linalg.norm(gravity))
 
 
 def _relax(rows: Any) -> Any:

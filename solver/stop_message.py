@@ -336,6 +336,9 @@ of a search for its rest."""
 TOLD_DRIFT = 0.1
 """Of the drift at which strains are not carried any more, from which it is told: as a rule 1e-4, 20 MPa in steel."""
 
+TOLD_SHARE = 0.02
+"""Of the largest strain, from which a drift is told."""
+
 
 def mesh_warning(layout: Layout) -> str:
     """Meshes that ring, or whose carried strains drifted too far, as a sentence; empty if none.
@@ -365,16 +368,21 @@ def mesh_warning(layout: Layout) -> str:
             if numbers.changed_over:
                 parts.append(
                     f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"
-                    f" where its carried strains had drifted by more than {numbers.drift_tolerance:g}"
+                    f" where its carried strains had drifted by {numbers.largest_drift:.3g}, which is"
+                    f" {numbers.largest_share:.1%} of the largest strain"
                 )
             elif (
                 line.scheme in {AUTO, CARRIED}
-                and numbers.largest_drift > TOLD_DRIFT * numbers.drift_tolerance
+                and max(
+                    numbers.largest_drift / (TOLD_DRIFT * numbers.drift_tolerance),
+                    numbers.largest_share / TOLD_SHARE,
+                )
+                > 1.0
             ):
                 parts.append(
                     f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
-                    " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
-                    " 'energy-momentum'"
+                    f" shape, up to {numbers.largest_share:.1%} of the largest strain: its stresses are wrong by as"
+                    " much times the modulus; take a smaller step, or elasticity 'energy-momentum'"
                 )
     return "; ".join(parts)
 

@@ -114,7 +114,11 @@ def scene_errors(case: Case) -> list[InputError]:
     """Errors of a scene, each with its place in the case file; empty if nothing is wrong so far."""
     scene = _Scene(case)
     sides = scene.sides
-    made = {key: scene.parts(key, lambda section: assemble(section, sides, case.folder)) for key in DESCRIBED}
+    rests = case.begins_at_rest
+    made = {
+        key: scene.parts(key, lambda section: assemble(section, sides, case.folder, "", rests))
+        for key in DESCRIBED
+    }
     joints = scene.parts("joints", lambda section: assemble_joint(case, section, sides))
     contacts: list[Any] = []
     if case.contacts:
@@ -314,6 +318,7 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
                 ropes=tuple(ropes),
                 decks=tuple(decks),
                 transporters=tuple(transporters) if road_known else (),
+                at_rest=case.begins_at_rest,
             ),
             "dele2",
             0.0,

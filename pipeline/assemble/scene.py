@@ -140,6 +140,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         collisions=_collisions(case),
         sea=_sea(case, sides, folder),
         scenario=case.operation,
+        at_rest=case.begins_at_rest,
     )
     if case.databases:
         from heavylift.pipeline.assemble.afloat import check_afloat

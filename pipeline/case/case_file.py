@@ -266,6 +266,11 @@ class Case(SceneTables, _CaseHeading):
             check_plan(self.ballast, self.tanks)
 
     @property
+    def begins_at_rest(self) -> bool:
+        """Whether it comes to rest before time starts."""
+        return self.simulate is not None and self.simulate.start in {"equilibrium", "relax"}
+
+    @property
     def operation(self) -> Scenario | None:
         """The scenario for the solver."""
         return None if self.scenario is None else scenario_of(self.scenario, self._known)

@@ -219,6 +219,7 @@ def pack_laws(
             {rope.name: rope for rope in scene.ropes},
             watched,
             as_forces=integrator == "accurate",
+            at_rest=scene.at_rest,
         )
         made.joints.append(kind)
         made.blocks += blocks

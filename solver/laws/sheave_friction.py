@@ -120,6 +120,9 @@ SETTLED = 1e-12
 TELLING, LARGEST_ANSWER = 1e-9, 0.9
 """Miss relative to the tension from which on a round says how tensions answer to friction, and what it may say."""
 
+UNTOUCHED = 1.0 - 1e-6
+"""Efficiency of a sheave that the rope does not touch: next to no friction is left, as the law wants it."""
+
 LEAST_WRAP = 1e-3
 """Wrap about a blocked sheave [rad] below which its efficiency stays: some friction is left, as the law wants it."""
 
@@ -179,7 +182,10 @@ class Sheave(Record):
         Its place in all paths, block and lane of its row, place of that in `SheavedRopes.flows`, record column of its
         speed.
     efficiency
-        Smaller over larger tension while the rope runs; of a blocked one that of its wrap.
+        Smaller over larger tension while the rope runs; of a blocked one that of its wrap, and nearly 1 where the rope
+        does not touch.
+    bearing
+        The efficiency of one that turns, while the rope touches it.
     friction
         Coefficient of friction of one that is blocked, or 0.
     """
@@ -190,6 +196,7 @@ class Sheave(Record):
     flow: int
     column: int
     efficiency: float
+    bearing: float
     friction: float
 
 
@@ -313,9 +320,11 @@ def _find_shares(kind: SheavedRopes, i: int, work: Workspace) -> float:
             p -= 1
             beyond += kind.parts[p]
         kind.sheave_state[s].share = beyond / length
+        wrap = kind.wraps[kind.sheaves[s].place]
         if kind.sheaves[s].friction > 0.0:
-            wrap = max(LEAST_WRAP, kind.wraps[kind.sheaves[s].place])
-            kind.sheaves[s].efficiency = math.exp(-kind.sheaves[s].friction * wrap)
+            kind.sheaves[s].efficiency = math.exp(-kind.sheaves[s].friction * max(LEAST_WRAP, wrap))
+        else:
+            kind.sheaves[s].efficiency = kind.sheaves[s].bearing if wrap >= 0.0 else UNTOUCHED
     return length
 
 

@@ -103,6 +103,8 @@ class Scene:
     collisions: tuple[Collision, ...] = ()
     sea: Sea | None = None
     scenario: Scenario | None = None
+    at_rest: bool = False
+    """It begins where it comes to rest: how far ropes stretch is not known before."""
 
     @property
     def touches(self) -> bool:

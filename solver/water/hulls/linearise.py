@@ -223,7 +223,13 @@ def linearise(scene: Scene) -> LinearScene:
     hulls = floating_hulls(scene)
     check_databases(hulls, scene.sea)
     still = replace(
-        scene, sea=_without_waves(scene.sea), contacts=(), contours=(), surfaces=(), collisions=()
+        scene,
+        sea=_without_waves(scene.sea),
+        contacts=(),
+        contours=(),
+        surfaces=(),
+        collisions=(),
+        at_rest=True,
     )
     layout = pack_scene(still, "dele2", 0.0)
     rows = StartRows(layout)
