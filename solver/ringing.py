@@ -11,7 +11,8 @@ so the smaller of both changes counts, and none if they differ in sign (the minm
 Phys. 49, 1983).
 
 Forces of joints are known in the middle of steps and are carried on by half a step. Where one changes by turns, three
-steps on end, the part that does so is left out.
+steps on end, the part that does so is left out. Where one has jumped, as where something is released, its slope is no
+slope: what it is carried on by is at most `STEEPER` times what it was before, and nothing where it turns.
 
 A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with
 it: this drives the ringing, in shells by a percent a step, until it has as much energy as the motion. There the part
@@ -22,7 +23,20 @@ from __future__ import annotations
 
 from heavylift.numerics.jit import kernel
 
-__all__ = ["alternating", "steady_force", "steady_rate"]
+__all__ = ["STEEPER", "alternating", "limited_slope", "steady_force", "steady_rate"]
+
+STEEPER = 3.0
+"""Slope of a step over that of the one before that is still a slope: what grows by the square of time has 3 in its second
+step, and less in all behind."""
+
+
+@kernel(inline=True, internal=True)
+def limited_slope(slope: float, before: float) -> float:
+    """Slope as far as that of the step before bears it out: a jump has none (the limiter of S. Chakravarthy, S. Osher)."""
+    if slope * before <= 0.0:
+        return 0.0
+    most = STEEPER * abs(before)
+    return min(slope, most) if slope > 0.0 else max(slope, -most)
 
 
 @kernel(inline=True, internal=True)
@@ -72,8 +86,9 @@ def steady_force(
 
     Notes
     -----
-    Of second order where the force is smooth: three slopes on end never alternate there.
+    Of second order where the force is smooth: three slopes on end never alternate there, and where it turns its slope is
+    of the order of the step.
     """
     if slope * before < 0.0 and before * long_before < 0.0:
         return middle - 0.5 * spacing * alternating(alternating(slope, before), -long_before)
-    return middle + 0.5 * step * slope
+    return middle + 0.5 * step * limited_slope(slope, before)

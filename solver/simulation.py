@@ -22,6 +22,7 @@ from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
+from heavylift.solver.integrate.lone_extremes import LoneExtremes
 from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
@@ -211,6 +212,7 @@ class Simulation:
         self._watch = RunWatch(
             self.channels, self._size(), self._weight(scene), remedy, touches=scene.touches
         )
+        self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -452,6 +454,8 @@ class Simulation:
             self._back_to(before, done, records)
         count = int(done) // every - first // every
         self._watch.add(records[:count])
+        if self._lone is not None:
+            self._lone.add(records[:count])
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
 
@@ -514,7 +518,9 @@ class Simulation:
         layout = self._layout
         seen = (force_warning, mesh_warning, hull_warning, contact_warning, drive_warning)
         steps = step_warning(layout, self._watch.floor)
-        found = "; ".join(filter(None, [self._watch.warning, steps, *(look(layout) for look in seen)]))
+        found = "; ".join(
+            filter(None, [self._watch.warning, steps, self._lone_extremes, *(look(layout) for look in seen)])
+        )
         if found:
             return found
         if self.integrator == "accurate":
@@ -526,6 +532,14 @@ class Simulation:
                 return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
         return "; ".join(self._layout.notes)
 
+    @property
+    def _lone_extremes(self) -> str:
+        """Of extremes that stand alone where a phase has ended; empty without."""
+        if self._lone is None or self.operation is None:
+            return ""
+        times = (line.time for line in self.operation.log)
+        return self._lone.warning(times, self.step, self.record_every, steps_vary=self.tolerance > 0.0)
+
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a continuation needs, bit for bit: arrays by name, copied."""
         self._start()
@@ -533,6 +547,8 @@ class Simulation:
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
         arrays["cpu_seconds"] = np.array(self.cpu_seconds)
         arrays["watch"] = self._watch.state
+        if self._lone is not None:
+            arrays["extremes"] = self._lone.state
         arrays["scene"] = self._scene_digest.copy()
         return arrays
 
@@ -552,6 +568,7 @@ class Simulation:
             "step_index": (),
             "cpu_seconds": (),
             "watch": (STATE,),
+            **({} if self._lone is None else {"extremes": self._lone.state.shape}),
             "scene": own.shape,
         }.items():
             foreign = name == "scene" and name in state and not np.array_equal(state[name], own)
@@ -567,6 +584,8 @@ class Simulation:
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
+        if self._lone is not None:
+            self._lone.state = state["extremes"]
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
         self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record

@@ -522,6 +522,12 @@ def _measure(
         kind.trial[s] = math.sqrt(found) if function == NORM else found
 
 
+@kernel(inline=True, internal=True)
+def _is_time(kind: Director, signal: int) -> bool:
+    """Whether a signal is a time, which goes on as long as the step is."""
+    return signal < 0 or kind.signals[signal].function == ARRIVED
+
+
 @kernel(internal=True)
 def _end_of_phase(kind: Director, track: int, start: float, end: float) -> float:
     """When the phase ends [s], not before the start of the step; infinite if its conditions do not hold at the end."""
@@ -545,11 +551,11 @@ def _end_of_phase(kind: Director, track: int, start: float, end: float) -> float
         before = _margin(condition.below, condition.value, before)
         now = _margin(condition.below, condition.value, now)
         ready = math.inf
-        if now >= 0.0:
+        if now >= -(SHORTEST * (end - start) if _is_time(kind, condition.signal) else 0.0):
             since = timer.since
             if math.isnan(since):
                 since = start
-                if before < 0.0:
+                if before < 0.0:  # a time that rounding has put behind the end of the step is at its end
                     since = start + (end - start) * before / (before - now)
             timer.trial = since
             ready = since + condition.hold
