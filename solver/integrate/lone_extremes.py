@@ -45,10 +45,14 @@ class LoneExtremes:
         ends = ("_max", "_min")
         found = [c for c in channels if c.name.endswith(ends)]
         self._names = [
-            f"{c.name} {part}".strip() if len(c.components) > 1 else c.name for c in found for part in c.components
+            f"{c.name} {part}".strip() if len(c.components) > 1 else c.name
+            for c in found
+            for part in c.components
         ]
         self._units = [c.unit for c in found for _ in c.components]
-        self._columns = np.array([c.column + i for c in found for i in range(len(c.components))], dtype=np.int64)
+        self._columns = np.array(
+            [c.column + i for c in found for i in range(len(c.components))], dtype=np.int64
+        )
         n = len(self._columns)
         self._count = 0
         self._rows = np.zeros((2, n))
@@ -78,7 +82,9 @@ class LoneExtremes:
             self._rows[0], self._rows[1] = self._rows[1], row
             self._count += 1
 
-    def _compare(self, before: NDArray[np.float64], x: NDArray[np.float64], after: NDArray[np.float64]) -> None:
+    def _compare(
+        self, before: NDArray[np.float64], x: NDArray[np.float64], after: NDArray[np.float64]
+    ) -> None:
         """Take the distances of the row in the middle."""
         a, b = x - before, x - after
         with np.errstate(invalid="ignore"):
