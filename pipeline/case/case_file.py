@@ -3,8 +3,10 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import math
+import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -44,6 +46,10 @@ __all__ = ["CASE_FILE", "Case", "load_case"]
 CASE_FILE = "case.toml"
 
 
+ASKING = {"check", "converge", "criteria", "reference", "report", "scenario"}
+"""Tables that name channels to judge or show them, or to wait for them."""
+GAP = re.compile(r"([^\s.,()]+)\.gap(?:_min)?(?!\w)")
+"""Owner, or pattern of owners, of a gap in the name of a quantity or channel, or in a combination of them."""
 _NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
 _KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
@@ -393,6 +399,15 @@ class Case(SceneTables, _CaseHeading):
             ).items()
         }
 
+    @cached_property
+    def measured_gaps(self) -> frozenset[str]:
+        """Collisions whose gap is named by what judges or shows results: it is measured however far they are apart."""
+        if not self.collisions:
+            return frozenset()
+        shown = self.model_dump(include=ASKING)
+        owners = {owner for text in _texts_in(shown) for owner in GAP.findall(text)}
+        return frozenset(name for name in self.collided if any(fnmatchcase(name, owner) for owner in owners))
+
     @property
     def file(self) -> Path:
         """The case file."""
@@ -589,3 +604,13 @@ def check_values(document: dict[str, Any], file: Path) -> None:
             )
     if errors:
         raise InputErrors(errors[::-1])
+
+
+def _texts_in(node: Any) -> Iterator[str]:
+    """All texts in tables and lists."""
+    if isinstance(node, str):
+        yield node
+        return
+    below = node.values() if isinstance(node, Mapping) else node if isinstance(node, (list, tuple)) else ()
+    for entry in below:
+        yield from _texts_in(entry)
