@@ -26,13 +26,13 @@ from heavylift.numerics.jit import kernel
 __all__ = ["STEEPER", "alternating", "limited_slope", "steady_force", "steady_rate"]
 
 STEEPER = 3.0
-"""Slope of a step over that of the one before that is still a slope: what grows by the square of time has 3 in its second
-step, and less in all behind."""
+"""Slope of a step over that of the one before that is still a slope: what grows by the square of time has 3 in its
+second step, and less in all behind."""
 
 
 @kernel(inline=True, internal=True)
 def limited_slope(slope: float, before: float) -> float:
-    """Slope as far as that of the step before bears it out: a jump has none (the limiter of S. Chakravarthy, S. Osher)."""
+    """Slope as far as that of the step before bears it out: a jump has none (limiter of S. Chakravarthy, S. Osher)."""
     if slope * before <= 0.0:
         return 0.0
     most = STEEPER * abs(before)
@@ -86,8 +86,8 @@ def steady_force(
 
     Notes
     -----
-    Of second order where the force is smooth: three slopes on end never alternate there, and where it turns its slope is
-    of the order of the step.
+    Of second order where the force is smooth: three slopes on end never alternate there, and where it turns its slope
+    is of the order of the step.
     """
     if slope * before < 0.0 and before * long_before < 0.0:
         return middle - 0.5 * spacing * alternating(alternating(slope, before), -long_before)

@@ -20,9 +20,9 @@ from heavylift.numerics.words import check_word
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
+from heavylift.solver.integrate.lone_extremes import LoneExtremes
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
-from heavylift.solver.integrate.lone_extremes import LoneExtremes
 from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene

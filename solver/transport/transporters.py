@@ -574,7 +574,7 @@ class BogieState(Record):
     middle, growth, extra
         r in the middle of the step [m] and its rate, as predicted; rate by which it grows beside that [m/s].
     road, climbed
-        By how much the road lifts it in the step [m], and what of that it climbs as it rolls: decks may move themselves.
+        By how much the road lifts it in the step [m], and what it climbs as it rolls: decks may move themselves.
     load, mean, slope, load_p
         On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
         rate by which every r of its group grows [N s/m], and by the force of its cylinder.
@@ -1130,8 +1130,8 @@ def _climbed_over(
 ) -> float:
     """What a wheel climbs that goes from one deck over to another one within a step [m].
 
-    It is on the first one as long as that lifts it higher, by the lifts at both ends of the step of both; `NO_ROAD` where a
-    deck has begun or ended meanwhile.
+    It is on the first one as long as that lifts it higher, by the lifts at both ends of the step of both; `NO_ROAD`
+    where a deck has begun or ended meanwhile.
     """
     if end_before > NO_ROAD and start_after > NO_ROAD:
         over, under = before - start_after, after - end_before

@@ -13,10 +13,10 @@ __all__ = [
     "place_surfaces",
     "pose_surfaces",
     "record_clearance",
-    "watch_clearance",
     "record_pairs",
     "search_surfaces",
     "touch_triangles",
+    "watch_clearance",
     "watch_pairs",
 ]
 
