@@ -39,7 +39,7 @@ from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of, releases_of
+from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of, helpers_of, releases_of
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -287,6 +287,7 @@ class Case(SceneTables, _CaseHeading):
             "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
             "vehicles": {one.name: one for one in self.transporters if one.legs},
             "releases": releases_of(self.joints, self.forces),
+            "helpers": helpers_of(self.pumps, self.controllers, self.transporters),
         }
 
     @property
@@ -320,6 +321,11 @@ class Case(SceneTables, _CaseHeading):
             vehicles,
             girders,
             tuple(movable["releases"]),
+            {
+                **{pump.name: "pump" for pump in self.pumps},
+                **{one.name: "levelling" for one in self.transporters if one.levelling is not None},
+            },
+            {one.name: tuple(one.pumps) for one in self.controllers},
         )
 
     def _rests_with_contacts(self, what: str) -> None:

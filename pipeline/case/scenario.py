@@ -51,8 +51,10 @@ from heavylift.solver.scene.scenario import (
     PathGoOn,
     PathSpeed,
     Phase,
+    Fail,
     Release,
     ReleaseJoint,
+    Restore,
     Scenario,
     Signal,
     TankRate,
@@ -100,6 +102,10 @@ class Known:
         Names of transporters with a path.
     joints
         Names.
+    helpers
+        Names of pumps and of levelled transporters, and which of both.
+    controllers
+        Pumps of each controller by its name.
     girders
         By trolley of a gantry crane: its girder, and how far it may go from the middle of that [m].
     """
@@ -114,6 +120,20 @@ class Known:
     vehicles: tuple[str, ...] = ()
     girders: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     joints: tuple[str, ...] = ()
+    helpers: Mapping[str, Literal["pump", "levelling"]] = field(default_factory=dict)
+    controllers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def machines(self) -> dict[str, list[tuple[str, Any]]]:
+        """What may fail, by the names that a user gives it: names and sorts of all that it is."""
+        found: dict[str, list[tuple[str, Any]]] = {
+            name: [(pump, "pump") for pump in pumps] for name, pumps in self.controllers.items()
+        }
+        found |= {name: [(name, sort)] for name, sort in self.helpers.items()}
+        found |= {name: [(name, "tank")] for name in self.tanks}
+        found |= {name: [(name, "drive")] for name in self.drives}
+        found |= {name: [(self.rope_of(name), "winch")] for name in self.hooks}
+        return found | {name: [(name, "winch")] for name in self.ropes}
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -148,6 +168,9 @@ class Known:
 _WHAT = {
     **dict.fromkeys(("winch", "connect", "taut", "slack"), "rope"),
     "release": "rope or joint",
+    **dict.fromkeys(
+        ("fail", "restore"), "winch, hook, drive, tank, pump, controller or levelled transporter"
+    ),
     "of": "body",
     "path": "transporter with 'legs'",
     "arrived": "rope, hook, tank, drive or transporter on a path",
@@ -478,6 +501,8 @@ _OWN = {
     "tank": {"rate", "mass"},
     "path": {"speed", "ramp", "acceleration", "planned"},
     "release": set(),
+    "fail": set(),
+    "restore": set(),
     "connect": {"slack"},
     "note": set(),
 }
@@ -544,6 +569,11 @@ class ActionSection(Section):
     """At which the pump stops [kg]; the rate is positive then."""
     release: Names | None = None
     """Ropes and joints that let go."""
+    fail: Names | None = None
+    """What drives something fails, at once: the winch of a rope or of a hook, a drive, the pump of a tank, a pump of a
+    controller, a controller with all its pumps, the levelling of a transporter. Its brake holds it where it is."""
+    restore: Names | None = None
+    """What has failed works again: it stands until it is told something, or its controller looks."""
     connect: Names | None = None
     """Ropes that hold from now on."""
     slack: Annotated[float, Quantity("length")] = 0.0
@@ -647,6 +677,11 @@ class ActionSection(Section):
         if self.release is not None:
             names = known.fitting("release", self.release, [*known.ropes, *known.joints])
             return tuple(ReleaseJoint(name) if name in known.joints else Release(name) for name in names)
+        for kind, machines in ((Fail, self.fail), (Restore, self.restore)):
+            if machines is not None:
+                key = "fail" if kind is Fail else "restore"
+                names = known.fitting(key, machines, list(known.machines))
+                return tuple(kind(*one) for one in dict.fromkeys(m for n in names for m in known.machines[n]))
         if self.connect is not None:
             return tuple(
                 Connect(name, self.slack) for name in known.fitting("connect", self.connect, known.ropes)

@@ -401,9 +401,10 @@ class VehicleData(Record):
 
 
 class VehicleState(Record):
-    """Looks of levelling so far; extremes of the loads and strokes of a transporter."""
+    """Looks of levelling so far, whether it has failed; extremes of the loads and strokes of a transporter."""
 
     looks: int
+    failed: bool
     loads_high: Extremes
     loads_low: Extremes
     strokes_high: Extremes
@@ -932,6 +933,8 @@ def _level(kind: Transporters, v: int, time: float, work: Workspace) -> None:
     if not vehicle.levels or kind.group_state[first].fresh or count < state.looks:
         return
     state.looks = count + 1
+    if state.failed:
+        return
     roll, pitch = _tilt(vehicle, work)
     roll, pitch = roll - vehicle.roll, pitch - vehicle.pitch
     roll = roll if abs(roll) > vehicle.dead else 0.0
