@@ -23,14 +23,14 @@ from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move, plan_
 from heavylift.solver.scene.bodies import Driven, Fixed
 from heavylift.solver.scene.scenario import (
     AXES,
+    MOVERS,
     Connect,
     DriveSpeed,
     DriveTo,
+    Fail,
     Note,
     PathGoOn,
     PathSpeed,
-    MOVERS,
-    Fail,
     Release,
     ReleaseJoint,
     Restore,

@@ -39,7 +39,14 @@ from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of, helpers_of, releases_of
+from heavylift.solver.scene.scenario import (
+    Movable,
+    Scenario,
+    check_scenario,
+    drives_of,
+    helpers_of,
+    releases_of,
+)
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 

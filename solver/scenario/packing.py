@@ -74,11 +74,11 @@ from heavylift.solver.scene.scenario import (
     Connect,
     DriveSpeed,
     DriveTo,
+    Fail,
     Movable,
     Note,
     PathGoOn,
     PathSpeed,
-    Fail,
     Release,
     ReleaseJoint,
     Restore,
@@ -148,9 +148,7 @@ def with_drives(scene: Any) -> Any:
         ),
     )
     check_scenario(scene.scenario, movable)
-    told = {
-        name.rpartition(".")[::2] for name in _told_drives(scene.scenario) if "." in name
-    }
+    told = {name.rpartition(".")[::2] for name in _told_drives(scene.scenario) if "." in name}
     standing = Profile(times=np.zeros(1), speeds=np.zeros(1))
 
     def ready(body: Any) -> Any:
@@ -459,7 +457,8 @@ def pack_scenario(
         dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
             acted_on(action)
             for action in scenario.actions
-            if isinstance(action, (DriveSpeed, DriveTo)) or (isinstance(action, Fail) and action.sort == "drive")
+            if isinstance(action, (DriveSpeed, DriveTo))
+            or (isinstance(action, Fail) and action.sort == "drive")
         )
     )
     for name in drives:

@@ -720,7 +720,9 @@ class Movable:
     helpers: Mapping[str, str] = field(default_factory=dict)
 
 
-def helpers_of(pumps: Iterable[Any], controllers: Iterable[Any], transporters: Iterable[Any]) -> dict[str, str]:
+def helpers_of(
+    pumps: Iterable[Any], controllers: Iterable[Any], transporters: Iterable[Any]
+) -> dict[str, str]:
     """Pumps and levelled transporters by name, and why one cannot fail; empty if it can.
 
     Parameters
@@ -730,7 +732,8 @@ def helpers_of(pumps: Iterable[Any], controllers: Iterable[Any], transporters: I
     """
     told = {name for one in controllers for name in one.pumps}
     found = {
-        pump.name: "" if pump.name in told else "follows its own plan, and no controller tells it" for pump in pumps
+        pump.name: "" if pump.name in told else "follows its own plan, and no controller tells it"
+        for pump in pumps
     }
     return found | {one.name: "" for one in transporters if one.levelling is not None}
 
@@ -842,7 +845,9 @@ class _Checker:
         for name in (acted_on(action), getattr(action, "leader", "")):
             if name in self.failed and not isinstance(action, (Release, Connect)):
                 raise InputError(
-                    f"what drives {name!r} has failed then", key=key, expected="'restore' before, or another one"
+                    f"what drives {name!r} has failed then",
+                    key=key,
+                    expected="'restore' before, or another one",
                 )
         if isinstance(action, TankRate):
             _known("tank", action.tank, self.movable.tanks, f"{key}.tank")

@@ -247,7 +247,8 @@ class TankRow(Record):
 
 class PumpData(Record):
     """A pump: tanks at its ends, -1 for the sea; rows of its plan; lag [s]; flows at most either way; column; whether it
-    has failed."""
+    has failed.
+    """
 
     source: int
     target: int

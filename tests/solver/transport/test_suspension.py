@@ -11,8 +11,9 @@ import pytest
 from vehicles import HEIGHT, MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
+from heavylift.solver.scene.scenario import Condition, Fail, Phase, Restore, Scenario
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.transport import BogieGroup, Levelling, PathLeg
 from heavylift.solver.simulation import Simulation
@@ -344,3 +345,23 @@ def test_the_rate_by_which_levelling_grows_is_that_of_a_run(tau, grows) -> None:
     swaying = expected[np.abs(expected.imag) > 1.0].real.max()
     assert rate == pytest.approx(swaying, abs=6e-3)
     assert (rate > 0.0) == grows
+
+
+def test_levelling_that_fails_leaves_its_groups_where_they_are() -> None:
+    """From when on nothing is lifted, until it works again; then it goes on to what is level."""
+    still = lambda seconds, *actions: Phase(f"p{seconds}", actions, (Condition(None, seconds),))  # noqa: E731
+    phases = (
+        still(10.0),
+        still(5.0, Fail("spmt", "levelling")),
+        still(60.0, Restore("spmt", "levelling")),
+    )
+    made = replace(canted(speed=5e-3), scenario=Scenario(phases))
+    run, times, found = histories(made, 2e-2, 60.0, 5)
+    lifts = found["spmt.levelled"][:, 0]
+    failed = (times > 10.0 + 1e-6) & (times < 15.0 + 1e-6)
+    assert abs(lifts[failed][0]) > 1e-3
+    np.testing.assert_allclose(lifts[failed], lifts[failed][0], atol=1e-12)
+    assert abs(lifts[-1]) > 1.05 * abs(lifts[failed][0])
+    plain = histories(canted(speed=5e-3), 2e-2, 9.0, 5)[2]["spmt.levelled"][:, 0]
+    np.testing.assert_array_equal(lifts[: len(plain)], plain)
+    assert run.outcome is Outcome.COMPLETED
