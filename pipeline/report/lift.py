@@ -201,7 +201,7 @@ class _Lift:
         return [Table(header, tuple(rows), frozenset({1, 2, 3}))]
 
     def distances(self) -> list[Table | Figure]:
-        """Smallest distances, tilts and radii of relative motions, and gaps of surfaces that were measured all the time."""
+        """Smallest distances, tilts and radii of relative motions, and gaps of surfaces where they were measured."""
         rows, near = [], {}
         for name in self.named("relative_motions", "distance"):
             least, when = self.extreme(f"{name}.distance", "min")

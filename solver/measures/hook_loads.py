@@ -11,9 +11,9 @@ time between two of them, the acceleration at the end is the line through the la
     a_k = (u_k - u_(k-1)) / ((h_k + h_(k-1)) / 2)        z'' = a_k + h_k (a_k - a_(k-1)) / h_(k-1)
 
 but a_k alone where its slope changes its sign with every step, and no steeper than the slopes before bear out, since a
-jump spreads over two of them. It is of second order where the motion is resolved. What is cut to less than `SHORTEST` of
-the step before, as where a phase of an operation ends, is no step: height differences over it are rounding. It is taken
-with the next one, and the acceleration stays.
+jump spreads over two of them. It is of second order where the motion is resolved. What is cut to less than `SHORTEST`
+of the step before, as where a phase of an operation ends, is no step: height differences over it are rounding. It is
+taken with the next one, and the acceleration stays.
 
 It acts on nothing. The ropes leave their forces at the end of every step (`heavylift.solver.laws.pulls`).
 """

@@ -5,7 +5,7 @@ Pumps that lift groups by the tilt add up what they see. With the angle t of a b
     t'' + w^2 (t + l) = 0 ,   l' = a t / T
 
 has a root that falls with a/T and two that grow with about a/(2 T): so a vehicle has to be damped by more than that, or
-the time constant T has to be long. Small motions q (heave, roll, pitch), as in `heavylift.solver.transport.stand`, are on
+the time constant T has to be long. Small motions q (heave, roll, pitch) as in `heavylift.solver.transport.stand`, on
 bogies i with the stroke s_i, tyres k, c_t and pipes c_l, in groups of n with oil of the stiffness n o and a lift u::
 
     z_i = J_i q ,   f_i = k (s_i - z_i) + c_t (s_i' - z_i') = - o (mean s - u) - c_l s_i'

@@ -246,9 +246,7 @@ class TankRow(Record):
 
 
 class PumpData(Record):
-    """A pump: tanks at its ends, -1 for the sea; rows of its plan; lag [s]; flows at most either way; column; whether it
-    has failed.
-    """
+    """A pump: tanks at its ends, -1 for the sea; rows of its plan; lag [s]; flows at most; column; if it failed."""
 
     source: int
     target: int

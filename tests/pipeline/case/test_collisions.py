@@ -202,7 +202,7 @@ def test_surfaces_and_collisions_repeat_and_only_those_of_the_ground_move(tmp_pa
         ('[report]\nchannels = ["*.gap", "tank.position"]\n', None),
         ('[report]\nchannels = ["landing.contact_1.gap", "bump_1.force"]\n', set()),
         (
-            '[[scenario.phases]]\nname = "wait"\nuntil = { quantity = "difference(soft.gap, tank.position.z)", above = 0 }\n',
+            '[scenario]\nphases = [{ name = "wait", until = { quantity = "soft.gap", above = 0 } }]\n',
             {"soft"},
         ),
     ],
