@@ -125,11 +125,11 @@ class LoneExtremes:
             place, lone = int(self._at[0, i]), self._largest[0, i]
             others = np.abs(self._at[1:, i] - place) > 1.0
             following = float(self._largest[1:, i][others].max(initial=0.0))
-            time = cut.get(place)
-            if time is None or lone <= MANY * following or lone <= 0.01 * MANY * self._beside[i]:
+            when = cut.get(place)
+            if when is None or lone <= MANY * following or lone <= 0.01 * MANY * self._beside[i]:
                 continue
             words.append(
-                f"{name} is {self._value[i]:.6g} {self._units[i]} at {time:.9g} s, beside {self._beside[i]:.6g} before"
+                f"{name} is {self._value[i]:.6g} {self._units[i]} at {when:.9g} s, beside {self._beside[i]:.6g} before"
                 " and behind"
             )
         if not words:

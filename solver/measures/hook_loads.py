@@ -10,8 +10,8 @@ time between two of them, the acceleration at the end is the line through the la
 
     a_k = (u_k - u_(k-1)) / ((h_k + h_(k-1)) / 2)        z'' = a_k + h_k (a_k - a_(k-1)) / h_(k-1)
 
-but a_k alone where its slope changes its sign with every step, and no steeper than the slopes before bear out, since a
-jump spreads over two of them. It is of second order where the motion is resolved. What is cut to less than `SHORTEST`
+but a_k alone where its slope changes its sign with every step, and in the second step behind a jump, which spreads over
+two slopes. It is of second order where the motion is resolved. What is cut to less than `SHORTEST`
 of the step before, as where a phase of an operation ends, is no step: height differences over it are rounding. It is
 taken with the next one, and the acceleration stays.
 
@@ -47,7 +47,6 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.ringing import limited_slope
 from heavylift.solver.scene.bodies import Free, RigidBody
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
@@ -56,6 +55,10 @@ __all__ = ["HookLoad", "HookLoadEntry", "HookLoads", "HookState", "pack"]
 
 SHORTEST = 0.1
 """Part of the step before, below which a step is taken with the next one."""
+
+JUMP, ALIKE = 0.1, 1.5
+"""Of the slope of a step: that before it, below which it begins with a jump, and that behind, which a smooth motion that
+turns there has twice as large."""
 
 SEEN = (
     ChannelKind(
@@ -267,10 +270,11 @@ def _follow(kind: HookLoads, i: int, height: float, h: float, next_step: float) 
     else:
         change = (speed - state.speed) / (0.5 * (h + state.length))
         slope = (change - state.change) / (state.length if state.steps > 1 else 0.75 * state.length)
-        state.acceleration = change + h * slope
-        if state.steps > 1:
-            steady = limited_slope(limited_slope(slope, state.slope), state.slope_before)
-            state.acceleration = change + h * steady
+        turns = state.steps > 1 and slope * state.slope < 0.0
+        # a jump is in two slopes on end, as steep as each other, and in none before
+        jumped = abs(state.slope_before) < JUMP * abs(state.slope) and abs(slope) < ALIKE * abs(state.slope)
+        jumped = jumped and state.steps > 1
+        state.acceleration = change if turns or jumped else change + h * slope
         state.slope_before = state.slope if state.steps > 1 else slope
         state.slope = slope
     state.height, state.speed, state.length, state.change = height, speed, h, change

@@ -18,6 +18,7 @@ from heavylift.solver.scene.scenario import Condition, Phase, Release, Scenario
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
+
 @kernel
 def steady_force(
     middle: float, slope: float, before: float, long_before: float, step: float, spacing: float
@@ -78,7 +79,10 @@ def cut_phases(*actions: Any) -> tuple[Phase, ...]:
 
 
 def test_phases_that_do_nothing_change_nothing() -> None:
-    """Every channel, extremes of all steps among them, is that of the run without: to a thousandth of its range."""
+    """Every channel is that of the run without, to a thousandth of its range.
+
+    Extremes to three hundredths: they are of the ends of steps, of which a period of this rope has twenty.
+    """
     cut, run = histories(crane(*cut_phases()))
     plain, _ = histories(crane())
     assert len([line for line in run.operation.log if line.event == "done"]) == len(PARTS)
@@ -86,7 +90,8 @@ def test_phases_that_do_nothing_change_nothing() -> None:
         if name.startswith(("monitor.", "momentum.")) or name.endswith((".drift", "energy.balance")):
             continue
         span = max(float(np.ptp(values)), 1e-6 * float(np.abs(values).max()), 1e-9)
-        assert np.abs(cut[name] - values).max() < 1e-3 * span, name
+        allowed = 3e-2 if name.endswith(("_max", "_min")) else 1e-3
+        assert np.abs(cut[name] - values).max() < allowed * span, name
     assert run.warning == "" or "stand alone" not in run.warning
 
 
@@ -102,13 +107,16 @@ def test_a_hook_load_is_what_hangs_on_it_at_every_step() -> None:
 
 @pytest.mark.parametrize("part", [0.0, 3e-6, 0.5, 1.0 - 3e-6])
 def test_a_hook_load_jumps_to_nothing_when_the_load_is_released(part: float) -> None:
-    """Within two steps, and never below: what is left on the hook is nothing."""
+    """What is left on the hook is nothing: for a few steps to what its ropes change by in one, then exactly."""
     phases = (Phase("hold", (), (Condition(None, (100 + part) * STEP),)), Phase("off", (Release("sling"),)))
     found, _ = histories(crane(*phases), every=1)
     load = found["hook.hook_load_min"][:, 0]
     assert load[:99].min() > 0.9 * LOAD * G
-    assert load.min() > -0.02 * LOAD * G
-    assert np.abs(found["hook.hook_load"][105:, 0]).max() < 0.02 * LOAD * G
+    change = np.abs(np.diff(found["hook.rope_load"][100:, 0])).max()
+    assert change < 0.4 * LOAD * G
+    assert np.abs(found["hook.hook_load"][101:108, 0]).max() < change
+    assert load[101:130].min() > -change
+    assert np.abs(found["hook.hook_load"][110:125, 0]).max() < 0.01 * change
 
 
 def test_a_sliver_does_not_shorten_the_steps_behind_it() -> None:
