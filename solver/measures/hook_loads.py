@@ -57,8 +57,8 @@ SHORTEST = 0.1
 """Part of the step before, below which a step is taken with the next one."""
 
 JUMP, ALIKE = 0.1, 1.5
-"""Of the slope of a step: that before it, below which it begins with a jump, and that behind, which a smooth motion that
-turns there has twice as large."""
+"""Of the slope of a step: that before it, below which it begins with a jump, and that behind it, which a smooth motion
+that turns there has twice as large."""
 
 SEEN = (
     ChannelKind(
