@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
@@ -515,6 +515,18 @@ _TELLS = {
 """Keys of which there is one, or else a speed alone."""
 
 
+def _see_together(drives: Collection[str], known: Known, key: str) -> None:
+    """Refuse an action on a part of a crane whose other parts do not go, or stand, with it."""
+    for name in drives:
+        missing = [other for other in known.together.get(name, ()) if other not in drives]
+        if missing:
+            raise InputError(
+                f"{name!r} without {missing[0]!r}, which travels with it",
+                key=key,
+                expected=f"one action for all of: {', '.join([name, *known.together[name]])}",
+            )
+
+
 class ActionSection(Section):
     """What happens when a phase begins: what is told to a winch, hook, drive, tank, path; release, connection, note."""
 
@@ -681,7 +693,9 @@ class ActionSection(Section):
             if machines is not None:
                 key = "fail" if kind is Fail else "restore"
                 names = known.fitting(key, machines, list(known.machines))
-                return tuple(kind(*one) for one in dict.fromkeys(m for n in names for m in known.machines[n]))
+                found = dict.fromkeys(one for name in names for one in known.machines[name])
+                _see_together([name for name, sort in found if sort == "drive"], known, key)
+                return tuple(kind(*one) for one in found)
         if self.connect is not None:
             return tuple(
                 Connect(name, self.slack) for name in known.fitting("connect", self.connect, known.ropes)
@@ -702,14 +716,7 @@ class ActionSection(Section):
             assert self.speed is not None
             place, by = (self.position, False) if self.distance is None else (self.distance, True)
             drives = known.fitting("drive", self.drive, known.drives)
-            for name in drives:
-                missing = [other for other in known.together.get(name, ()) if other not in drives]
-                if missing:
-                    raise InputError(
-                        f"{name!r} without {missing[0]!r}, which travels with it",
-                        key="drive",
-                        expected=f"one action for all of: {', '.join([name, *known.together[name]])}",
-                    )
+            _see_together(drives, known, "drive")
             if place is None:
                 return tuple(DriveSpeed(name, self.speed, self.ramp, **limits) for name in drives)
             return tuple(DriveTo(name, place, self.speed, self.ramp, by, **limits) for name in drives)
