@@ -19,6 +19,7 @@ from heavylift.numerics.words import check_word
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
+from heavylift.solver.integrate.lone_extremes import LoneExtremes
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
 from heavylift.solver.integrate.run_watch import STATE, RunWatch
@@ -222,6 +223,7 @@ class Simulation:
             from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
 
             self._range = ModalRange(scene.bodies, self.channels, scene.joints)
+        self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -517,6 +519,8 @@ class Simulation:
             self._back_to(before, (first // every + count) * every, records)
             self._range.state = seen
         self._watch.add(records[:count])
+        if self._lone is not None:
+            self._lone.add(records[:count])
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
 
@@ -597,7 +601,14 @@ class Simulation:
         seen = (force_warning, mesh_warning, hull_warning, contact_warning, drive_warning)
         steps = step_warning(layout, self._watch.floor)
         modes = "" if self._range is None or self._range.left else self._range.warning
-        words = [self._unsettled, modes, self._watch.warning, steps, *(look(layout) for look in seen)]
+        words = [
+            self._unsettled,
+            modes,
+            self._watch.warning,
+            steps,
+            self._lone_extremes,
+            *(look(layout) for look in seen),
+        ]
         found = "; ".join(filter(None, words))
         if found:
             return found
@@ -610,6 +621,14 @@ class Simulation:
                 return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
         return "; ".join(self._layout.notes)
 
+    @property
+    def _lone_extremes(self) -> str:
+        """Of extremes that stand alone where a phase has ended; empty without."""
+        if self._lone is None or self.operation is None:
+            return ""
+        times = (line.time for line in self.operation.log)
+        return self._lone.warning(times, self.step, self.record_every, steps_vary=self.tolerance > 0.0)
+
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a continuation needs, bit for bit: arrays by name, copied."""
         self._start()
@@ -619,6 +638,8 @@ class Simulation:
         arrays["watch"] = self._watch.state
         if self._range is not None:
             arrays["modal_range"] = self._range.state.copy()
+        if self._lone is not None:
+            arrays["extremes"] = self._lone.state
         arrays["scene"] = self._scene_digest.copy()
         return arrays
 
@@ -639,6 +660,7 @@ class Simulation:
             "cpu_seconds": (),
             "watch": (STATE,),
             **({} if self._range is None else {"modal_range": self._range.state.shape}),
+            **({} if self._lone is None else {"extremes": self._lone.state.shape}),
             "scene": own.shape,
         }.items():
             foreign = name == "scene" and name in state and not np.array_equal(state[name], own)
@@ -656,6 +678,8 @@ class Simulation:
         self._watch.state = state["watch"]
         if self._range is not None:
             self._range.state = state["modal_range"].copy()
+        if self._lone is not None:
+            self._lone.state = state["extremes"]
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
         self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record

@@ -463,6 +463,11 @@ class Quantities:
             raise self._missing(
                 name, f"numbers; at {time:.6g} s a ratio divides by zero, or the run has none"
             )
+        if lost.any() and name.item.rpartition(".")[2] in {"gap", "gap_min"}:
+            raise self._missing(
+                name,
+                "surfaces whose distance is measured while they are out of reach: 'clearance = true' in the collision",
+            )
         return np.asarray(history)
 
     def _distances(self, name: QuantityName) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -427,7 +427,11 @@ class Results:
         beside = f"{name}_{side}"
         if beside not in self or not self.metadata.get("sees_every_step", False):
             return self[name], f"{len(self.time):,} records"
-        searched = name.rpartition(".")[2] == "gap"  # what is far away has a gap at records only
+        if np.isnan(self[beside]).any():  # nobody asked for it
+            return self[name], f"{len(self.time):,} records"
+        owner, _, last = name.rpartition(".")
+        # what is far from a contour has a gap at records only; surfaces are measured in all steps
+        searched = last == "gap" and f"{owner}.contacts" not in self
         near = f" where it was near enough to be searched, and {len(self.time):,} records" if searched else ""
         return self[beside], f"{int(self.metadata['steps']):,} steps{near}"
 

@@ -42,7 +42,7 @@ from heavylift.solver.interface import (
     watch_joints,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.ringing import alternating_slope, steady_force
+from heavylift.solver.ringing import alternating_slope, carried_force, kept_share, steady_force
 from heavylift.solver.rows.impulses import add_impulses, add_reactions
 from heavylift.solver.rows.solver import (
     assemble,
@@ -306,26 +306,37 @@ def close_row_step(
 @kernel(internal=True)
 def _find_reactions(row: Row, lanes: int, vector: float, step: float, spacing: float) -> None:
     """Reactions at the end of the step of the rows of a vector, or of those alone; `solution` has their slopes."""
+    if vector == 0.0:
+        for r in range(lanes):
+            if row.vector[r] == 0.0:
+                slope, before, long_before = row.solution[r], row.slope[r], row.slope_before[r]
+                row.reaction[r] = steady_force(
+                    row.last_reaction[r], slope, before, long_before, step, spacing
+                )
+        return
     now = before = long_before = square = 0.0
     for r in range(lanes):
-        if row.vector[r] != vector:
-            continue
-        turn = row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r]
-        if vector == 0.0:
-            part = alternating_slope(row.solution[r], row.slope[r], row.slope_before[r])
-            row.reaction[r] = steady_force(row.last_reaction[r], row.solution[r], part, step, spacing)
-        square += turn * turn
-        now += turn * row.solution[r]
-        before += turn * row.slope[r]
-        long_before += turn * row.slope_before[r]
-    if vector == 0.0:
-        return
+        if row.vector[r] == vector:
+            turn = row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r]
+            square += turn * turn
+            now += turn * row.solution[r]
+            before += turn * row.slope[r]
+            long_before += turn * row.slope_before[r]
     # along the direction in which they change by turns
     along = alternating_slope(now, before, long_before) / square if square > 0.0 else 0.0
+    both = steady = steady_before = 0.0
     for r in range(lanes):
         if row.vector[r] == vector:
             part = along * (row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r])
-            row.reaction[r] = steady_force(row.last_reaction[r], row.solution[r], part, step, spacing)
+            rest, rest_before = row.solution[r] - part, row.slope[r] + part
+            both += rest * rest_before
+            steady += rest * rest
+            steady_before += rest_before * rest_before
+    share = kept_share(both, steady, steady_before)
+    for r in range(lanes):
+        if row.vector[r] == vector:
+            part = along * (row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r])
+            row.reaction[r] = carried_force(row.last_reaction[r], row.solution[r], part, share, step, spacing)
 
 
 @implement(respond, RowSystem)

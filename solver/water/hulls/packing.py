@@ -310,7 +310,7 @@ def _pack_pumps(
         plan = pump.plan()[: 1 if pump.name in told else None]
         ends = places.get(pump.source, -1), places.get(pump.target, -1)
         least = -pump.rate if pump.reversible else 0.0
-        pumps.append((*ends, len(rows), len(plan), pump.lag, pump.rate, least, columns[pump.name]))
+        pumps.append((*ends, len(rows), len(plan), pump.lag, pump.rate, least, columns[pump.name], False))
         rows += [tuple(line) for line in plan.tolist()]
     return records(PumpData, pumps), records(PumpRow, rows)
 

@@ -9,7 +9,6 @@ from jointed_shells import sheet
 from heavylift.numerics.jit import in_python, kernel
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.laws.wire_rope import Rope
-from heavylift.solver.ringing import alternating_slope
 from heavylift.solver.ringing import steady_force as steady_force_kernel
 from heavylift.solver.ringing import steady_rate as steady_rate_kernel
 from heavylift.solver.scene.connections import GROUND, RopePoint
@@ -24,9 +23,8 @@ steady_rate = in_python(steady_rate_kernel)
 def steady_force(
     middle: float, slope: float, before: float, long_before: float, step: float, spacing: float
 ) -> float:
-    """The kernels, from Python."""
-    part = alternating_slope(slope, before, long_before)
-    return steady_force_kernel(middle, slope, part, step, spacing)
+    """The kernel, from Python."""
+    return steady_force_kernel(middle, slope, before, long_before, step, spacing)
 
 
 G = 9.81
