@@ -97,7 +97,7 @@ def _each_place(value: Any, change: Callable[[Document], None]) -> None:
 
 def _turn_body(body: Document, R: NDArray[np.float64]) -> None:
     if body["type"] in {"frame", "shell"}:
-        raise NotImplementedError("points of meshes of frames and shells")
+        raise ValueError("points of meshes of frames and shells")
     frame, initial = body.get("frame", {}), body.setdefault("initial", {})
     _turn(initial, "position", R, "length")
     _turn_orientation(initial, "orientation", R)
@@ -105,7 +105,7 @@ def _turn_body(body: Document, R: NDArray[np.float64]) -> None:
     _turn(frame, "axis", R)
     _turn(frame, "pivot", R, "length")
     if {"x", "y"} & set(frame):
-        raise NotImplementedError("displacements along axes of the world")
+        raise ValueError("displacements along axes of the world")
 
 
 def _turn_direction(entry: Document, R: NDArray[np.float64]) -> None:
@@ -119,7 +119,7 @@ def turned(document: Document, R: NDArray[np.float64]) -> Document:
 
     Raises
     ------
-    NotImplementedError
+    ValueError
         If a key knows axes of the world only, with its words.
     """
     made = copy.deepcopy(document)
@@ -163,9 +163,9 @@ def turned(document: Document, R: NDArray[np.float64]) -> Document:
             _turn_orientation(surface, "turned", R)
     for contour in made.get("contours", {}).values():
         if contour.get("body") == "ground":
-            raise NotImplementedError("contours of the ground")
+            raise ValueError("contours of the ground")
     if made.get("gantry_cranes"):
-        raise NotImplementedError("girders along x")
+        raise ValueError("girders along x")
     sea = made.get("sea", {})
     for key in ("waves", "wind", "current"):
         for entry in sea[key] if isinstance(sea.get(key), list) else [sea[key]] if key in sea else []:
