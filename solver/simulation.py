@@ -304,7 +304,9 @@ class Simulation:
         from heavylift.solver.layout_sea import floating_hulls
         from heavylift.solver.water.hulls.database_fit import check_rest
 
-        notes = check_rest(layout.bodies, layout.body_names, floating_hulls(self._scene), sea)
+        notes = check_rest(
+            layout.bodies, layout.body_names, floating_hulls(self._scene), sea, self._scene.scenario
+        )
         self._layout = replace(layout, notes=(*layout.notes, *notes))
 
     def _begin_scenario(self, operation: Operation) -> None:

@@ -62,7 +62,17 @@ def draught_notes(case: Case, scene: Scene) -> list[str]:
             unknown.append("what [ballast] fills")
         volume = mass / sea.water.density
         at = "by its mass, its tanks and what joints hold on it"
-        found.append(weight_words(hulls, sea, body.name, volume, unknown=", ".join(unknown), at=at))
+        found.append(
+            weight_words(
+                hulls,
+                sea,
+                body.name,
+                volume,
+                unknown=", ".join(unknown),
+                at=at,
+                scenario=scene.scenario,
+            )
+        )
     return [words for words in found if words]
 
 
