@@ -304,7 +304,9 @@ class Simulation:
         from heavylift.solver.layout_sea import floating_hulls
         from heavylift.solver.water.hulls.database_fit import check_rest
 
-        notes = check_rest(layout.bodies, layout.body_names, floating_hulls(self._scene), sea)
+        notes = check_rest(
+            layout.bodies, layout.body_names, floating_hulls(self._scene), sea, self._scene.scenario
+        )
         self._layout = replace(layout, notes=(*layout.notes, *notes))
 
     def _begin_scenario(self, operation: Operation) -> None:
@@ -362,7 +364,7 @@ class Simulation:
             fill_at_rest(
                 layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, STEP
             )
-            check_strains_at_rest((*layout.joints, *layout.forces), layout.block_names)
+            check_strains_at_rest((*layout.joints, *layout.forces), layout.channels)
 
     def _settle_contacts(self) -> None:
         """Bring the scene to rest with what it touches."""
@@ -609,17 +611,15 @@ class Simulation:
             self._lone_extremes,
             *(look(layout) for look in seen),
         ]
-        found = "; ".join(filter(None, words))
-        if found:
-            return found
-        if self.integrator == "accurate":
+        found = list(filter(None, words))
+        if not found and self.integrator == "accurate":
             from heavylift.solver.integrate.integration import stiffness_seen
 
             if stiffness_seen(self._layout.systems[-1]):
                 meshes = any("strain" in kind._fields for kind in self._layout.bodies)
                 where = "faster where coarse results are enough" if meshes else "faster"
-                return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
-        return "; ".join(self._layout.notes)
+                found = [f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"]
+        return "; ".join([*found, *self._layout.notes])
 
     @property
     def _lone_extremes(self) -> str:

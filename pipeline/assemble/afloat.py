@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from heavylift.pipeline.assemble.loading import scene_loading
+from heavylift.pipeline.assemble.loading import pulling, scene_loading, sides_of
 from heavylift.solver.layout_sea import floating_hulls
 from heavylift.solver.water.hulls.database_fit import check_databases, weight_words
 
@@ -62,31 +62,37 @@ def draught_notes(case: Case, scene: Scene) -> list[str]:
             unknown.append("what [ballast] fills")
         volume = mass / sea.water.density
         at = "by its mass, its tanks and what joints hold on it"
-        found.append(weight_words(hulls, sea, body.name, volume, unknown=", ".join(unknown), at=at))
+        found.append(
+            weight_words(
+                hulls,
+                sea,
+                body.name,
+                volume,
+                unknown=", ".join(unknown),
+                at=at,
+                scenario=scene.scenario,
+            )
+        )
     return [words for words in found if words]
 
 
 def _other_loads(scene: Scene, group: set[str]) -> list[str]:
-    """Words for what loads bodies and is no joint."""
+    """Words for what loads bodies and is no joint; what acts within the group alone does not."""
     sea = scene.sea
     assert sea is not None
-    kinds: dict[str, Any] = {
-        "ropes": scene.ropes,
-        "forces": scene.forces,
+    pulls = pulling(scene)
+    kinds = {
+        "ropes": [one for one in pulls if hasattr(one, "path")],
+        "forces": [one for one in pulls if not hasattr(one, "path")],
         "mooring lines": sea.lines,
         "fenders": sea.fenders,
     }
-    found = [word for word, items in kinds.items() if any(_sides(one) & group for one in items)]
+    found = [word for word, items in kinds.items() if any(_loads(sides_of(one), group) for one in items)]
     if scene.touches or scene.decks or scene.transporters:
         found.append("what lies or stands on something")
     return found
 
 
-def _sides(one: Any) -> set[str]:
-    """Bodies on which a rope or a force acts, but for what acts within one alone."""
-    path = getattr(one, "path", None)
-    if path is not None:
-        return {stop.body for stop in path}
-    return {
-        getattr(one, key) for key in ("body", "body_a", "body_b") if isinstance(getattr(one, key, None), str)
-    }
+def _loads(sides: set[str], group: set[str]) -> bool:
+    """Whether something acts on a group from outside: not between two bodies of it."""
+    return bool(sides & group) and (len(sides) == 1 or bool(sides - group))

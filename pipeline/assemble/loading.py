@@ -17,7 +17,7 @@ from heavylift.pipeline.case.joined import joined_to_hull, shared_with_hulls
 from heavylift.solver.forces.line_bearing import LineBearing
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.packing import as_joint
-from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.connections import GROUND, MEASURES
 from heavylift.solver.scene.joined import joined_bodies, shared_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.connections import Joint
     from heavylift.solver.scene.scene import Scene
 
-__all__ = ["Loading", "case_loading", "scene_loading"]
+__all__ = ["Loading", "case_loading", "pulling", "scene_loading", "sides_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +98,27 @@ def scene_loading(scene: Scene, hulls: Iterable[str], name: str) -> Loading:
     loads = [_of_body(body) for body in scene.bodies if body.name in free]
     carried, unknown = _carried(loads, group, joints, bearings)
     return _sum(hull, carried, beyond, shared, unknown)
+
+
+def pulling(scene: Scene) -> list[Any]:
+    """Ropes and forces of a scene that load bodies and are not counted by `scene_loading`.
+
+    What only watches loads nothing, and what a line bearing carries is counted.
+    """
+    return [
+        one
+        for one in (*scene.ropes, *scene.forces)
+        if getattr(type(one), "FAMILY", None) is not MEASURES and not isinstance(one, LineBearing)
+    ]
+
+
+def sides_of(one: Any) -> set[str]:
+    """Bodies on which a rope, a force or a line acts."""
+    path = getattr(one, "path", None)
+    if path is not None:
+        return {stop.body for stop in path}
+    sides = (getattr(one, key, None) for key in ("body", "body_a", "body_b"))
+    return {side for side in sides if isinstance(side, str)}
 
 
 def _place(joint: Joint, scene: Scene) -> NDArray[np.float64]:

@@ -241,7 +241,7 @@ class Case(SceneTables, _CaseHeading):
             reject(
                 f"{self.simulate.integrator!r} with {what}", "'dele2' or 'auto'", key="simulate.integrator"
             )
-        if (self.contacts or self.collisions) and self.simulate.start in {"equilibrium", "relax"}:
+        if (self.contacts or self.collisions) and self.begins_at_rest:
             self._rests_with_contacts(what)
         for index, collision in enumerate(self.collisions):
             if collision.law == "thesis" and self.simulate.step is None:

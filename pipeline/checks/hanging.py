@@ -90,7 +90,7 @@ def _span(time: NDArray[np.float64], records: NDArray[np.bool_]) -> str:
 
 def _tilted(case: Case, results: Results) -> list[str]:
     """Rigid bodies that an equilibrium has tilted from how they are drawn."""
-    if case.simulate is None or case.simulate.start != "equilibrium":
+    if not case.begins_at_rest:
         return []
     up = np.array([0.0, 0.0, 1.0])
     if case.gravity is not None and any(case.gravity.acceleration):

@@ -56,9 +56,12 @@ class _LoadedElsewhere:
 
 @contextlib.contextmanager
 def _neutral_folder() -> Iterator[None]:
-    """Stand in another folder for a while; a current folder that is gone or closed to us holds no settings."""
+    """Stand in another folder for a while; a current folder that is gone holds no settings.
+
+    One that does not let itself be listed may hold files that can be read all the same.
+    """
     try:
-        here = os.open(".", os.O_RDONLY | getattr(os, "O_CLOEXEC", 0))
+        here = os.open(".", getattr(os, "O_PATH", os.O_RDONLY) | getattr(os, "O_CLOEXEC", 0))
     except OSError:
         yield
         return

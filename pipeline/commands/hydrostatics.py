@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.loading import Loading, scene_loading
+from heavylift.pipeline.assemble.loading import Loading, pulling, scene_loading, sides_of
 from heavylift.pipeline.commands.scene import choose_hulls, load_sea_case
-from heavylift.solver.forces.line_bearing import LineBearing
-from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.sea import LinearRestoring
 
 if TYPE_CHECKING:
@@ -198,18 +196,14 @@ _UNITS = {
 
 def _ropes(scene: Scene, group: set[str]) -> list[str]:
     """Ropes, springs and other forces between these bodies and others; none that only watches or only rests."""
-    forces = (one for one in scene.forces if getattr(type(one), "FAMILY", None) is not MEASURES)
     found = []
-    for one in (*scene.ropes, *(force for force in forces if not isinstance(force, LineBearing))):
-        path = getattr(one, "path", None)
-        sides = (
-            {stop.body for stop in path}
-            if path is not None
-            else {getattr(one, "body_a", None), getattr(one, "body_b", None)} - {None}
-        )
+    for one in pulling(scene):
+        sides = sides_of(one)
         if sides & group and sides - group:
-            word = str(getattr(type(one), "WORD", "force")).replace("_", " ")
-            found.append(f"{'rope' if path is not None else word} {one.name}")
+            word = (
+                "rope" if hasattr(one, "path") else str(getattr(type(one), "WORD", "force")).replace("_", " ")
+            )
+            found.append(f"{word} {one.name}")
     return found
 
 

@@ -30,6 +30,7 @@ from heavylift.solver.laws.wire_rope import (
 )
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import Attachment
+from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.connections import (
     GROUND,
     ROPE_CHANNELS,
@@ -298,15 +299,15 @@ def _unstretched(
     return length
 
 
-def check_strains_at_rest(kinds: Iterable[Any], names: Sequence[str]) -> None:
+def check_strains_at_rest(kinds: Iterable[Any], channels: Iterable[Channel]) -> None:
     """Refuse wire ropes that are stretched beyond what they bear where a scene has come to rest.
 
     Parameters
     ----------
     kinds
         Kinds of joints and forces; ropes are among them.
-    names
-        Of blocks.
+    channels
+        Of the records, by whose columns ropes are known: those that are forces have no block.
 
     Raises
     ------
@@ -325,7 +326,7 @@ def check_strains_at_rest(kinds: Iterable[Any], names: Sequence[str]) -> None:
         raise InputError(
             f"{length:.6g} m is shorter than the path of {length * (1.0 + worst):.6g} m at rest by"
             f" {length * worst:.4g} m, a strain of {100.0 * worst:.3g} %",
-            source=names[found.block] if found.block >= 0 else "simulation",
+            source=next(one.name for one in channels if one.column == found.column).rpartition(".")[0],
             key="length",
             expected=f"at most {100.0 * LARGEST_STRAIN:g} % under the loads at rest: a longer or a stiffer rope",
         )

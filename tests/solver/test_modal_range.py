@@ -8,6 +8,7 @@ from solid_beams import BENDING, DENSITY, LENGTH, SIDE, beam, cantilever
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
+from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.scene.bodies import Driven, Free, Profile
 from heavylift.solver.scene.connections import JointFrame
@@ -169,3 +170,21 @@ def test_every_way_to_step_ends(options: dict[str, object]) -> None:
     times, _ = run.advance(100 * every)
     assert run.outcome is Outcome.MODES_LEFT
     assert times[-1] == pytest.approx(0.56)
+
+
+def test_notes_on_a_scene_stand_beside_warnings_of_its_run() -> None:
+    """A force in the axes of a place that modes turn, and a deflection of 13 %: one does not hide the other."""
+    load = DENSITY * SIDE**2 * 9.81
+    young = load * LENGTH**4 / (8.0 * 0.13 * LENGTH * SIDE**4 / 12.0)
+    body = beam(cantilever(young=young), damping_ratio=np.full(8, 0.5))
+    small = PointForce(
+        name="push",
+        body="beam",
+        point=np.array([LENGTH, 0.0, 0.0]),
+        frame="body",
+        force=np.array([0.0, 1e-6, 0.0]),
+    )
+    run = Simulation(Scene((body,), (DOWN, small)), 1e-3, start="equilibrium")
+    run.advance(1)
+    assert "deforms by" in run.warning
+    assert "directions of 'push' on the flexible body 'beam' are those of its frame" in run.warning

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.contours.triangles.surface_layout import RelativeMotion, RelativePose
 from heavylift.numerics.outcome import InputError
@@ -39,6 +40,7 @@ from heavylift.solver.contact.triangles.kind import (
     SurfacePairs,
 )
 from heavylift.solver.rows.structure import Attachment
+from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import BilateralLaw, RigidLaw
 from heavylift.solver.scene.meshes import MeshBody
@@ -48,7 +50,7 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.bodies.ancf.mesh_contour import FacetBook
-    from heavylift.solver.scene.collisions import Collision, CollisionSurface
+    from heavylift.solver.scene.collisions import CollisionSurface
     from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["pack_collisions"]
@@ -63,6 +65,9 @@ FOUND_AT_A_POINT = 4
 
 MOST_AT_ALL = 100_000
 """Contacts at once, of all collisions: each takes about a kilobyte."""
+
+LEAST_SHARE = 32
+"""Of them for a collision of many that share: twice what two boxes have that lie face on face, edges crossing."""
 
 FOUND_AT_ONCE = 16
 """Features that a search may find for each contact that there may be: those of one patch make few contacts."""
@@ -146,6 +151,7 @@ def pack_collisions(
         pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
         pair.radii = moved[first].radius + moved[second].radius
     packed = pack_surfaces(moved, [surface.body for surface in scene.surfaces])
+    _share_room(pairs["most"])
     most = int(pairs["most"].sum())
     room = FOUND_AT_ONCE * max(2, int(pairs["most"].max()))
     room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])
@@ -204,6 +210,15 @@ def pack_collisions(
         sides=[side for side in sides if side.width],
         widest=max(6, int(sides["width"].max())),
     )
+
+
+def _share_room(most: NDArray[np.int64]) -> None:
+    """Give collisions with the usual room less of it where all together would take too much, as of many surfaces."""
+    usual = most == Collision.most_contacts
+    if most.sum() > MOST_AT_ALL and usual.any():
+        share = (MOST_AT_ALL - int(most[~usual].sum())) // int(usual.sum())
+        if share >= LEAST_SHARE:
+            most[usual] = share
 
 
 def _asked_for(scene: Scene) -> list[bool]:

@@ -22,6 +22,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.preprocess.hydrodynamics.plausibility import check_long_waves
+from heavylift.solver.scene.scenario import TankRate
 from heavylift.solver.scene.sea import LinearRestoring, RestoringOfSurface
 from heavylift.solver.water.hulls.checks import check_places
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
+    from heavylift.solver.scene.scenario import Scenario
     from heavylift.solver.scene.sea import FloatingBody, Sea
 
 __all__ = ["check_databases", "check_rest", "weight_words"]
@@ -378,6 +380,7 @@ def weight_words(
     *,
     unknown: str = "",
     at: str = "at rest",
+    scenario: Scenario | None = None,
 ) -> str:
     """What is to be told of what a hull displaces at rest against its database; empty if they agree.
 
@@ -393,6 +396,8 @@ def weight_words(
         What loads it and is not counted in that volume: nothing is refused then.
     at
         Words for the state of which the volume is.
+    scenario
+        Of the scene: what it tells tanks changes the draught.
 
     Raises
     ------
@@ -411,7 +416,7 @@ def weight_words(
         return ""
     more = f"{abs(share):.0%} {'more' if share > 0.0 else 'less'}"
     problem = f"{name!r} displaces {volume:.5g} m3 {at}, {more} than the {wanted:.5g} m3 of its database"
-    if abs(share) > REFUSED and not (unknown or _in_numbers(body) or _pumped(sea, name)):
+    if abs(share) > REFUSED and not (unknown or _in_numbers(body) or _pumped(sea, name, scenario)):
         raise InputError(
             problem,
             source=radiation.database.source,
@@ -421,16 +426,22 @@ def weight_words(
     return f"{problem} ({radiation.database.source})" + (f"; not counted: {unknown}" if unknown else "")
 
 
-def _pumped(sea: Sea, name: str) -> bool:
+def _pumped(sea: Sea, name: str, scenario: Scenario | None) -> bool:
     """Whether tanks of a hull fill or empty, so that its draught at the start is not that of the database."""
     of_pumps = {end for pump in sea.pumps for end in (pump.source, pump.target)}
+    if scenario is not None:
+        of_pumps |= {action.tank for action in scenario.actions if isinstance(action, TankRate)}
     return any(
         tank.hull == name and (tank.name in of_pumps or len(tank.schedule[0]) > 1) for tank in sea.tanks
     )
 
 
 def check_rest(
-    kinds: Iterable[Any], names: Sequence[str], bodies: Sequence[FloatingBody], sea: Sea
+    kinds: Iterable[Any],
+    names: Sequence[str],
+    bodies: Sequence[FloatingBody],
+    sea: Sea,
+    scenario: Scenario | None = None,
 ) -> list[str]:
     """Compare what hulls displace in an equilibrium, with all that loads them, with their databases.
 
@@ -442,6 +453,8 @@ def check_rest(
         Of its bodies, by number.
     bodies, sea
         See `check_databases`.
+    scenario
+        Of the scene.
 
     Returns
     -------
@@ -459,5 +472,5 @@ def check_rest(
             continue
         for row, table in enumerate(kind.table):
             volume = float(kind.stage[row].lift[2]) / kind.water.weight
-            found.append(weight_words(bodies, sea, names[table.number], volume))
+            found.append(weight_words(bodies, sea, names[table.number], volume, scenario=scenario))
     return [words for words in found if words]

@@ -234,7 +234,7 @@ def linearise(scene: Scene) -> LinearScene:
     layout = pack_scene(still, "dele2", 0.0)
     rows = StartRows(layout)
     text = find_equilibrium(rows).text
-    notes = check_rest(layout.bodies, layout.body_names, hulls, scene.sea)
+    notes = check_rest(layout.bodies, layout.body_names, hulls, scene.sea, scene.scenario)
     forces = StaticForces(rows)
     load, G, _ = forces.evaluate()
     reaction, _ = forces.balance(load, G)

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import pytest
 
+from heavylift.pipeline.commands import current_folder
 from heavylift.pipeline.commands.cli import app
 
 CASES, ROOT = Path(__file__).parents[1], Path(__file__).parents[3]
@@ -205,6 +206,25 @@ def test_settings_of_libraries_are_not_read_from_the_current_folder(folder: Fold
         "print(matplotlib.matplotlib_fname() and numba.njit(lambda x: x + 1)(1))\n"
     )
     assert run(folder).stdout == "2\n"
+
+
+@pytest.mark.skipif(not hasattr(os, "O_PATH"), reason="no way to hold a folder that cannot be listed")
+def test_settings_are_not_read_from_a_folder_that_cannot_be_listed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its files can be read by name all the same; the user who tests may be one to whom no folder is closed."""
+    opened = os.open
+
+    def closed(path: str, flags: int) -> int:
+        if not flags & os.O_PATH:
+            raise PermissionError(13, "Permission denied", path)
+        return opened(path, flags)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(current_folder.os, "open", closed)
+    with current_folder._neutral_folder():
+        assert Path.cwd() == Path(os.sep)
+    assert Path.cwd() == tmp_path
 
 
 def test_an_empty_entry_in_the_path_of_modules_is_no_way_in_for_children(folder: Folder) -> None:

@@ -54,6 +54,11 @@ def test_a_rope_that_comes_to_rest_first_is_judged_there() -> None:
         InputError, match=r"length: .* shorter than the path of .* at rest .* a strain of 5\.26"
     ):
         Simulation(pulled, 1e-3, start="equilibrium").record()
+    # the ropes of the second are forces, without rows
+    for integrator, tolerance in (("dele2", None), ("accurate", 1e-6)):
+        with pytest.raises(InputError) as caught:
+            Simulation(pulled, 1e-3, start="equilibrium", integrator=integrator, tolerance=tolerance).record()
+        assert caught.value.source in {"rope", "below"}
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.preprocess.surfaces.triangle_surface import placed
 from heavylift.solver.layout_sea import floating_hulls
+from heavylift.solver.scene.scenario import Phase, Scenario, TankRate
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, RestoringOfSurface, Sea, Tank, Water
 from heavylift.solver.water.hulls.database_fit import check_databases, weight_words
@@ -229,3 +230,8 @@ def test_what_ropes_carry_or_pumps_change_is_not_refused() -> None:
         name="peak", hull="hull", point=np.zeros(3), times=np.array([0.0, 1e3]), masses=np.array([0.0, 2e6])
     )
     assert "40% less" in words_at(0.6 * whole, tanks=[filled])
+    still = Tank(name="wing", hull="hull", point=np.zeros(3), times=np.zeros(1), masses=np.array([1e5]))
+    told = Scenario((Phase("fill", actions=(TankRate("wing", 100.0),)),))
+    assert "40% less" in words_at(0.6 * whole, tanks=[still], scenario=told)
+    with pytest.raises(InputError, match="40% less"):
+        words_at(0.6 * whole, tanks=[still])
