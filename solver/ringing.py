@@ -13,7 +13,8 @@ Phys. 49, 1983).
 Forces of joints are known in the middle of steps and are carried on by half a step. Where one changes by turns, three
 steps on end, the part that does so is left out; of a vector along the direction in which it does, so that it does not
 matter along which axes its components are. Where one has jumped, as where something is released, its slope is no slope:
-what it is carried on by is at most `STEEPER` times what it was before, and nothing where it turns.
+what it is carried on by is at most `STEEPER` times what it was before, and nothing where it turns, unless its second
+differences say that it turns smoothly.
 
 A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with
 it: this drives the ringing, in shells by a percent a step, until it has as much energy as the motion. There the part
@@ -86,14 +87,25 @@ def alternating_slope(slope: float, before: float, long_before: float) -> float:
 
 
 @kernel(inline=True, internal=True)
-def kept_share(along: float, square: float, before_square: float) -> float:
-    """Share of a slope that the slope before bears out: a jump has none (limiter of S. Chakravarthy, S. Osher).
+def kept_share(
+    along: float,
+    square: float,
+    before_square: float,
+    bend: float,
+    bend_square: float,
+    bend_before_square: float,
+) -> float:
+    """Share of a slope that those before bear out: a jump has none (limiter of S. Chakravarthy, S. Osher).
 
     Parameters
     ----------
     along, square, before_square
         Of a vector, or of a number, without the parts that alternate: slope times slope before, and their squares.
+    bend, bend_square, bend_before_square
+        The same of the last two differences of slopes.
     """
+    if bend > 0.0 and bend_square <= STEEPER * STEEPER * bend_before_square:
+        return 1.0
     if along <= 0.0:
         return 0.0
     return min(1.0, STEEPER * math.sqrt(before_square / square))
@@ -139,5 +151,9 @@ def steady_force(
     is of the order of the step.
     """
     part = alternating_slope(slope, before, long_before)
-    now, old = slope - part, before + part
-    return carried_force(middle, slope, part, kept_share(now * old, now * now, old * old), step, spacing)
+    now, old, oldest = slope - part, before + part, long_before - part
+    bend, bend_before = now - old, old - oldest
+    share = kept_share(
+        now * old, now * now, old * old, bend * bend_before, bend * bend, bend_before * bend_before
+    )
+    return carried_force(middle, slope, part, share, step, spacing)

@@ -324,15 +324,19 @@ def _find_reactions(row: Row, lanes: int, vector: float, step: float, spacing: f
             long_before += turn * row.slope_before[r]
     # along the direction in which they change by turns
     along = alternating_slope(now, before, long_before) / square if square > 0.0 else 0.0
-    both = steady = steady_before = 0.0
+    both = steady = steady_before = bend = bend_square = bend_before_square = 0.0
     for r in range(lanes):
         if row.vector[r] == vector:
             part = along * (row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r])
             rest, rest_before = row.solution[r] - part, row.slope[r] + part
+            turn, turn_before = rest - rest_before, rest_before - row.slope_before[r] + part
             both += rest * rest_before
             steady += rest * rest
             steady_before += rest_before * rest_before
-    share = kept_share(both, steady, steady_before)
+            bend += turn * turn_before
+            bend_square += turn * turn
+            bend_before_square += turn_before * turn_before
+    share = kept_share(both, steady, steady_before, bend, bend_square, bend_before_square)
     for r in range(lanes):
         if row.vector[r] == vector:
             part = along * (row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r])

@@ -196,7 +196,7 @@ class Found:
         first = simulation.record()
         _, records = simulation.advance(STEPS)
         assert simulation.outcome is Outcome.COMPLETED, simulation.message
-        assert gains or "energy" not in simulation.warning
+        assert gains or "balance" not in simulation.warning
         self.records = np.vstack([first, records])
         self.channels = {channel.name: channel for channel in simulation.channels}
         self.simulation = simulation

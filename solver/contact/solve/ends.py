@@ -225,7 +225,7 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
     if state.new:
         contacts.control.impact = True
         state.recent_impacts += 1
-        # what was closed but for rounding, and closes by no more, has come to rest on what bears already, and hits nothing
+        # what was closed but for rounding, and closes by no more, has come to rest on what bears, and hits nothing
         known = gap_tolerance(contacts, c, 0.0)
         if state.gap > known or -state.rate * contacts.control.nominal_step > known:
             state.impacts += 1
