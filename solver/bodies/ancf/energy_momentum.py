@@ -69,7 +69,7 @@ NOT_CONVERGED, STRAINS_LOST = int(Outcome.NOT_CONVERGED), int(Outcome.STRAINS_LO
 LARGEST_SHARE = 0.05
 """Drift of carried strains over the largest strain of the body lately from which they are given up."""
 
-LEAST_DRIFT = 1e-4
+LEAST_DRIFT = 1e-3
 """Drift in units of the allowed one that is none, however small the strains are."""
 
 FORGOTTEN = 1.0 / 256.0
