@@ -73,10 +73,10 @@ __all__ = [
     "check_criterion",
     "parts_to",
     "phase_names",
-    "ropes_over_pulleys",
     "sensor_at",
     "straight_parts",
     "tensions_of",
+    "words_of_inner_ropes",
 ]
 
 
@@ -743,7 +743,7 @@ def tensions_of(case: Any, names: Sequence[str], *, least: bool = False) -> dict
     return found
 
 
-def ropes_over_pulleys(case: Any, text: str) -> list[str]:
+def _ropes_over_pulleys(case: Any, text: str) -> list[str]:
     """Ropes of lines of one force whose own tension a channel, or a combination of channels, takes."""
     owners = re.findall(r"([^\s(),.]+)\.tension(?:_max|_min)?(?![\w])", text)
     return [
@@ -751,6 +751,14 @@ def ropes_over_pulleys(case: Any, text: str) -> list[str]:
         for rope in case.ropes
         if _has_lines(rope) and any(fnmatchcase(rope.name, one) for one in owners)
     ]
+
+
+def words_of_inner_ropes(case: Any, text: str) -> str:
+    """That a quantity is the tension of a rope over pulleys, not that of the lines below them; empty if it is not."""
+    return "; ".join(
+        f"the tension of {name!r} is that of the rope over its pulleys, its lines have {name}.segment_tension"
+        for name in _ropes_over_pulleys(case, text)
+    )
 
 
 def _ratings(criterion: Any) -> list[tuple[str, Rating]]:

@@ -29,10 +29,10 @@ from heavylift.pipeline.case.criteria import (
     TransportCriterion,
     parts_to,
     phase_names,
-    ropes_over_pulleys,
     sensor_at,
     straight_parts,
     tensions_of,
+    words_of_inner_ropes,
 )
 from heavylift.pipeline.case.fields import GROUND
 from heavylift.pipeline.checks import lift_rules as rules
@@ -1089,13 +1089,9 @@ def evaluate_criteria(case: Case, out: Path, results: Results | None = None) -> 
 def evaluate_criterion(case: Case, quantities: Quantities, criterion: Criterion) -> list[CriterionResult]:
     """Lines of one criterion."""
     found = _EVALUATED[type(criterion)](_Run(case, quantities, criterion), criterion)
-    inner = ropes_over_pulleys(case, getattr(criterion, "quantity", getattr(criterion, "load", "")))
-    if not inner:
+    words = words_of_inner_ropes(case, getattr(criterion, "quantity", getattr(criterion, "load", "")))
+    if not words:
         return found
-    words = "; ".join(
-        f"the tension of {name!r} is that of the rope over its pulleys, its lines have {name}.segment_tension"
-        for name in inner
-    )
     return [
         replace(one, note="; ".join(filter(None, (one.note, words))), warns=one.warns or one.passed)
         for one in found

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.pipeline.assemble.scene import start_of_frame
+from heavylift.pipeline.case.criteria import words_of_inner_ropes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,7 +34,15 @@ def hanging_warnings(case: Case, results: Results) -> list[str]:
     """Sentences without a full stop; none if all lines carry, no pulley is at a stop and bodies rest as drawn."""
     if not len(results.time):
         return []
-    return [*_equalizers(case, results), *_tilted(case, results)]
+    return [*_equalizers(case, results), *_phases(case), *_tilted(case, results)]
+
+
+def _phases(case: Case) -> list[str]:
+    """Phases that wait for, or are limited by, the tension of a rope over pulleys."""
+    if case.scenario is None:
+        return []
+    words = words_of_inner_ropes(case, str(case.scenario.model_dump()))
+    return [f"phases judge what its lines do not feel: {words}"] if words else []
 
 
 def _equalizers(case: Case, results: Results) -> list[str]:

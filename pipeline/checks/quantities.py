@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, InputErrors
+from heavylift.pipeline.case.criteria import words_of_inner_ropes
 from heavylift.pipeline.case.quantity_names import ACROSS
 from heavylift.pipeline.results.histories import Results, load_results
 from heavylift.pipeline.results.model_io import open_hdf5, read_states
@@ -600,7 +601,9 @@ def evaluate_check(case: Case, quantities: Quantities, check: CheckSection) -> C
         _of_member(check, within, name.kind.unit, owner, text)
         for owner, text in name.members or (("", check.quantity),)
     ]
-    return max(results, key=_badness)
+    worst = max(results, key=_badness)
+    words = words_of_inner_ropes(case, check.quantity) if worst.has_limits else ""
+    return replace(worst, note="; ".join(filter(None, (worst.note, words)))) if words else worst
 
 
 def _badness(check: CheckResult) -> tuple[bool, float]:

@@ -12,6 +12,7 @@ import numpy as np
 from heavylift.pipeline.pictures.hull_plots import righting_arm_plot
 from heavylift.pipeline.results.storage import replacing, write_json
 from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
+from heavylift.preprocess.surfaces.touching_faces import touching_area
 from heavylift.solver.water.hulls.hydrostatics import (
     FloatingPosition,
     RightingArmCurve,
@@ -122,6 +123,8 @@ def hydrostatics_report(
         side=-1 if position.pose.list < -_LEVEL else 1,
     )
     figures = _figures(position, curve)
+    if touching_area(surface) > 0.0:
+        figures["wetted_area"] = None  # faces between parts are dry
     paths = (
         folder / f"{name}_hydrostatics.json",
         folder / f"{name}_hydrostatics.csv",
@@ -242,6 +245,8 @@ def hydrostatics_lines(report: HydrostaticsReport) -> list[str]:
             read = "t m/cm" if label == "moment_to_trim" else _READ_IN.get(unit, unit)
             shown = value * factor if abs(value) > _NOISE else 0.0
             lines.append(f"  {words:<42s}{shown:>14.6g}  {read}")
+        elif label == "wetted_area":
+            lines.append(f"  {words:<42s}{'–':>14s}  its parts touch: faces between them are dry")
     lines += ["", f"  {'heel [deg]':>10s}{'GZ [m]':>12s}{'area [m rad]':>14s}{'trim [deg]':>12s}"]
     curve = report.curve
     rows = np.column_stack([np.degrees(curve.angles), curve.arms, curve.work, np.degrees(curve.trims)])

@@ -126,7 +126,13 @@ class LoneExtremes:
             others = np.abs(self._at[1:, i] - place) > 1.0
             following = float(self._largest[1:, i][others].max(initial=0.0))
             when = cut.get(place)
-            if when is None or lone <= MANY * following or lone <= 0.01 * MANY * self._beside[i]:
+            # zero is what something without a load shows, and no difference over a sliver
+            if (
+                when is None
+                or self._value[i] == 0.0
+                or lone <= MANY * following
+                or lone <= 0.01 * MANY * self._beside[i]
+            ):
                 continue
             words.append(
                 f"{name} is {self._value[i]:.6g} {self._units[i]} at {when:.9g} s, beside {self._beside[i]:.6g} before"

@@ -11,6 +11,7 @@ import pytest
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.checks.hanging import hanging_warnings
+from heavylift.pipeline.checks.quantities import evaluate_checks
 
 EA, DEPTH, RADIUS, BELOW = 6e8, 3.0, 0.4, 26.0
 REACH = (2.4, 3.1, 3.1, 3.6)  # depths at which the lines reach their lugs
@@ -230,3 +231,13 @@ duration = 0.01
     run_case(case, stages=("simulate",))
     (told,) = hanging_warnings(case, load_results(case, case.output_folder))
     assert told == "at rest the vertical of bodies is not as they are drawn: 'load' by 8 deg"
+
+
+@pytest.mark.parametrize("model", ["massless", "pulleys"])
+def test_a_check_on_the_rope_over_pulleys_says_what_it_does_not_see(model, tmp_path):
+    """A limit on all tensions of the equalizer: without masses of pulleys its lines are no channels of their own."""
+    more = '[[check]]\nid = "all"\nquantity = "channel.loader_*.tension.max"\nmaximum = "9 MN"\nsource = "a limit"\n'
+    case = load_case(lift(tmp_path / "lift", model, more))
+    run_case(case, stages=("simulate",))
+    (check,) = evaluate_checks(case, case.output_folder)
+    assert ("its lines have loader_rope.segment_tension" in check.note) == (model == "massless")
