@@ -142,14 +142,8 @@ def _search_pair(
         kind, feature, other = found.kind, found.first, found.second
         c = look_up(meshes, contacts, pair, kind, feature, other)
         if c >= 0:
-            state = contacts.state[c]
-            state.hit = found.hit
-            if state.hit > 0 and state.side != meshes.found.contacts[i].side and not holds(contacts, c):
-                gap, state.side = state.end_gap, meshes.found.contacts[i].side
-                for k in range(3):
-                    state.normal[k] = 0.0  # the side is new
-                touch_mesh_contact(meshes, contacts, bodies, c, work)
-                book_jump(contacts, c, gap)
+            # it knows its side, which the sign of a distance near zero does not tell
+            contacts.state[c].hit = found.hit
             continue
         if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, moved, work)):
             continue
