@@ -28,6 +28,10 @@ is reported.
 Surfaces that are pressed into each other are not clear. A vertex behind a face that an edge of it goes through has come
 through: it is a contact from the side where its edges are, from the first interval that it spends wholly behind one
 face. So contacts are found again after they slid from one face to the next.
+
+Of surfaces that give way whole plates lie inside, and no edge of theirs goes through. There a corner is the nearest one
+on the way back, and nothing about it tells whether it has come through or begins on that side: what touches already
+must know (`PRESSED`). A hit is judged at the end of the interval too: what was deeper when it came in may have left.
 """
 
 from __future__ import annotations
@@ -58,6 +62,7 @@ __all__ = [
     "HIT",
     "NEAR",
     "NEITHER",
+    "PRESSED",
     "SLACK",
     "Meeting",
     "Verdict",
@@ -76,6 +81,8 @@ NEITHER = 0
 NEAR = 1
 """At the end of the interval."""
 HIT = 2
+PRESSED = 3
+"""Inside at the end, if it has come through from the other side: asked for only where contacts are pressed in."""
 
 ON_BORDER = 1e-9
 """Part of a face or edge by which a point may lie outside of it and still count as inside."""
@@ -116,6 +123,8 @@ class Meeting(NamedTuple):
         `SWEPT` or `POSITION_DIFFERENCE`.
     judged
         Whether hits are judged; else all that the swept tests report is a contact.
+    pressed
+        Whether contacts of both surfaces are pressed in: what may have come through is reported too.
     """
 
     motion: RelativeMotion
@@ -128,6 +137,7 @@ class Meeting(NamedTuple):
     rounding: float
     method: int
     judged: bool
+    pressed: bool
 
 
 class Verdict(NamedTuple):
@@ -136,7 +146,7 @@ class Verdict(NamedTuple):
     Attributes
     ----------
     outcome
-        `NEITHER`, `NEAR` or `HIT`.
+        `NEITHER`, `NEAR`, `HIT` or `PRESSED`.
     time
         Of the hit, in [0, 1]; 1 if there is none.
     side
@@ -250,6 +260,10 @@ def judge_vertex(
     # towards the face, in the axes of the vertex
     t = time if hit else 1.0
     d = turn_at(scaled(-side, n), motion, t, not face_moves)
+    if hit and meeting.pressed and not vertex_is_nearest(surfaces, vertex, d, SLACK):
+        # what lay deeper when it came in may have left since
+        t = 1.0
+        d = turn_at(scaled(-side, n), motion, t, not face_moves)
     if not vertex_is_nearest(surfaces, vertex, d, SLACK):
         # not in front of the face, but perhaps the point that has come furthest through it
         if hit or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK):
@@ -257,7 +271,9 @@ def judge_vertex(
         if not vertex_is_through(
             surfaces, vertex, face, motion.end, face_moves, x1, s1
         ) or not vertex_is_through(surfaces, vertex, face, motion.start, face_moves, x0, s0):
-            return no_contact()
+            if not meeting.pressed:
+                return no_contact()
+            return Verdict(PRESSED, 1.0, -side, -side * s1 - radius)
         return Verdict(NEAR, 1.0, -side, -side * s1 - radius)
     if vertex_is_behind(surfaces, vertex, face, scaled(side, n), meeting, face_moves, between(x0, x1, t), t):
         return no_contact()
@@ -485,11 +501,26 @@ def judge_edges(
             s0 = dot(n, subtract(meeting.b_in_a, meeting.middle_a))
         side = -1.0 if s0 < 0.0 else 1.0
     d = scaled(side, n)
-    if not edge_is_nearest(surfaces, edge_a, d, SLACK):
-        return no_contact(), 0.0, 0.0
     back = turn_at(scaled(-1.0, d), motion, t, True)
-    if not edge_is_nearest(surfaces, edge_b, back, SLACK):
-        return no_contact(), 0.0, 0.0
+    if not edge_is_nearest(surfaces, edge_a, d, SLACK) or not edge_is_nearest(surfaces, edge_b, back, SLACK):
+        if not meeting.pressed or min(along_a, along_b) < 0.0 or max(along_a, along_b) > 1.0:
+            return no_contact(), 0.0, 0.0
+        # as for a vertex
+        if hit:
+            side = -side if dot(c, c1) < 0.0 else side
+            d = scaled(side / length1, c1)
+            back = turn_at(scaled(-1.0, d), motion, 1.0, True)
+            if not edge_is_nearest(surfaces, edge_a, d, SLACK) or not edge_is_nearest(
+                surfaces, edge_b, back, SLACK
+            ):
+                return no_contact(), 0.0, 0.0
+            return Verdict(HIT, time, side, side * gap - radius), along_a, along_b
+        d, back = scaled(-1.0, d), scaled(-1.0, back)
+        if not edge_is_nearest(surfaces, edge_a, d, SLACK) or not edge_is_nearest(
+            surfaces, edge_b, back, SLACK
+        ):
+            return no_contact(), 0.0, 0.0
+        return Verdict(PRESSED, 1.0, -side, -side * gap - radius), along_a, along_b
     x = between(between(p0, q0, t), between(p1, q1, t), at_b)
     if edge_is_behind(surfaces, edge_b, edge_a, d, meeting, False, x, at_b, t):
         return no_contact(), 0.0, 0.0

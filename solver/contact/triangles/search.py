@@ -50,7 +50,7 @@ NEAR_ENOUGH = 1e-7
 """Of the size of the smaller surface: what is nearer counts as near, however slow it is."""
 
 DEEPER = 4.0
-"""Depths of the contacts that are there, to which the face is looked for that one slides on to."""
+"""Depths of the contacts that are there, to which is looked for what one slides on to, and for what is deeper."""
 
 FAR_AWAY = 1e3
 """Sizes and reaches from which a contact goes."""
@@ -123,11 +123,9 @@ def _search_pair(
     early = early or meshes.pairs[pair].deforms
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
     meshes.pairs[pair].reach = reach
-    further = 0.0
-    if meshes.pairs[pair].law == RIGID:
-        further = DEEPER * deepest_of(meshes, contacts, pair)
+    depth = DEEPER * deepest_of(meshes, contacts, pair)
     method = meshes.pairs[pair].method
-    find_features(meshes.searches, pair, meshes.motions[pair], reach + further, method)
+    find_features(meshes.searches, pair, meshes.motions[pair], reach, depth, method)
     count = meshes.counts.count
     if count < 0:
         _stop(contacts, pair, work)
