@@ -247,8 +247,9 @@ def judge_vertex(
     n = fixed_point(surfaces.normals, face)
     s0 = dot(n, subtract(x0, a))
     s1 = dot(n, subtract(x1, a))
-    if not hit and (abs(s1) > meeting.far or not inside_face(x1, a, b, c, n)):
+    if not hit and (min(abs(s0), abs(s1)) > meeting.far or not inside_face(x1, a, b, c, n)):
         return no_contact()
+    left = not hit and abs(s1) > meeting.far  # what was near is no longer, unless it is inside
     if abs(s0) > rounding:
         side = 1.0 if s0 > 0.0 else -1.0
         # one that changed sides without a hit went through a neighbour of this face, or around its border; if
@@ -266,7 +267,7 @@ def judge_vertex(
         d = turn_at(scaled(-side, n), motion, t, not face_moves)
     if not vertex_is_nearest(surfaces, vertex, d, SLACK):
         # not in front of the face, but perhaps the point that has come furthest through it
-        if hit or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK):
+        if hit or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK) or (left and side * s1 < 0.0):
             return no_contact()
         if not vertex_is_through(
             surfaces, vertex, face, motion.end, face_moves, x1, s1
@@ -275,6 +276,8 @@ def judge_vertex(
                 return no_contact()
             return Verdict(PRESSED, 1.0, -side, -side * s1 - radius)
         return Verdict(NEAR, 1.0, -side, -side * s1 - radius)
+    if left and side * s1 > 0.0:
+        return no_contact()
     if vertex_is_behind(surfaces, vertex, face, scaled(side, n), meeting, face_moves, between(x0, x1, t), t):
         return no_contact()
     verdict, time = touch_of_rounding(hit, time, side * s0 - radius, side * s1 - radius, radius)
@@ -421,6 +424,20 @@ def edge_is_behind(
     return False
 
 
+@kernel(inline=True, internal=True)
+def is_within_plane(surfaces: CollisionSurfaces, edge: int) -> bool:
+    """Whether an edge lies between two triangles of one plane: whatever crosses it there touches the plane elsewhere.
+
+    Its contacts would be those of the plane with a normal that leans as the other edge does, and a side that nothing
+    near it tells.
+    """
+    first = surfaces.edge_first[edge]
+    if surfaces.edge_first[edge + 1] != first + 2:
+        return False
+    s = add(fixed_point(surfaces.edge_inward, first), fixed_point(surfaces.edge_inward, first + 1))
+    return dot(s, s) <= LEVEL * LEVEL
+
+
 @kernel(internal=True)
 def judge_edges(
     # model
@@ -450,6 +467,8 @@ def judge_edges(
         As for `judge_vertex`.
     """
     motion, radius, rounding = meeting.motion, meeting.radius, meeting.rounding
+    if is_within_plane(surfaces, edge_a) or is_within_plane(surfaces, edge_b):
+        return no_contact(), 0.0, 0.0
     a0 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[0])
     a1 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[1])
     u = subtract(a1, a0)
