@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.triangles.feature_gap import copy_pose
+from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, copy_pose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.vectors import dot, subtract
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.solve.delassus import contact_rates
@@ -24,6 +25,7 @@ from heavylift.solver.contact.triangles.patches import BORDER, choose_contacts, 
 from heavylift.solver.contact.triangles.sides import (
     ABOUT_NOTHING,
     deepest_of,
+    evaluate,
     gap_at_start,
     holds,
     settle_sides,
@@ -142,13 +144,37 @@ def _search_pair(
         if c >= 0:
             # it knows its side, which the sign of a distance near zero does not tell
             contacts.state[c].hit = found.hit
+            contacts.state[c].passed = _passing_time(meshes, pair, i)[0]
             continue
+        if meshes.keeps[i] < 0 and _passing_time(meshes, pair, i)[0] > 0.0:
+            meshes.keeps[i] = 0
         if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, moved, work)):
             continue
         if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
             _stop(contacts, pair, work)
             return
     meshes.pairs[pair].patches = patches
+
+
+@kernel(internal=True)
+def _passing_time(meshes: SurfacePairs, pair: int, i: int) -> tuple[float, float]:
+    """`passed` of what was found, and the way by which its gap begins to change in the step [m].
+
+    Gaps of faces and crossing edges have a side. Those of round edges and corners have none: what has gone through them
+    is apart again.
+    """
+    found, touch = meshes.found.contacts[i], meshes.touch
+    if found.hit <= 0 or found.kind in (VERTEX_FACE, FACE_VERTEX, EDGE_EDGE) or found.gap <= 0.0:
+        return 0.0, 0.0
+    evaluate(meshes, pair, i, meshes.relative[pair], found.side)
+    end = subtract(touch.point_b, touch.point_a)
+    evaluate(meshes, pair, i, meshes.motions[pair].start, found.side)
+    moved = subtract(end, subtract(touch.point_b, touch.point_a))
+    approach, square = dot(touch.normal, moved), dot(moved, moved)
+    if approach >= 0.0:
+        return 0.0, 0.0
+    t = 1.0 - dot(end, moved) / square
+    return (t if 0.0 < t < 1.0 else found.time), approach
 
 
 @kernel(internal=True)
@@ -170,7 +196,7 @@ def _follow_contacts(
         state = contacts.state[c]
         if state.pair == pair:
             touch_mesh_contact(meshes, contacts, bodies, c, work)
-            state.hit = 0
+            state.hit, state.passed = 0, 0.0
             if holds(contacts, c) and state.beside > BORDER * size:
                 lost += 1
     return lost
@@ -233,6 +259,9 @@ def _add(
         state.rate = state.start_rate = rate
     else:
         state.rate = state.start_rate = 2.0 * (state.end_gap - start) / step - rate
+    passed, approach = _passing_time(meshes, pair, i)
+    if passed > 0.0:
+        state.passed, state.rate, state.start_rate = passed, approach / step, approach / step
     state.start_beside = beside
     enter(meshes, contacts, c)
     return True
