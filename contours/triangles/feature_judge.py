@@ -247,6 +247,10 @@ def judge_vertex(
     n = fixed_point(surfaces.normals, face)
     s0 = dot(n, subtract(x0, a))
     s1 = dot(n, subtract(x1, a))
+    if not hit and radius > 0.0:
+        t, touched = rounding_time(s0, s1, radius)
+        if touched and inside_face(between(x0, x1, t), a, b, c, n):
+            hit, time = True, t
     if not hit and (min(abs(s0), abs(s1)) > meeting.far or not inside_face(x1, a, b, c, n)):
         return no_contact()
     left = not hit and abs(s1) > meeting.far  # what was near is no longer, unless it is inside
@@ -282,6 +286,19 @@ def judge_vertex(
         return no_contact()
     verdict, time = touch_of_rounding(hit, time, side * s0 - radius, side * s1 - radius, radius)
     return Verdict(verdict, time, side, side * s1 - radius)
+
+
+@kernel(inline=True, internal=True)
+def rounding_time(s0: float, s1: float, radius: float) -> tuple[float, bool]:
+    """When a distance [m] that changes linearly from s0 to s1 has come down to a radius, and whether it does.
+
+    What is round may touch a face and have gone past its border at the end, without its middle ever coming through.
+    """
+    if s0 < 0.0:
+        s0, s1 = -s0, -s1
+    if s0 <= radius or s1 >= radius:
+        return 1.0, False
+    return (s0 - radius) / (s0 - s1), True
 
 
 @kernel(inline=True, internal=True)
@@ -425,6 +442,18 @@ def edge_is_behind(
 
 
 @kernel(inline=True, internal=True)
+def edges_cross(a: Vector, u: Vector, p: Vector, q: Vector) -> bool:
+    """Whether the edge from a along u and that from p to q cross, seen along their common normal."""
+    v = subtract(q, p)
+    c, r = cross(u, v), subtract(p, a)
+    square = dot(c, c)
+    if square <= PARALLEL * PARALLEL * dot(u, u) * dot(v, v):
+        return False
+    at_a, at_b = dot(cross(r, v), c) / square, dot(cross(r, u), c) / square
+    return min(at_a, at_b) >= -ON_BORDER and max(at_a, at_b) <= 1.0 + ON_BORDER
+
+
+@kernel(inline=True, internal=True)
 def is_within_plane(surfaces: CollisionSurfaces, edge: int) -> bool:
     """Whether an edge lies between two triangles of one plane: whatever crosses it there touches the plane elsewhere.
 
@@ -484,6 +513,11 @@ def judge_edges(
     along_a = dot(cross(r1, v1), c1) / square1
     along_b = dot(cross(r1, u), c1) / square1
     c, length, at_a, at_b, t = c1, length1, along_a, along_b, 1.0
+    if not hit and radius > 0.0:
+        t, touched = rounding_time(dot(c1, subtract(p0, a0)) / length1, gap, radius)
+        if touched and edges_cross(a0, u, between(p0, q0, t), between(p1, q1, t)):
+            hit, time = True, t
+        t = 1.0
     if hit:
         t = time
         p, q = between(p0, q0, t), between(p1, q1, t)

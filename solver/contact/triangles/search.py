@@ -12,7 +12,7 @@ import math
 from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, copy_pose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
-from heavylift.numerics.vectors import dot, subtract
+from heavylift.numerics.vectors import add_scaled, dot, subtract
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.solve.delassus import contact_rates
@@ -59,6 +59,9 @@ FAR_AWAY = 1e3
 
 AT_START = 1e-4
 """Of the size: what is less deep inside at the start is pushed out."""
+
+GRAZED = 1e-9
+"""Of the size: what passes by less deep inside has not touched."""
 
 TOO_MANY_CONTACTS = int(Outcome.TOO_MANY_CONTACTS)
 
@@ -174,7 +177,11 @@ def _passing_time(meshes: SurfacePairs, pair: int, i: int) -> tuple[float, float
     if approach >= 0.0:
         return 0.0, 0.0
     t = 1.0 - dot(end, moved) / square
-    return (t if 0.0 < t < 1.0 else found.time), approach
+    if not 0.0 < t < 1.0:
+        return 0.0, 0.0
+    nearest = add_scaled(end, t - 1.0, moved)
+    inside = meshes.pairs[pair].radii - math.sqrt(dot(nearest, nearest))
+    return (t, approach) if inside > GRAZED * meshes.pair_values[pair].length_scale else (0.0, 0.0)
 
 
 @kernel(internal=True)
