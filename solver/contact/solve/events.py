@@ -44,6 +44,9 @@ SHORTEST = 1e-6
 RESOLUTION = 1e-10
 """Of the size of a contact, that a gap is found to."""
 
+PASSING = 0.999
+"""Of a step: what has been nearest later than that is as near at its end."""
+
 BEHIND = 1e-6
 """Relative rounding of a gap, and of the way in a step."""
 
@@ -265,8 +268,9 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
             guess = step - state.end_gap / rate if rate < 0.0 else 0.5 * step
             if guess < worst_time:
                 worst, worst_time = c, guess
-    if passing < worst_time and passing > SHORTEST * control.nominal_step:
-        control.watched = -1
+    # a time that is sought already is not given up for one that came out of another path
+    early = SHORTEST * control.nominal_step < passing < PASSING * step
+    if watched < 0 and passing < worst_time and early:
         control.splits += 1
         work.control.split = passing
         return
