@@ -271,7 +271,11 @@ def judge_vertex(
         d = turn_at(scaled(-side, n), motion, t, not face_moves)
     if not vertex_is_nearest(surfaces, vertex, d, SLACK):
         # not in front of the face, but perhaps the point that has come furthest through it
-        if hit or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK) or (left and side * s1 < 0.0):
+        if (
+            hit
+            or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK)
+            or (left and side * s1 < 0.0)
+        ):
             return no_contact()
         if not vertex_is_through(
             surfaces, vertex, face, motion.end, face_moves, x1, s1

@@ -253,7 +253,9 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         state = contacts.state[watched]
         rate = contact_rates(contacts, watched, work.velocity)[0]
         if state.end_gap > gap_tolerance(contacts, watched, rate):
-            control.low, control.low_gap = step, state.end_gap
+            # what lies beside its features is out of reach: no number for a secant
+            control.low = step
+            control.low_gap = min(state.end_gap, contacts.values[watched].length_scale)
     worst, worst_time, passing = -1, math.inf, math.inf
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
