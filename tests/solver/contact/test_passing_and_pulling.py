@@ -1,4 +1,4 @@
-"""Round shapes that fly through each other between the ends of a step, and plates without thickness that come and go."""
+"""Round shapes that fly through each other between the ends of a step; plates without thickness that come and go."""
 
 from __future__ import annotations
 
