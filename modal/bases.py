@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility, apply_mass, held_dofs, held_nodes
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
+from heavylift.preprocess.finite_elements.mesh import find_place
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +30,7 @@ __all__ = [
     "eigenmode_basis",
     "moment_matching",
     "patch_loads",
+    "place_loads",
     "point_loads",
     "static_vectors",
 ]
@@ -77,6 +79,40 @@ def point_loads(model: FEModel, nodes: Nodes, directions: str = "xyz") -> Loads:
     rows = (3 * chosen[:, None] + axes).ravel()
     forces[rows, np.arange(len(rows))] = 1.0
     return Loads(forces, tuple(f"node {node} {_AXES[axis]}" for node in chosen for axis in axes))
+
+
+def place_loads(
+    model: FEModel,
+    points: Sequence[Sequence[float]] | NDArray[np.float64],
+    directions: str = "xyz",
+    *,
+    key: str = "points",
+) -> Loads:
+    """Unit forces at points of the body [m], each in each of the directions, shared among the nodes of an element.
+
+    Shares are the shape functions at the point, as for a force on the body there. Points that act on the same nodes
+    alike count once.
+
+    Raises
+    ------
+    InputError
+        For an unknown direction, or a point that is not on the body, with the key and its number.
+    """
+    axes = _checked_axes(directions)
+    places: dict[tuple[Any, ...], str] = {}
+    source = model.name or "finite element model"
+    for index, point in enumerate(points):
+        nodes, weights = find_place(model.nodes, model.mesh, point, source=source, key=f"{key}.{index}")
+        at = ", ".join(f"{1e3 * float(x):.6g}" for x in point)
+        name = f"node {nodes[0]}" if len(nodes) == 1 else f"point ({at}) mm"
+        places.setdefault((tuple(nodes), tuple(np.round(weights, 9))), name)
+    forces = np.zeros((3 * model.node_count, len(places) * len(axes)))
+    column = 0
+    for nodes, weights in places:
+        for axis in axes:
+            forces[3 * np.array(nodes) + axis, column] = weights
+            column += 1
+    return Loads(forces, tuple(f"{name} {_AXES[axis]}" for name in places.values() for axis in axes))
 
 
 def patch_loads(

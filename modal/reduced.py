@@ -3,21 +3,69 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.mesh import BESIDE, find_place
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.invariants import ShapeIntegrals
+    from heavylift.preprocess.finite_elements.mesh import Mesh
 
-__all__ = ["EIGENMODE_RESIDUAL", "ReducedBody"]
+__all__ = ["EIGENMODE_RESIDUAL", "ReducedBody", "check_orthonormal"]
 
 EIGENMODE_RESIDUAL = 1e-3
 """A vector with a smaller relative residual is an eigenmode of the full model."""
+
+
+TURNED = 1e-3
+"""Of the largest rotation that a mode could make: its largest displacement over the size of the body."""
+
+LARGE_DEFLECTION = 0.1
+"""Of the largest extent of a body: displacements that linear theory is told to be beyond."""
+
+_WEIGHTLESS = 1e-9  # shape function of a node that a place does not feel
+_STILL = 1e-9  # of the largest displacement: of a node that is held
+_NEIGHBOURS = 27  # nodes around a place, of a body without elements: those of a block of eight bricks
+
+LARGEST_DEVIATION = 1e-6
+"""Of the modal mass from the identity: what the equations of motion take for granted."""
+
+
+def check_orthonormal(
+    orthogonality: float, eigenvalues: NDArray[np.float64], source: str = "reduced body"
+) -> None:
+    """Refuse shapes whose modal mass is not the identity.
+
+    Parameters
+    ----------
+    orthogonality
+        Largest deviation of ``Phi^T M Phi`` from the identity.
+    eigenvalues
+        Of the modes [rad^2/s^2].
+    source
+        Named in the message.
+
+    Raises
+    ------
+    InputError
+        If the deviation exceeds `LARGEST_DEVIATION`, or a number is not finite.
+    """
+    if orthogonality <= LARGEST_DEVIATION and np.all(np.isfinite(eigenvalues)):
+        return
+    largest = float(np.sqrt(max(float(np.max(eigenvalues, initial=0.0)), 0.0)) / (2.0 * np.pi))
+    raise InputError(
+        f"the modal mass differs from the identity by {orthogonality:.3g}, with frequencies up to {largest:.3g} Hz",
+        source=source,
+        key="basis",
+        expected=f"mass-orthonormal shapes, to {LARGEST_DEVIATION:g}: fewer vectors that are nearly combinations of "
+        "each other (nodes of the interface, static points, stored shapes)",
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,11 +95,16 @@ class ReducedBody:
         Largest deviation of ``Phi^T M Phi`` from the identity.
     dropped
         Vectors that were asked for and add nothing to the others, with the reason.
+    mesh
+        Elements between the nodes, in the body frame; None if they are not known.
+    continuum
+        Whether it is a solid, whose places turn where it bends. A body of loose points has no directions but those of
+        its frame.
 
     Raises
     ------
     InputError
-        If the arrays do not fit together.
+        If the arrays do not fit together, or the shapes are not mass-orthonormal.
     """
 
     nodes: NDArray[np.float64]
@@ -63,6 +116,8 @@ class ReducedBody:
     residuals: NDArray[np.float64]
     orthogonality: float
     dropped: tuple[str, ...] = ()
+    mesh: Mesh | None = None
+    continuum: bool = True
 
     def __post_init__(self) -> None:
         n, nf = len(self.nodes), len(self.eigenvalues)
@@ -86,6 +141,14 @@ class ReducedBody:
                 key="labels",
                 expected=f"{nf}, one a vector",
             )
+        if self.mesh is not None and self.mesh.node_count != n:
+            raise InputError(
+                f"{self.mesh.node_count} nodes",
+                source="reduced body",
+                key="mesh",
+                expected=f"{n}, those of the body",
+            )
+        check_orthonormal(self.orthogonality, self.eigenvalues)
 
     @property
     def mode_count(self) -> int:
@@ -124,6 +187,86 @@ class ReducedBody:
             )
         return np.tensordot(q, self.mode_shapes, axes=1)
 
+    def locate(
+        self,
+        point: ArrayLike,
+        *,
+        source: object = "reduced body",
+        key: str = "point",
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+        within: float = BESIDE,
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Nodes and weights of a place in the body frame [m]; the parameters are those of `find_place`.
+
+        Of a body of loose points the nearest one is taken, however far it is.
+        """
+        within = within if self.continuum else np.inf
+        return find_place(self.nodes, self.mesh, point, source=source, key=key, origin=origin, within=within)
+
+    def shapes_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacement of a place per unit modal coordinate [kg^-1/2], shape (nf, 3)."""
+        return np.einsum("a,mak->mk", weights, self.mode_shapes[:, nodes])
+
+    def turn_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rotation of a place relative to the frame, per unit modal coordinate [rad kg^-1/2 m^-1], shape (nf, 3).
+
+        Notes
+        -----
+        Of the rigid motion that fits the displacements of the nodes around in the sense of least squares; none where
+        the nodes at the place and three around it that are not on one line stand still. The nodes around are those of
+        the elements at the place, or the nearest ones if elements are not known.
+        """
+        at = nodes[np.abs(weights) > _WEIGHTLESS]
+        around = self._around(at, weights @ self.nodes[nodes])
+        held = around[self._stands(around)]
+        if (
+            self._stands(at).all()
+            and np.linalg.matrix_rank(_centred(self.nodes[held]), tol=1e-6 * self.size) >= 2
+        ):
+            return np.zeros((self.mode_count, 3))
+        arms = _centred(self.nodes[around])
+        moved = self.mode_shapes[:, around] - self.mode_shapes[:, around].mean(axis=1, keepdims=True)
+        moments = np.cross(arms, moved).sum(axis=1)
+        second = arms.T @ arms
+        inertia = np.trace(second) * np.eye(3) - second
+        return moments @ np.linalg.pinv(inertia, rcond=1e-9, hermitian=True)
+
+    def turns(self, nodes: NDArray[np.int64], weights: NDArray[np.float64], direction: ArrayLike) -> bool:
+        """Whether modes turn a unit direction at a place, by more than a thousandth of what they would at most.
+
+        That is the largest displacement of a mode over the size of the body.
+        """
+        if not self.continuum or not self.mode_count:
+            return False
+        turned = np.linalg.norm(np.cross(self.turn_at(nodes, weights), np.asarray(direction)), axis=1)
+        largest = np.linalg.norm(self.mode_shapes, axis=2).max(axis=1)
+        return bool(np.any(turned * self.size > TURNED * largest))
+
+    def _stands(self, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Whether no mode moves some nodes, shape (m,)."""
+        found: NDArray[np.bool_] = (
+            np.abs(self.mode_shapes[:, nodes]).max(axis=(0, 2)) <= _STILL * self._largest
+        )
+        return found
+
+    @cached_property
+    def _largest(self) -> float:
+        """Largest component of all mode shapes [kg^-1/2]."""
+        return float(np.abs(self.mode_shapes).max(initial=0.0))
+
+    @property
+    def size(self) -> float:
+        """Largest extent of the body [m]."""
+        return float(np.ptp(self.nodes, axis=0).max())
+
+    def _around(self, at: NDArray[np.int64], place: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Nodes around a place, with those at it."""
+        if self.mesh is None:
+            distances = np.sum((self.nodes - place) ** 2, axis=1)
+            return np.argsort(distances, kind="stable")[:_NEIGHBOURS]
+        touching = np.isin(self.mesh.elements, at).any(axis=1)
+        return np.unique(self.mesh.elements[touching])
+
     def nearest_node(self, point: ArrayLike) -> int:
         """Index of the node closest to a point [m] of the body frame; the lowest index among equals."""
         r = np.asarray(point, dtype=np.float64)
@@ -132,3 +275,8 @@ class ReducedBody:
                 f"point {point!r}", source="reduced body", expected="three finite coordinates [m]"
             )
         return int(np.argmin(np.sum((self.nodes - r) ** 2, axis=1)))
+
+
+def _centred(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Positions relative to their mean [m], shape (n, 3)."""
+    return points - points.mean(axis=0) if len(points) else points.reshape(0, 3)

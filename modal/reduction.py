@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from heavylift.modal.eigen import orthogonality_error, signed
 from heavylift.modal.flexibility import apply_mass, held_dofs, rigid_basis
 from heavylift.modal.invariants import shape_integrals
-from heavylift.modal.reduced import ReducedBody
+from heavylift.modal.reduced import ReducedBody, check_orthonormal
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 
@@ -27,6 +28,12 @@ __all__ = ["Ritz", "mean_axis", "reduce_body", "ritz_vectors"]
 
 _DEPENDENT = 1e-6
 """Part of a vector's length that must not lie in the span of those before it."""
+
+_ROUNDING = 1e-14
+"""Of the largest eigenvalue of a Gram matrix: more than rounding leaves of one that is zero."""
+
+_TAKES_PART = 0.05
+"""A vector takes part in a linear dependence from this factor on; the squares of all factors have the sum 1."""
 
 _SAME = 0.95
 """A Ritz vector bears the name of a given vector if the cosine of their angle, in the mass metric, exceeds this."""
@@ -179,7 +186,7 @@ def reduce_body(
     Raises
     ------
     InputError
-        See `ritz_vectors`; or an origin that is not three finite numbers.
+        See `ritz_vectors`; an origin that is not three finite numbers; shapes that rounding leaves without unit mass.
     """
     shift = np.asarray(origin, dtype=np.float64)
     if shift.shape != (3,) or not np.all(np.isfinite(shift)):
@@ -188,6 +195,8 @@ def reduce_body(
         )
     ritz = ritz_vectors(model, vectors, labels, fixed_nodes=fixed_nodes, mean_axis=mean_axis)
     nodes = model.nodes - shift
+    orthogonality = orthogonality_error(model, ritz.shapes)
+    check_orthonormal(orthogonality, ritz.eigenvalues, model.name or "finite element model")
     shapes = np.ascontiguousarray(ritz.shapes.T).reshape(len(ritz.eigenvalues), model.node_count, 3)
     return ReducedBody(
         nodes=nodes,
@@ -197,8 +206,9 @@ def reduce_body(
         mean_axis=mean_axis,
         labels=ritz.labels,
         residuals=ritz.residuals,
-        orthogonality=orthogonality_error(model, ritz.shapes),
+        orthogonality=orthogonality,
         dropped=ritz.dropped,
+        mesh=None if model.mesh is None else replace(model.mesh, nodes=nodes, node_groups={}),
     )
 
 
@@ -232,30 +242,54 @@ def _product(vectors: NDArray[np.float64], apply) -> NDArray[np.float64]:  # typ
 def _independent(
     gram: NDArray[np.float64], labels: Sequence[str], dropped: list[str]
 ) -> tuple[list[int], NDArray[np.float64]]:
-    """Orthonormalise in the given order; vectors that add nothing are named in `dropped`.
+    """Orthonormal combinations of vectors of length one or less; those that add nothing are named in `dropped`.
 
     Returns the numbers of the vectors kept and the combinations C, (nv, nf), with ``C^T gram C = 1``.
+
+    Notes
+    -----
+    How many are independent is told by the eigenvalues of the Gram matrix: with vectors taken one after the other,
+    rounding of a dependent one grows with each near dependence before it, until it looks like a vector of its own.
     """
-    size = len(gram)
-    kept: list[int] = []
-    C = np.zeros((size, size))
-    for j in range(size):
-        length = np.sqrt(max(float(gram[j, j]), 0.0))
-        if length <= _DEPENDENT:  # of a vector that had length one before its rigid part was removed
-            dropped.append(f"{labels[j]}: a rigid motion")
-            continue
-        column = np.zeros(size)
-        column[j] = 1.0 / length
-        found = C[:, : len(kept)]
+    values, axes = np.linalg.eigh(gram)
+    lengths = np.sqrt(np.maximum(np.diag(gram), 0.0))
+    rank = int(np.count_nonzero(values > max(_DEPENDENT**2, _ROUNDING * values[-1])))
+    if rank < len(gram):
+        null = axes[:, : len(gram) - rank]
+        lacking = _most_dependent(null, lengths <= _DEPENDENT)
+        for j in lacking:  # of a vector that had length one before its rigid part was removed
+            rigid = lengths[j] <= _DEPENDENT
+            dropped.append(f"{labels[j]}: {'a rigid motion' if rigid else 'a combination of the others'}")
+        kept = [j for j in range(len(gram)) if j not in lacking]
+        return kept, axes[:, len(gram) - rank :] / np.sqrt(values[len(gram) - rank :])
+    C = np.zeros_like(gram)
+    for j in range(len(gram)):
+        column = np.zeros(len(gram))
+        column[j] = 1.0 / lengths[j]
+        found = C[:, :j]
         for _ in range(2):
             column -= found @ (found.T @ (gram @ column))
-        rest = np.sqrt(max(float(column @ gram @ column), 0.0))
-        if rest <= _DEPENDENT:
-            dropped.append(f"{labels[j]}: a combination of the vectors before it")
-            continue
-        C[:, len(kept)] = column / rest
-        kept.append(j)
-    return kept, C[:, : len(kept)]
+        C[:, j] = column / np.sqrt(float(column @ gram @ column))
+    return list(range(len(gram))), C
+
+
+def _most_dependent(null: NDArray[np.float64], rigid: NDArray[np.bool_]) -> list[int]:
+    """As many vectors as the null space, shape (nv, d), has dimensions, without which the others are independent.
+
+    Vectors that vanish come first, then the last ones that take part.
+    """
+    chosen: list[int] = []
+    rest = null.copy()
+    candidates = [*np.flatnonzero(rigid), *np.flatnonzero(~rigid)[::-1]]
+    for share in (_TAKES_PART, 0.0):  # in a large set all factors may be small
+        for j in candidates:
+            length = float(np.linalg.norm(rest[j]))
+            if j in chosen or length <= share or len(chosen) == null.shape[1]:
+                continue
+            chosen.append(int(j))
+            direction = rest[j] / length
+            rest = rest - np.outer(rest @ direction, direction)
+    return sorted(chosen)
 
 
 def _inverse_root(gram: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ a `heavylift.solver.kinds.Table`. Class variables are constants that are known w
 from __future__ import annotations
 
 import importlib
+import inspect
 import operator
 import re
 import struct
@@ -34,6 +35,8 @@ from numba.extending import NativeValue, register_model, typeof_impl, unbox
 from numba.np import numpy_support
 from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
+
+from heavylift.numerics.hints import array_scalar
 
 __all__ = [
     "Arrays",
@@ -237,8 +240,7 @@ def array_type(annotation: Any) -> types.Array | None:
     if typing.get_origin(annotation) is not Annotated:
         return None
     array, dimensions = typing.get_args(annotation)[:2]
-    scalar = typing.get_args(typing.get_args(array)[1])[0]
-    return types.Array(numpy_support.from_dtype(np.dtype(scalar)), dimensions, "C")
+    return types.Array(numpy_support.from_dtype(np.dtype(array_scalar(array))), dimensions, "C")
 
 
 def numba_type(annotation: Any) -> Any:
@@ -305,7 +307,7 @@ def declared_types(owner: Any) -> dict[str, Any]:
     for part in reversed(owner.__mro__):
         module = sys.modules[part.__module__]
         names = _ImportedForTypes(module)
-        for name, text in vars(part).get("__annotations__", {}).items():
+        for name, text in inspect.get_annotations(part).items():
             if not isinstance(text, str):
                 found[name] = text
                 continue

@@ -1,8 +1,8 @@
 """HDF5 files that others have written, or that a disk has damaged: read, or refused in one line.
 
 The library that reads them is in C: a damaged file can let it read for ever, or end the process. So a file from outside
-is read first by a process of its own, with limits of time and memory; that costs a tenth of a second. What the library
-says of the rest comes as errors of many types.
+is read first by a process of its own, with limits of time and memory; that costs a tenth of a second. The same process
+sees whether the file leads to other files. What the library says of the rest comes as errors of many types.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from __future__ import annotations
 import contextlib
 import json
 import subprocess
-import sys
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from heavylift.numerics.children import NEUTRAL_FOLDER, module_folders, python_command
 from heavylift.numerics.memory import amount_of_bytes, available_memory
 from heavylift.numerics.outcome import InputError
 
@@ -23,7 +23,12 @@ if TYPE_CHECKING:
 
     import h5py
 
-__all__ = ["check_hdf5", "opened_hdf5", "told_of_file"]
+__all__ = ["HOLDS_ALL", "check_hdf5", "is_hdf5", "opened_hdf5", "outside_of_hdf5", "told_of_file"]
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+HOLDS_ALL = "an HDF5 file that holds all its data itself"
+"""What is expected of one that leads to other files."""
 
 SECONDS = 20.0
 """For a file from outside, and a second for each `BYTES_A_SECOND` of it besides."""
@@ -42,6 +47,30 @@ limit = float(sys.argv[2])
 def fails(name, error):
     print(json.dumps({"key": name, "problem": f"{type(error).__name__}: {error}"}))
     sys.exit(0)
+def outside(file):
+    waiting, seen = [("", file)], set()
+    while waiting:
+        place, group = waiting.pop()
+        for name in group:
+            link = group.get(name, getlink=True)
+            here = f"{place}/{name}"
+            if isinstance(link, h5py.ExternalLink):
+                return here, f"links to {link.filename!r}"
+            if not isinstance(link, h5py.HardLink):
+                continue
+            item = group[name]
+            if isinstance(item, h5py.Group):  # groups can hold each other
+                address = h5py.h5o.get_info(item.id).addr
+                if address not in seen:
+                    seen.add(address)
+                    waiting.append((here, item))
+            elif isinstance(item, h5py.Dataset):
+                named = [part[0] for part in item.external or ()]
+                if item.is_virtual:
+                    named += [part.file_name for part in item.virtual_sources() if part.file_name != "."]
+                if named:
+                    return here, f"has its data in {named[0]!r}"
+    return None
 def look(name, item):
     try:
         for key in item.attrs:
@@ -60,17 +89,41 @@ def look(name, item):
 name = "/"
 try:
     with h5py.File(sys.argv[1], "r") as file:
+        leads = outside(file)  # before anything of it is read
+        if leads:
+            print(json.dumps({"key": leads[0], "problem": leads[1], "outside": True}))
+            sys.exit(0)
         look("/", file)
         file.visititems(look)
 except Exception as error:
     fails("", error)
 print(json.dumps(found))
 """
-"""Reads all that is in a file, once, and says as JSON how much that is, or what cannot be read."""
+"""Reads all that is in a file, once, and says as JSON how much that is, what cannot be read, or where it leads."""
+
+
+class _Problem(NamedTuple):
+    """What is wrong with a file."""
+
+    key: str
+    words: str
+    outside: bool = False  # it leads to another file
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether the signature of HDF5 stands at one of the places where it may; the library is not asked."""
+    size, place = path.stat().st_size, 0
+    with path.open("rb") as stream:
+        while place + len(SIGNATURE) <= size:
+            stream.seek(place)
+            if stream.read(len(SIGNATURE)) == SIGNATURE:
+                return True
+            place = max(512, 2 * place)
+    return False
 
 
 def check_hdf5(path: Path, expected: str) -> None:
-    """Refuse a file whose reading fails, ends the process that reads it, or takes more memory or time than there is.
+    """Refuse a file that leads to others, or whose reading fails, crashes, or takes more memory or time than there is.
 
     Parameters
     ----------
@@ -84,35 +137,61 @@ def check_hdf5(path: Path, expected: str) -> None:
     InputError
         With the name of the data set, as far as it is known.
     """
-    status = path.stat()
-    problem = _survey(str(path), status.st_size, status.st_mtime_ns)
+    problem = _problem(path)
     if problem is not None:
-        raise InputError(problem[1], source=path, key=problem[0], expected=expected)
+        wanted = HOLDS_ALL if problem.outside else expected
+        raise InputError(problem.words, source=path, key=problem.key, expected=wanted)
+
+
+def outside_of_hdf5(path: Path) -> tuple[str, str] | None:
+    """Where an HDF5 file leads to another file, and how; None if it does not, or if it cannot be read.
+
+    Parameters
+    ----------
+    path
+        A file that is there.
+    """
+    problem = _problem(path)
+    return (problem.key, problem.words) if problem is not None and problem.outside else None
+
+
+def _problem(path: Path) -> _Problem | None:
+    status = path.stat()
+    return _survey(str(path.absolute()), status.st_size, status.st_mtime_ns)
 
 
 @cache
-def _survey(path: str, size: int, _changed: int) -> tuple[str, str] | None:
-    """Key and problem of a file; None if it can be read."""
+def _survey(path: str, size: int, _changed: int) -> _Problem | None:
+    """What is wrong with a file; None if it can be read."""
     limit, seconds = available_memory(), SECONDS + size / BYTES_A_SECOND
-    command = [sys.executable, "-I", "-c", SURVEY, path, str(limit), json.dumps(sys.path)]
+    command = python_command("-c", SURVEY, path, str(limit), json.dumps(module_folders()))
     try:
         ended = subprocess.run(  # noqa: S603  Python itself, with a program of ours
-            command, capture_output=True, text=True, errors="replace", timeout=seconds, check=False
+            command,
+            cwd=NEUTRAL_FOLDER,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=seconds,
+            check=False,
         )
     except subprocess.TimeoutExpired:
-        return "", f"is damaged: it cannot be read within {seconds:.0f} s"
+        return _Problem("", f"is damaged: it cannot be read within {seconds:.0f} s")
     if ended.returncode < 0:
-        return "", "is damaged: the library that reads it crashes"
+        return _Problem("", "is damaged: the library that reads it crashes")
     try:
         found = json.loads(ended.stdout)
     except ValueError:  # the process could not begin, or was short of memory
         words = (ended.stderr.strip().splitlines() or ["it says nothing"])[-1]
-        return "", f"is damaged: it cannot be read: {words}"
+        return _Problem("", f"is damaged: it cannot be read: {words}")
+    if "outside" in found:
+        return _Problem(found["key"], found["problem"], outside=True)
     if "problem" in found:
-        return found["key"], f"is damaged: {found['problem']}"
+        return _Problem(found["key"], f"is damaged: {found['problem']}")
     if found["bytes"] > limit:
         name, largest = found["largest"]
-        return name, f"has {amount_of_bytes(largest)} of {amount_of_bytes(found['bytes'])} in the file"
+        words = f"has {amount_of_bytes(largest)} of {amount_of_bytes(found['bytes'])} in the file"
+        return _Problem(name, words)
     return None
 
 

@@ -25,7 +25,14 @@ from numba.core.ir import Arg, Expr
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
-from heavylift.numerics.sources import cache_root, closure_digest, edited_since_start
+from heavylift.numerics.sources import (
+    cache_root,
+    closure_digest,
+    distrusted,
+    edited_since_start,
+    made_folder,
+    say,
+)
 
 __all__ = [
     "CompileClock",
@@ -49,6 +56,10 @@ CACHE_PREFIX = "kernels-"
 COMPILER_EVENT = "numba:compiler_lock"
 """Event of Numba around all of a compilation, and around loading from its cache."""
 
+# Numba would read a file of settings, among them a cache folder, from the current folder whenever it compiles; that may
+# be the folder of a case from someone else. The variables NUMBA_* stay.
+numba.config._config_fname = os.devnull  # noqa: SLF001
+
 ROUNDING_FLAGS = frozenset({"contract", "nsz", "arcp"})
 """Allowed to change the last bits; never ``nnan``/``ninf``, which would remove every ``isnan``."""
 
@@ -60,7 +71,7 @@ def cache_folder(module: str) -> Path:
     current = root / (prefix + closure_digest((module,)))
     if not current.is_dir():
         with contextlib.suppress(OSError):  # a read-only home must not stop a run
-            current.mkdir(parents=True, exist_ok=True)
+            made_folder(current).chmod(0o700)  # Numba makes folders in it by the umask
             older = sorted(
                 (path for path in root.glob(f"{prefix}*") if path.is_dir() and path != current),
                 key=lambda path: path.stat().st_mtime,
@@ -309,7 +320,10 @@ def _cache_when_compiled(dispatcher: Any) -> None:
         dispatcher.compile = compile_now
         folder = cache_folder(dispatcher.py_func.__module__)
         kept = os.access(folder, os.W_OK) and not edited_since_start((dispatcher.py_func.__module__,))
-        if kept:  # else Numba would cache beside the sources, where stale code can load
+        reason = distrusted(folder)
+        if reason:
+            say(f"compiled kernels are not kept: {reason}")
+        if kept and not reason:  # else Numba would cache beside the sources, where stale code can load
             with _numba_cache_directory(folder):
                 dispatcher.enable_caching()
         return compile_now(signature)

@@ -55,7 +55,14 @@ from heavylift.numerics.arrays import (
     word_count,
 )
 from heavylift.numerics.jit import kernel, module_of
-from heavylift.numerics.sources import cache_root, closure_digest, edited_since_start
+from heavylift.numerics.sources import (
+    cache_root,
+    closure_digest,
+    distrusted,
+    edited_since_start,
+    made_folder,
+    say,
+)
 
 __all__ = [
     "ENTRIES",
@@ -159,25 +166,23 @@ def objects_folder() -> Path:
     return cache_root() / "objects"
 
 
-def _say(text: str) -> None:
-    """Tell a person something that no result depends on."""
-    print(f"heavylift: {text}", file=sys.stderr)  # noqa: T201
-
-
 _SPARE: list[Path] = []
 """Folder for this process and those that it starts, where the usual one cannot be written."""
 
 
 def writable_root() -> Path:
-    """Folder that new object files go to; one for this run alone if the usual one cannot be written, told in a line."""
+    """Folder that new object files go to; one for this run alone if the usual one is not fit for it, told in a line."""
     if not _SPARE:
         folder = objects_folder()
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                pass
-        except OSError as error:
-            _say(f"compiled kernels cannot be kept in {folder}: {error.strerror}; they serve this run alone")
+        reason = distrusted(folder)
+        if not reason:
+            try:
+                with tempfile.TemporaryFile(dir=made_folder(folder)):
+                    pass
+            except OSError as error:
+                reason = str(error.strerror)
+        if reason:
+            say(f"compiled kernels cannot be kept in {folder}: {reason}; they serve this run alone")
             _SPARE.append(Path(tempfile.mkdtemp(prefix="heavylift-")))
             atexit.register(shutil.rmtree, _SPARE[0], ignore_errors=True)
     return _SPARE[0] if _SPARE else cache_root()
@@ -186,7 +191,7 @@ def writable_root() -> Path:
 def _stored(unit: Unit) -> bytes | None:
     """Object of a unit, where one has been kept."""
     place = _place(unit)
-    data = _read(place)
+    data = None if distrusted(place.parent, place) else _read(place)
     return _read(_SPARE[0] / "objects" / place.name) if data is None and _SPARE else data
 
 
@@ -211,18 +216,20 @@ def _write(unit: Unit, data: bytes) -> None:
     path = writable_root() / "objects" / _place(unit).name
     temporary = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if not _SPARE:
+            made_folder(path.parent)
+        path.parent.mkdir(exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
             temporary = Path(file.name)
             file.write(MAGIC + hashlib.blake2b(data, digest_size=32).digest() + data)
-        temporary.chmod(0o666 & ~_umask())
+        temporary.chmod(0o644 & ~_umask())
         temporary.replace(path)
         name = path.name.rpartition("-")[0]
         older = [(_age(other), other) for other in path.parent.glob(f"{name}-*.o") if other != path]
         for _, other in sorted(older)[:-KEPT_OBJECTS]:
             other.unlink(missing_ok=True)
     except OSError as error:  # a full disk: this run goes on with what it has in memory
-        _say(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
+        say(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from enum import IntEnum
 
-__all__ = ["InputError", "InputErrors", "Outcome"]
+__all__ = ["InputError", "InputErrors", "Outcome", "in_one_line", "visible"]
 
 
 class Outcome(IntEnum):
@@ -35,6 +36,7 @@ class Outcome(IntEnum):
     TIMED_OUT = 17
     PHASES_LEFT = 18
     OFF_ROAD = 19
+    MODES_LEFT = 20
     FAULT = 70
     OUT_OF_MEMORY = 71
 
@@ -64,6 +66,7 @@ _TEXTS = {
     Outcome.TIMED_OUT: "stopped: a phase of the scenario takes too long",
     Outcome.PHASES_LEFT: "phases of the scenario are left",
     Outcome.OFF_ROAD: "stopped: a wheel has left the road",
+    Outcome.MODES_LEFT: "stopped: a body has left the range of its modes",
     Outcome.FAULT: "stopped by a fault of the program",
     Outcome.OUT_OF_MEMORY: "stopped: there is not enough memory",
     Outcome.STEP_TOO_SMALL: "stopped: no step is small enough for the tolerance",
@@ -83,6 +86,23 @@ def in_one_line(text: str, longest: int = LONGEST) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+# what a terminal obeys, or what hides or reorders letters: C0 and C1 but for tabs and line ends, marks of direction,
+# letters without width, separators of lines, tags
+_OBEYED = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
+    "\U000e0000-\U000e007f]"
+)
+
+
+def visible(text: str) -> str:
+    """A text for a terminal, with escapes in place of what the terminal would obey; lines and tabs stay.
+
+    Names, notes and messages come from files, and files from anyone: such a text could clear the screen, show another
+    result than there is, or type into the shell.
+    """
+    return _OBEYED.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 class InputError(ValueError):

@@ -45,6 +45,7 @@ from heavylift.numerics.arrays import (
     rebuild_array,
     unbox_address,
 )
+from heavylift.numerics.hints import array_scalar
 
 __all__ = [
     "Matrix3",
@@ -173,8 +174,7 @@ def _field_layout(owner: type, name: str, annotation: Any) -> np.dtype[Any]:
         return annotation.layout
     if typing.get_origin(annotation) is Annotated:
         array, shape = typing.get_args(annotation)[:2]
-        scalar = typing.get_args(typing.get_args(array)[1])[0]
-        return np.dtype((scalar, shape))
+        return np.dtype((array_scalar(array), shape))
     raise TypeError(
         f"{owner.__name__}.{name}: {annotation!r}, expected a number, an array of known shape or a record"
     )

@@ -9,13 +9,22 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import stat
 import sys
 import tempfile
 import time
 from functools import cache
 from pathlib import Path
 
-__all__ = ["cache_root", "closure", "closure_digest", "edited_since_start"]
+__all__ = [
+    "cache_root",
+    "closure",
+    "closure_digest",
+    "distrusted",
+    "edited_since_start",
+    "made_folder",
+    "say",
+]
 
 STARTED = time.time()
 """When this process began to import kernels."""
@@ -39,6 +48,77 @@ def cache_root() -> Path:
         return (Path(base) if base else Path.home() / ".cache") / "heavylift"
     except RuntimeError:  # a user without a home, as in some containers
         return Path(tempfile.gettempdir()) / f"heavylift-{os.getuid()}"
+
+
+def distrusted(*places: Path) -> str:
+    """Why compiled code in folders and files below the cache root is not loaded: others could have put it there.
+
+    Trusted is what belongs to this user or root and what no other may write to. A group without other members is no
+    other, as on systems where each user has a group of the same name and files are made writable for the group.
+
+    Returns
+    -------
+    str
+        The reason with the way out; empty if there is none, or nothing is there.
+    """
+    if not hasattr(os, "geteuid"):  # a system whose files have no such owners
+        return ""
+    for place in (cache_root(), *places):
+        try:
+            status = place.stat()
+        except OSError:  # it is not there, or told where it is written
+            continue
+        if status.st_uid not in {0, os.geteuid()}:
+            return (
+                f"{place} belongs to {_user(status.st_uid)}; set HEAVYLIFT_CACHE_DIR to a folder of your own"
+            )
+        # in a folder as /tmp nobody can replace what is not his own
+        shared = place not in places and bool(status.st_mode & stat.S_ISVTX)
+        others = status.st_mode & stat.S_IWOTH
+        group = status.st_mode & stat.S_IWGRP and not _is_own_group(status.st_gid, status.st_uid)
+        if (others or group) and not shared:
+            return f"other users may write to {place}; remove it, or set HEAVYLIFT_CACHE_DIR to a folder of your own"
+    return ""
+
+
+def _user(number: int) -> str:
+    """A user for a person."""
+    import pwd
+
+    try:
+        return f"user {pwd.getpwuid(number).pw_name}"
+    except KeyError:
+        return f"user {number}"
+
+
+@cache
+def _is_own_group(group: int, user: int) -> bool:
+    """Whether a group is that of a user alone: of the same name, and without other members."""
+    import grp
+    import pwd
+
+    try:
+        of_group, name = grp.getgrgid(group), pwd.getpwuid(user).pw_name
+    except KeyError:  # as in containers whose user stands in no list
+        return False
+    return of_group.gr_name == name and set(of_group.gr_mem) <= {name}
+
+
+def made_folder(folder: Path) -> Path:
+    """A folder below the cache root, made if it is not there: no other user may write to it, whatever the umask."""
+    root = cache_root()
+    root.parent.mkdir(parents=True, exist_ok=True)
+    for place in dict.fromkeys((root, folder)):
+        place.mkdir(mode=0o755, exist_ok=True)
+    return folder
+
+
+@cache
+def say(text: str) -> None:
+    """Tell a person something that no result depends on; once."""
+    from heavylift.numerics.outcome import visible  # no kernel depends on it
+
+    print(visible(f"heavylift: {text}"), file=sys.stderr)  # noqa: T201
 
 
 def _file(module: str) -> Path:

@@ -121,6 +121,10 @@ _PLAIN = {
     "in": (0.0254, Dimension(1)),
     "inch": (0.0254, Dimension(1)),
     "ft": (0.3048, Dimension(1)),
+    # of international feet; in pint before 0.26 of feet of the American survey, 2 millionths longer
+    **dict.fromkeys(("fathom", "fathoms"), (6 * 0.3048, Dimension(1))),
+    **dict.fromkeys(("chain", "chains"), (66 * 0.3048, Dimension(1))),
+    **dict.fromkeys(("furlong", "furlongs"), (660 * 0.3048, Dimension(1))),
 }
 
 UNITS: dict[str, tuple[float, Dimension]] = _PLAIN | {

@@ -13,6 +13,8 @@ import sys
 import time
 from typing import TYPE_CHECKING, TextIO
 
+from heavylift.numerics.outcome import in_one_line, visible
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -32,8 +34,9 @@ def say_on(stream: TextIO | None, text: str, *, needed: bool = False) -> None:
     """Print a line; a stream that takes no more is silenced, and what it was to show is lost.
 
     Letters that the encoding of the stream does not have are written as escapes. What is `needed`, as a table that
-    was asked for, is not lost without a trace: see `lost_output`.
+    was asked for, is not lost without a trace: see `lost_output`. What a terminal would obey is written as escapes too.
     """
+    text = visible(text)
     if stream is None:  # it was closed before the process began
         return
     try:
@@ -100,9 +103,9 @@ class Log:
         self.stream: TextIO | None = stream or sys.stdout
 
     def say(self, text: str) -> None:
-        """Print one line."""
+        """Print one line; what has more, as a message of another program, is indented from the second on."""
         if not self.quiet:
-            say_on(self.stream, text)
+            say_on(self.stream, text.replace("\n", "\n  "))
 
     @contextlib.contextmanager
     def progress(
@@ -123,15 +126,15 @@ class Log:
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
         columns = (
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
             TextColumn("{task.percentage:>3.0f} %"),
             TimeRemainingColumn(),
-            TextColumn("{task.fields[note]}"),
+            TextColumn("{task.fields[note]}", markup=False),
         )
         with Progress(*columns, console=Console(file=self.stream), transient=True) as bar:
-            task = bar.add_task(title, total=total, completed=int(start), note="")
-            yield lambda done, note: bar.update(task, completed=done, note=note)
+            task = bar.add_task(in_one_line(title), total=total, completed=int(start), note="")
+            yield lambda done, note: bar.update(task, completed=done, note=in_one_line(note))
 
 
 class _PlainProgress:

@@ -25,6 +25,7 @@ import heavylift.contours
 import heavylift.modal
 import heavylift.numerics
 import heavylift.solver
+from heavylift.numerics.children import NEUTRAL_FOLDER, module_folders, python_command
 from heavylift.numerics.objects import (
     ENTRIES,
     CompileError,
@@ -105,8 +106,8 @@ def compile_units(
         return
     # the folder that this process found writable, and the modules that it sees, whatever the current folder holds
     environment = os.environ | {
-        "HEAVYLIFT_CACHE_DIR": str(writable_root()),
-        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+        "HEAVYLIFT_CACHE_DIR": str(writable_root().absolute()),
+        "PYTHONPATH": os.pathsep.join(module_folders()),
     }
 
     def work() -> None:
@@ -114,9 +115,14 @@ def compile_units(
             signal, "pthread_sigmask"
         ):  # libraries such as gmsh let a write to a dead process end ours
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
-        command = [sys.executable, "-P", "-m", "heavylift.solver.compiling"]
+        command = python_command("-m", "heavylift.solver.compiling")
         process = subprocess.Popen(  # noqa: S603
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=environment,
+            cwd=NEUTRAL_FOLDER,
         )
         assert process.stdin is not None
         assert process.stdout is not None

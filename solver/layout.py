@@ -147,7 +147,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     column = add_channels("momentum", MOMENTUM_CHANNELS, channels, column)
 
     notes: list[str] = [] if made.sea is None else list(made.sea.notes)
-    notes += _overshoots(scene)
+    notes += [*made.notes, *_overshoots(scene)]
     bodies: list[Any] = []
     number = 0
     for group, pack in _groups(scene):

@@ -18,7 +18,7 @@ from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
 from heavylift.solver.scene.connections import OnBody, PackedForce
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
+from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, Scene
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 if TYPE_CHECKING:
@@ -52,6 +52,8 @@ class PackedConnections:
         Their channels, and the first free record column.
     sea
         Forces of wind, current and lines.
+    notes
+        What the user should know.
     """
 
     book: MarkerBook
@@ -65,6 +67,7 @@ class PackedConnections:
     channels: list[Channel] = field(default_factory=list)
     moving: Mapping[str, int] = field(default_factory=dict)
     sea: PackedSea | None = None
+    notes: tuple[str, ...] = ()
 
 
 def pack_connections(
@@ -134,6 +137,8 @@ def _pack(
         packed.sea, packed.column = pack_sea(scene, book, packed.channels, packed.column)
     watched = _watched(scene, integrator)
     _pack_forces(scene, packed, watched)
+    flexible = [body for body in ordered if isinstance(body, FlexibleBody)]
+    packed.notes = _tell_turned(scene, flexible, book)
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
     if scene.joints:
@@ -143,17 +148,24 @@ def _pack(
         for joint in scene.joints:
             columns.append(packed.column)
             packed.column = add_channels(joint.name, joint.CHANNELS, packed.channels, packed.column)
+        first = book.count
         packed.joints, make_system, packed.block_names = pack_joints(
             scene.joints, columns, book, attachment, inverse_scales(ordered), ordered
         )
-    laws = None
+        _refuse_turned(flexible, book, first, scene.joints)
+    laws, first = None, book.count
     if _has_laws(scene):
         laws = _pack_laws(scene, ordered, packed, attachment, watched, integrator)
+        # of what laws hang on, line bearings hold a plane; ropes pull at the centres of their sheaves
+        bearings = [force for force in scene.forces if hasattr(force, "inward")]
+        _refuse_turned(flexible, book, first, bearings)
     if laws is not None:
         packed.joints += tuple(laws.joints)
         packed.block_names += laws.block_names
         packed.forces += laws.forces
+    first = book.count
     markers = _contact_markers(scene, book)
+    _refuse_turned(flexible, book, first, scene.contacts)
     if counting:
         return packed
     if scene.joints or laws is not None or scene.touches:
@@ -180,6 +192,32 @@ def point_forces(scene: Scene) -> list[Any]:
     return [
         force for force in scene.forces if isinstance(force, OnBody) and not isinstance(force, PackedForce)
     ]
+
+
+def _refuse_turned(
+    flexible: Sequence[FlexibleBody], book: MarkerBook, first: int, things: Sequence[Any]
+) -> None:
+    """Refuse what holds directions of bodies with modes where these turn, of the markers from a number on."""
+    if flexible and things:
+        from heavylift.solver.bodies.floating_frame.turned import refuse_turned
+
+        refuse_turned(flexible, book, first, things)
+
+
+def _tell_turned(scene: Scene, flexible: Sequence[FlexibleBody], book: MarkerBook) -> tuple[str, ...]:
+    """Sentences on forces and measures with directions of bodies with modes where these turn."""
+    if not flexible:
+        return ()
+    from heavylift.solver.bodies.floating_frame.turned import tell_held_chords, tell_turned
+
+    things: list[Any] = [
+        force
+        for force in scene.forces
+        if isinstance(force, PackedForce) or getattr(force, "frame", "world") == "body"
+    ]
+    if scene.sea is not None:
+        things += [*scene.sea.loads, *scene.sea.fenders]
+    return (*tell_turned(flexible, book, things), *tell_held_chords(flexible, scene.joints))
 
 
 def _watched(scene: Scene, integrator: str) -> WatchedRopes:

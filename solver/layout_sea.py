@@ -22,7 +22,7 @@ from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 from heavylift.solver.scene.wind_loads import CurrentProfile
 from heavylift.solver.water.hulls.checks import check_sea
 
-__all__ = ["PackedSea", "float_bodies", "pack_sea"]
+__all__ = ["PackedSea", "float_bodies", "floating_hulls", "pack_sea"]
 
 LARGE_SPEEDS = {"WindField": 32.7, "CurrentField": 3.0}
 """Hurricane force by Beaufort's scale, and the fastest tidal streams [m/s]: above them the unit is asked for."""
@@ -84,6 +84,11 @@ def float_bodies(scene: Scene) -> Scene:
         _check_gravity(scene, sea)
     others = tuple(body for body in scene.bodies if body.name not in hulls)
     return replace(scene, bodies=(*others, *hulls.values()))
+
+
+def floating_hulls(scene: Scene) -> list[FloatingBody]:
+    """Hulls of a scene as they start, see `float_bodies`."""
+    return [body for body in float_bodies(scene).bodies if isinstance(body, FloatingBody)]
 
 
 def _refuse_outside(tank: Tank, surface: Any) -> None:

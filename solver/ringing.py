@@ -11,7 +11,9 @@ so the smaller of both changes counts, and none if they differ in sign (the minm
 Phys. 49, 1983).
 
 Forces of joints are known in the middle of steps and are carried on by half a step. Where one changes by turns, three
-steps on end, the part that does so is left out.
+steps on end, the part that does so is left out; of a vector along the direction in which it does, so that it does not
+matter along which axes its components are. Where one has jumped, as where something is released, its slope is no slope:
+what it is carried on by is at most `STEEPER` times what it was before, and nothing where it turns.
 
 A midpoint that is predicted along ringing velocities is off by h/2 of them, and the directions of forces there with
 it: this drives the ringing, in shells by a percent a step, until it has as much energy as the motion. There the part
@@ -20,9 +22,23 @@ of the end velocities that changes its sign with every step is left out where it
 
 from __future__ import annotations
 
+import math
+
 from heavylift.numerics.jit import kernel
 
-__all__ = ["alternating", "steady_force", "steady_rate"]
+__all__ = [
+    "STEEPER",
+    "alternating",
+    "alternating_slope",
+    "carried_force",
+    "kept_share",
+    "steady_force",
+    "steady_rate",
+]
+
+STEEPER = 3.0
+"""Slope of a step over that of the one before that is still a slope: what grows by the square of time has 3 in its
+second step, and less in all behind."""
 
 
 @kernel(inline=True, internal=True)
@@ -56,6 +72,53 @@ def alternating(deviation: float, before: float) -> float:
 
 
 @kernel(inline=True, internal=True)
+def alternating_slope(slope: float, before: float, long_before: float) -> float:
+    """The part of three slopes on end, the last one first, that changes its sign with every step: 0 if they do not.
+
+    Their second difference, which leaves out what is constant; but no more than twice the smallest of them, so that it
+    begins and ends without a jump.
+    """
+    if slope * before >= 0.0 or before * long_before >= 0.0:
+        return 0.0
+    part = 0.25 * (slope - 2.0 * before + long_before)
+    least = 2.0 * min(abs(slope), abs(before), abs(long_before))
+    return max(-least, min(least, part))
+
+
+@kernel(inline=True, internal=True)
+def kept_share(along: float, square: float, before_square: float) -> float:
+    """Share of a slope that the slope before bears out: a jump has none (limiter of S. Chakravarthy, S. Osher).
+
+    Parameters
+    ----------
+    along, square, before_square
+        Of a vector, or of a number, without the parts that alternate: slope times slope before, and their squares.
+    """
+    if along <= 0.0:
+        return 0.0
+    return min(1.0, STEEPER * math.sqrt(before_square / square))
+
+
+@kernel(inline=True, internal=True)
+def carried_force(
+    middle: float, slope: float, part: float, share: float, step: float, spacing: float
+) -> float:
+    """Force at the end of a step without ringing, from that in its middle.
+
+    Parameters
+    ----------
+    middle
+        In the middle of the step [N].
+    slope, part, share
+        Of the force from the middle of the step before to that of this one, its `alternating_slope` [N/s], and the
+        `kept_share` of the rest.
+    step, spacing
+        The step, and the time since the middle of the one before [s].
+    """
+    return middle + 0.5 * step * share * (slope - part) - 0.5 * spacing * part
+
+
+@kernel(inline=True, internal=True)
 def steady_force(
     middle: float, slope: float, before: float, long_before: float, step: float, spacing: float
 ) -> float:
@@ -72,8 +135,9 @@ def steady_force(
 
     Notes
     -----
-    Of second order where the force is smooth: three slopes on end never alternate there.
+    Of second order where the force is smooth: three slopes on end never alternate there, and where it turns its slope
+    is of the order of the step.
     """
-    if slope * before < 0.0 and before * long_before < 0.0:
-        return middle - 0.5 * spacing * alternating(alternating(slope, before), -long_before)
-    return middle + 0.5 * step * slope
+    part = alternating_slope(slope, before, long_before)
+    now, old = slope - part, before + part
+    return carried_force(middle, slope, part, kept_share(now * old, now * now, old * old), step, spacing)

@@ -8,7 +8,6 @@ import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,13 +19,14 @@ from heavylift.numerics.words import check_word
 from heavylift.solver.carried import carried_words
 from heavylift.solver.compiling import compile_units, missing_units
 from heavylift.solver.integrate.choice import check_integrator, choose_integrator, stiff_part
+from heavylift.solver.integrate.lone_extremes import LoneExtremes
 from heavylift.solver.integrate.loop import start_scene, write_record
 from heavylift.solver.integrate.resolution import period_words, prepare_counts, step_warning
 from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.scene.contacts import RigidLaw
-from heavylift.solver.scene.scene import Gravity, Scene, Start
+from heavylift.solver.scene.scene import FlexibleBody, Gravity, Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
     drive_warning,
@@ -39,6 +39,7 @@ from heavylift.solver.stop_message import (
 
 if TYPE_CHECKING:
     from heavylift.numerics.objects import Unit
+    from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
     from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.start.diagnosis import Diagnosis
 
@@ -162,6 +163,7 @@ class Simulation:
         self.integrator = integrator
         self.record_every = int(record_every)
         self.tolerance = float(tolerance or 0.0)
+        scene = replace(scene, at_rest=start in AT_REST)
         if scene.sea is not None and start in AT_REST:
             scene = replace(scene, sea=replace(scene.sea, at_rest=True))
         self._layout = pack_scene(scene, integrator, 0.0 if self.tolerance else self.step)
@@ -185,7 +187,7 @@ class Simulation:
             )
         self._start_mode, self._scene = start, scene
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
-        self.start_text = ""
+        self.start_text = self._unsettled = ""
         module = importlib.import_module(INTEGRATORS[integrator])
         self._run = module.run
         if integrator == "accurate":
@@ -209,8 +211,19 @@ class Simulation:
         self.compile_seconds = 0.0
         remedy = energy_remedy(self._layout)
         self._watch = RunWatch(
-            self.channels, self._size(), self._weight(scene), remedy, touches=scene.touches
+            self.channels,
+            self._size(),
+            self._weight(scene),
+            remedy,
+            touches=scene.touches,
+            mass=sum(float(mass.sum()) for mass, _ in self._bodies()),
         )
+        self._range: ModalRange | None = None
+        if any(isinstance(body, FlexibleBody) for body in scene.bodies):
+            from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
+
+            self._range = ModalRange(scene.bodies, self.channels, scene.joints)
+        self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._warm = False
         self._started = False
         self._scene_digest = self._digest()
@@ -268,9 +281,12 @@ class Simulation:
             settled = self._start_mode in AT_REST
             if settled:
                 self._settle_contacts()
+                self._check_strains()
             start_contacts(layout, self.step, settled=settled)
         if layout.block_names and self.integrator == "dele2":
             self._probe()
+        if self._start_mode in AT_REST:
+            self._check_draughts()
         prepare_counts(layout)
         if layout.controllers is not None:
             from heavylift.solver.water.hulls.controllers import begin_controllers
@@ -279,6 +295,17 @@ class Simulation:
             begin_controllers(layout.controllers, [one.name for one in self._scene.sea.controllers])
         if self.operation is not None:
             self._begin_scenario(self.operation)
+
+    def _check_draughts(self) -> None:
+        """Hulls with databases lie at rest as these have them."""
+        sea, layout = self._scene.sea, self._layout
+        if sea is None or not sea.radiation:
+            return
+        from heavylift.solver.layout_sea import floating_hulls
+        from heavylift.solver.water.hulls.database_fit import check_rest
+
+        notes = check_rest(layout.bodies, layout.body_names, floating_hulls(self._scene), sea)
+        self._layout = replace(layout, notes=(*layout.notes, *notes))
 
     def _begin_scenario(self, operation: Operation) -> None:
         """Do what the first phase begins with; a phase that is over before it begins is a mistake."""
@@ -312,6 +339,8 @@ class Simulation:
                 from heavylift.solver.statics.start_tensions import fit_start_tensions
 
                 self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
+        if self._start_mode in AT_REST and not settles:
+            self._check_strains()
         if any("excitation" in kind._fields for kind in self._layout.bodies):
             from heavylift.solver.water.hulls.packing import check_series
 
@@ -322,25 +351,53 @@ class Simulation:
             if self._stiff and not self.diagnosis.redundant:
                 self._straighten()
 
+    def _check_strains(self) -> None:
+        """Refuse ropes that are too short for where the scene has come to rest."""
+        if self._scene.ropes:
+            from heavylift.solver.laws.rope_packing import check_strains_at_rest
+            from heavylift.solver.statics.forces import STEP
+            from heavylift.solver.statics.rows_at_rest import fill_at_rest
+
+            layout = self._layout
+            fill_at_rest(
+                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work, self.time, STEP
+            )
+            check_strains_at_rest((*layout.joints, *layout.forces), layout.block_names)
+
     def _settle_contacts(self) -> None:
         """Bring the scene to rest with what it touches."""
         from heavylift.solver.contact.check_start import start_contacts
         from heavylift.solver.start.rows import StartRows
-        from heavylift.solver.statics.contact_rest import settle_contacts
+        from heavylift.solver.statics.contact_rest import ContactRest, settle_contacts
 
         records = np.empty((0, self.column_count))
 
-        def advance() -> str:
-            if self._call(0, 1, 2, records) == 1:
-                return ""
-            return stop_message(self._layout, "the first step")
+        scene, layout = self._scene, self._layout
 
-        def search(rows: Any) -> SimpleNamespace:
-            start_contacts(self._layout, self.step, settled=bool(self.start_text))
-            return SimpleNamespace(text=settle_contacts(rows, self._arrays, advance, weight))
+        def advance(step: float) -> str:
+            layout.work.control.next_step = step
+            if self._run(
+                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
+                step, 0.0, 0, 1, 2, records,
+            ) == 1:  # fmt: skip
+                return ""
+            message = stop_message(layout, "a step to rest")
+            layout.work.status.words[:] = 0.0
+            return message
+
+        def meet() -> None:
+            start_contacts(layout, self.step, settled=bool(self.start_text))
+
+        def search(rows: Any) -> ContactRest:
+            found = settle_contacts(rows, self._arrays, advance, meet, weight, _gravity(scene), rubs=rubs)
+            self._unsettled = found.warning
+            return found
 
         begin = clock.thread_time()
-        weight = max(self._weight(self._scene), SMALLEST_WEIGHT)
+        weight = max(self._weight(scene), SMALLEST_WEIGHT)
+        rubs = any(pair.friction for pair in scene.contacts) or any(
+            pair.friction for pair in scene.collisions
+        )
         rows, self.start_text = StartRows(self._layout), ""
         self.start_text = search(rows).text
         if self._fits_tensions:
@@ -436,7 +493,10 @@ class Simulation:
         if self.outcome is not Outcome.COMPLETED or self.ended or steps <= 0:
             return np.empty(0), records[:0]
         if not self._watch.begun:
-            self._watch.add(self.record()[np.newaxis])
+            begun = self.record()[np.newaxis]
+            self._watch.add(begun)
+            if self._left_range(begun) >= 0:
+                return np.empty(0), records[:0]
         before = self.state()
         begin = clock.thread_time()
         done = self._call(first, last, every, records)
@@ -451,9 +511,31 @@ class Simulation:
             self._stop()
             self._back_to(before, done, records)
         count = int(done) // every - first // every
+        beyond = self._left_range(records[:count], first // every + 1)
+        if beyond >= 0:
+            assert self._range is not None
+            count, seen = beyond + 1, self._range.state
+            self.ended = False
+            self._back_to(before, (first // every + count) * every, records)
+            self._range.state = seen
         self._watch.add(records[:count])
+        if self._lone is not None:
+            self._lone.add(records[:count])
         times = (first // every + 1.0 + np.arange(count, dtype=np.float64)) * every * self.step
         return times, records[:count]
+
+    def _left_range(self, records: NDArray[np.float64], number: int = 0) -> int:
+        """Number of the record at which a body has left the range of its modes, with which the run ends; or -1.
+
+        The first of the records is the one with a `number` of the run.
+        """
+        looks = self._watch.finite  # energies that are no numbers say enough
+        beyond = self._range.add(records) if self._range is not None and looks else -1
+        if beyond >= 0:
+            assert self._range is not None
+            when = f"t = {(number + beyond) * self.record_every * self.step:.9g} s"
+            self.outcome, self.message = Outcome.MODES_LEFT, self._range.message(when)
+        return beyond
 
     def _call(self, first: int, last: int, every: int, records: NDArray[np.float64]) -> int:
         layout = self._layout
@@ -502,6 +584,10 @@ class Simulation:
     @property
     def verdict(self) -> tuple[Outcome, str]:
         """Whether a run that has come to its end is to be believed, and a message why not."""
+        if not self._watch.begun:  # nothing but a start
+            self._left_range(self.record()[np.newaxis])
+        if self.outcome is Outcome.MODES_LEFT:
+            return self.outcome, self.message
         outcome, message = self._watch.verdict
         if outcome is Outcome.COMPLETED and self.operation is not None and self.operation.unfinished:
             outcome = Outcome.PHASES_LEFT
@@ -514,7 +600,16 @@ class Simulation:
         layout = self._layout
         seen = (force_warning, mesh_warning, hull_warning, contact_warning, drive_warning)
         steps = step_warning(layout, self._watch.floor)
-        found = "; ".join(filter(None, [self._watch.warning, steps, *(look(layout) for look in seen)]))
+        modes = "" if self._range is None or self._range.left else self._range.warning
+        words = [
+            self._unsettled,
+            modes,
+            self._watch.warning,
+            steps,
+            self._lone_extremes,
+            *(look(layout) for look in seen),
+        ]
+        found = "; ".join(filter(None, words))
         if found:
             return found
         if self.integrator == "accurate":
@@ -526,6 +621,14 @@ class Simulation:
                 return f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"
         return "; ".join(self._layout.notes)
 
+    @property
+    def _lone_extremes(self) -> str:
+        """Of extremes that stand alone where a phase has ended; empty without."""
+        if self._lone is None or self.operation is None:
+            return ""
+        times = (line.time for line in self.operation.log)
+        return self._lone.warning(times, self.step, self.record_every, steps_vary=self.tolerance > 0.0)
+
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that a continuation needs, bit for bit: arrays by name, copied."""
         self._start()
@@ -533,6 +636,10 @@ class Simulation:
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
         arrays["cpu_seconds"] = np.array(self.cpu_seconds)
         arrays["watch"] = self._watch.state
+        if self._range is not None:
+            arrays["modal_range"] = self._range.state.copy()
+        if self._lone is not None:
+            arrays["extremes"] = self._lone.state
         arrays["scene"] = self._scene_digest.copy()
         return arrays
 
@@ -552,6 +659,8 @@ class Simulation:
             "step_index": (),
             "cpu_seconds": (),
             "watch": (STATE,),
+            **({} if self._range is None else {"modal_range": self._range.state.shape}),
+            **({} if self._lone is None else {"extremes": self._lone.state.shape}),
             "scene": own.shape,
         }.items():
             foreign = name == "scene" and name in state and not np.array_equal(state[name], own)
@@ -567,6 +676,10 @@ class Simulation:
         self.step_index = int(state["step_index"])
         self.cpu_seconds = float(state["cpu_seconds"])
         self._watch.state = state["watch"]
+        if self._range is not None:
+            self._range.state = state["modal_range"].copy()
+        if self._lone is not None:
+            self._lone.state = state["extremes"]
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
         self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record
@@ -591,10 +704,7 @@ class Simulation:
 
     def _weight(self, scene: Scene) -> float:
         """Weights of all bodies, each times its length [J]."""
-        gravity = sum(
-            (force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3)
-        )
-        return float(np.linalg.norm(gravity)) * sum(float(mass @ length) for mass, length in self._bodies())
+        return _gravity(scene) * sum(float(mass @ length) for mass, length in self._bodies())
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.
@@ -620,6 +730,12 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
+
+
+def _gravity(scene: Scene) -> float:
+    """[m/s2]."""
+    gravity = sum((force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3))
+    return float(np.linalg.norm(gravity))
 
 
 def _relax(rows: Any) -> Any:

@@ -56,7 +56,7 @@ def stop_message(layout: Layout, when: str) -> str:
         Outcome.OFF_ROAD: ("a longer or wider deck, ramps at its edges, or a shorter run", "transporter"),
         Outcome.LINE_OVERSTRETCHED: ("a longer or stronger line, or a larger 'strain_limit'", "line"),
     }[outcome]
-    reason = ""
+    reason = vehicle = ""
     if outcome is Outcome.OUTSIDE_DATABASE:
         from heavylift.solver.water.hulls.checks import left_because
 
@@ -67,12 +67,12 @@ def stop_message(layout: Layout, when: str) -> str:
         if parted[0]:
             part, reason, remedy = parted
     if outcome is Outcome.OFF_ROAD:
-        reason = _where_off_road(layout)
+        vehicle, reason = _where_off_road(layout)
         if "tipped over" in reason:
             remedy = "groups farther apart, a lower load, or a gentler way"
-    jolt = _jolt(layout) if outcome is Outcome.STEP_TOO_LARGE else ""
+    thrown, jolt = _jolt(layout) if outcome is Outcome.STEP_TOO_LARGE else ("", "")
     if jolt:
-        part, reason = "transporter", jolt
+        part, reason, vehicle = "transporter", jolt, thrown
         remedy = "a smaller step, softer oil or tyres, lower speed, or a ramp"
     of_mesh = status.block < 0
     if of_mesh and part == "joint":  # the iteration of a mesh
@@ -89,7 +89,9 @@ def stop_message(layout: Layout, when: str) -> str:
     names = {"body": layout.body_names, "line": layout.line_names}.get(part, layout.block_names)
     number = int(status.body if part in {"body", "line"} else status.block)
     element = f", element {-1 - int(status.block)}" if of_mesh else ""
-    return f"{outcome.text} at {when}, {part} {names[number]!r}{element}{reason}; try {remedy}"
+    # other rows of the same step may have left their number after a wheel ended the run
+    name = vehicle if part == "transporter" and vehicle else names[number]
+    return f"{outcome.text} at {when}, {part} {name!r}{element}{reason}; try {remedy}"
 
 
 def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
@@ -116,8 +118,15 @@ def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
     return "", "", ""
 
 
-def _jolt(layout: Layout) -> str:
-    """Which bogie is thrown up within a step; empty if none is."""
+def _whose(layout: Layout, kind: Any, number: int) -> str:
+    """Name of the transporter that a bogie belongs to."""
+    groups = kind.groups
+    group = next(g for g in groups if g["first"] <= number < g["first"] + g["count"])
+    return layout.block_names[int(group["block"])]
+
+
+def _jolt(layout: Layout) -> tuple[str, str]:
+    """Which transporter has a bogie that is thrown up within a step, and which bogie; empty if none is."""
     from heavylift.solver.transport.transporters import JOLT
 
     for kind in layout.joints:
@@ -125,32 +134,35 @@ def _jolt(layout: Layout) -> str:
             continue
         for number in np.flatnonzero(kind.bogie_state["failure"] == JOLT):
             vehicle = next(v for v in kind.vehicles if v.first_bogie <= number < v.first_bogie + v.bogies)
-            return (
+            return _whose(layout, kind, int(number)), (
                 f": the load of bogie {number - int(vehicle.first_bogie) + 1} changes by "
                 f"{kind.bogie_state[number].station:.3g} times that at rest within a step"
             )
-    return ""
+    return "", ""
 
 
-def _where_off_road(layout: Layout) -> str:
-    """Which bogie has no road, or meets what it cannot climb, and where."""
+def _where_off_road(layout: Layout) -> tuple[str, str]:
+    """Which transporter has a bogie without road, or that meets what it cannot climb; which bogie, and where."""
     from heavylift.solver.transport.transporters import TIPPED, WALL
 
     for kind in layout.joints:
         if "bogie_state" not in kind._fields:
             continue
-        number = int(np.flatnonzero(kind.bogie_state["failure"])[0])
+        failed = np.flatnonzero(kind.bogie_state["failure"])
+        if not failed.size:
+            continue
+        number = int(failed[0])
         state = kind.bogie_state[number]
         vehicle = next(v for v in kind.vehicles if v.first_bogie <= number < v.first_bogie + v.bogies)
         happened = {
             WALL: "meets a step that it cannot climb",
             TIPPED: "leans by more than 60 degrees, its vehicle has tipped over",
         }.get(int(state.failure), "has no deck below it")
-        return (
+        return _whose(layout, kind, number), (
             f": bogie {number - int(vehicle.first_bogie) + 1} {happened}, at station {state.station:.6g} m and offset "
             f"{state.offset:.6g} m of deck {layout.deck_names[int(state.deck)]!r}"
         )
-    return ""
+    return "", ""
 
 
 def _tank_limit(layout: Layout) -> str:
@@ -324,6 +336,9 @@ of a search for its rest."""
 TOLD_DRIFT = 0.1
 """Of the drift at which strains are not carried any more, from which it is told: as a rule 1e-4, 20 MPa in steel."""
 
+TOLD_SHARE = 0.02
+"""Of the largest strain, from which a drift is told."""
+
 
 def mesh_warning(layout: Layout) -> str:
     """Meshes that ring, or whose carried strains drifted too far, as a sentence; empty if none.
@@ -353,16 +368,21 @@ def mesh_warning(layout: Layout) -> str:
             if numbers.changed_over:
                 parts.append(
                     f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"
-                    f" where its carried strains had drifted by more than {numbers.drift_tolerance:g}"
+                    f" where its carried strains had drifted by {numbers.largest_drift:.3g}, which is"
+                    f" {numbers.largest_share:.1%} of the largest strain"
                 )
             elif (
                 line.scheme in {AUTO, CARRIED}
-                and numbers.largest_drift > TOLD_DRIFT * numbers.drift_tolerance
+                and max(
+                    numbers.largest_drift / (TOLD_DRIFT * numbers.drift_tolerance),
+                    numbers.largest_share / TOLD_SHARE,
+                )
+                > 1.0
             ):
                 parts.append(
                     f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
-                    " shape: its stresses are wrong by as much times the modulus; take a smaller step, or elasticity"
-                    " 'energy-momentum'"
+                    f" shape, up to {numbers.largest_share:.1%} of the largest strain: its stresses are wrong by as"
+                    " much times the modulus; take a smaller step, or elasticity 'energy-momentum'"
                 )
     return "; ".join(parts)
 

@@ -66,14 +66,9 @@ def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
     found = []
     for name, (index, pair) in case.collided.items():
         section = case.collisions[index]
-        found.append(
-            c.Collision(
-                name=name,
-                surfaces=pair,
-                law=collision_law(case, section),
-                **said_of(section, c.Collision),
-            )
-        )
+        said = said_of(section, c.Collision)
+        said["clearance"] = section.clearance or name in case.measured_gaps
+        found.append(c.Collision(name=name, surfaces=pair, law=collision_law(case, section), **said))
     return tuple(found)
 
 

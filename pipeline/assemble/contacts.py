@@ -157,6 +157,20 @@ def _told(case: Case, name: str) -> Iterator[None]:
         raise InputError(problem, source=case.file, key=place, expected=error.expected) from None
 
 
+def _of_tetrahedra(case: Case, section: SurfaceContourSection, count: int) -> InputError | None:
+    """The error on a face that has no rows and columns, if its body is meshed with tetrahedra."""
+    body: Any = case.bodies[section.body]
+    if body.geometry.type not in {"blocks", "step"} or body.mesh.element != "tet10":
+        return None
+    blocks = "mesh.element = 'hex8' of the body, " if body.geometry.type == "blocks" else ""
+    return InputError(
+        f"a contour goes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
+        key="face",
+        expected=f"bricks: {blocks}geometry 'blocks', or a file with bricks; or 'nodes', a matrix of "
+        "nodes that lie in rows; or a body of type 'shell', which has a contour by itself",
+    )
+
+
 def _source(section: Contour) -> str:
     """Key that says where the points of a contour come from; empty for the shape of a frame or shell itself."""
     return next((key for key in _SOURCES if getattr(section, key, None) is not None), "")
@@ -242,7 +256,11 @@ def _picked_nodes(
         if section.nodes is not None:
             return read_node_matrix(case.folder / section.nodes, len(nodes))
         assert section.face is not None
-        return face_grid(nodes, _members(name, section.face, section.body, nodes, folder), source=name)
+        members = _members(name, section.face, section.body, nodes, folder)
+        try:
+            return face_grid(nodes, members, source=name)
+        except InputError as error:
+            raise _of_tetrahedra(case, section, len(members)) or error from None
     if section.nodes is not None:
         return read_node_row(case.folder / section.nodes, len(nodes))
     if section.circle is not None:

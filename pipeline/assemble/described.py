@@ -32,7 +32,7 @@ def assemble_list(case: Case, key: str, sides: Mapping[str, Side]) -> list[Any]:
     found = []
     for index, section in enumerate(getattr(case, key)):
         with located(case, f"{key}.{index}"):
-            found.append(assemble(section, sides, case.folder))
+            found.append(assemble(section, sides, case.folder, "", case.begins_at_rest))
     return found
 
 
@@ -42,7 +42,15 @@ def said_of(section: Any, described: Any) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = "", /, **more: Any) -> Any:
+def assemble(
+    section: Any,
+    sides: Mapping[str, Side],
+    folder: Path,
+    body: str = "",
+    at_rest: bool = False,
+    /,
+    **more: Any,
+) -> Any:
     """What a table describes.
 
     Parameters
@@ -55,6 +63,8 @@ def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = 
         Of the case, for the files that it names.
     body
         Of the thing within whose table it stands.
+    at_rest
+        The case comes to rest before time starts, which is when it shows how far things are stretched.
     **more
         Fields of the object that are no keys.
     """
@@ -84,7 +94,7 @@ def assemble(section: Any, sides: Mapping[str, Side], folder: Path, body: str = 
             given.setdefault(field.name, _value(value, field, sides, folder, body))
     made = described(**given)
     if hasattr(made, "check_start"):
-        made.check_start(world)
+        made.check_start(world, at_rest=at_rest)
     return made
 
 

@@ -17,7 +17,14 @@ import numpy as np
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.assemble.connections import assemble_joint
 from heavylift.pipeline.assemble.described import assemble
-from heavylift.pipeline.assemble.scene import MEASURED, assemble_rigid, motion_of, points_on, start_of_frame
+from heavylift.pipeline.assemble.scene import (
+    MEASURED,
+    assemble_rigid,
+    gravity_of,
+    motion_of,
+    points_on,
+    start_of_frame,
+)
 from heavylift.pipeline.assemble.sides import start_sides
 from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.fields import GROUND
@@ -49,10 +56,6 @@ DESCRIBED = (
     "transporters",
 )
 """Lists of tables that `heavylift.pipeline.assemble.described.assemble` takes as they are."""
-
-NEAR, EDGE = 0.02, 4.0
-"""How far a point may be from the blocks of a body: this share of its extent, or so many target sizes of its elements.
-Not less than what `heavylift.pipeline.assemble.finite_elements.check_on_body` allows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +114,11 @@ def scene_errors(case: Case) -> list[InputError]:
     """Errors of a scene, each with its place in the case file; empty if nothing is wrong so far."""
     scene = _Scene(case)
     sides = scene.sides
-    made = {key: scene.parts(key, lambda section: assemble(section, sides, case.folder)) for key in DESCRIBED}
+    rests = case.begins_at_rest
+    made = {
+        key: scene.parts(key, lambda section: assemble(section, sides, case.folder, "", rests))
+        for key in DESCRIBED
+    }
     joints = scene.parts("joints", lambda section: assemble_joint(case, section, sides))
     contacts: list[Any] = []
     if case.contacts:
@@ -216,24 +223,23 @@ def _check_points(scene: _Scene, joints: list[Any], contacts: list[Any]) -> None
 
 
 def _check_on_blocks(case: Case, body: FlexibleBodySection, point: ArrayLike, key: str) -> None:
-    """Refuse a point farther from all blocks than any mesh of them would allow."""
+    """Refuse a point farther from all blocks than from a mesh of them."""
+    from heavylift.preprocess.finite_elements.mesh import BESIDE
+
     geometry = body.geometry
     assert geometry.type == "blocks"
     place = np.asarray(point, dtype=np.float64)
     low, high = (np.array([getattr(block, side) for block in geometry.add]) for side in ("lower", "upper"))
     distance = np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=1).min()
-    extent = high.max(axis=0) - low.min(axis=0)
-    if body.mesh.divisions:
-        edge = float(np.linalg.norm(extent))
-    else:
-        edge = EDGE * (body.mesh.size or float((high - low).min()))
-    if distance > max(NEAR * float(extent.max()), edge):
+    extent = float((high.max(axis=0) - low.min(axis=0)).max())
+    if distance > BESIDE * extent:
         words = ", ".join(f"{1e3 * value:.6g}" for value in place)
         raise InputError(
             f"point ({words}) mm is not on the body: it is {1e3 * distance:.6g} mm away from its blocks",
             source=case.file,
             key=key,
-            expected="a point on the body, in the coordinates of the geometry (are the units right?)",
+            expected=f"a point on the body, to {BESIDE:.0%} of its largest extent of {1e3 * extent:.6g} mm, in the "
+            "coordinates of the geometry (are the units right?)",
         )
 
 
@@ -272,7 +278,11 @@ def _takes_time(case: Case) -> bool:
 
 
 def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> None:
-    """Refuse what the solver refuses of all that hangs on no solid, as axes that disagree or sides that cannot move."""
+    """Refuse what the solver refuses of all that hangs on no solid, as axes that disagree or sides that cannot move.
+
+    What is packed has the gravity of the whole scene. What is left out (solids and all that hangs on them, surfaces,
+    contacts, the sea, the operation) must not be needed by what stays: that is left out too.
+    """
     case = scene.case
     bodies = [body for name, body in scene.bodies.items() if not scene.is_solid(name)]
     names = {body.name for body in bodies} | {GROUND}
@@ -285,7 +295,8 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
         return
     held = known("joints", joints)
     along = {joint.name for joint in held}
-    forces = [
+    forces: list[Any] = [*gravity_of(case)]
+    forces += [
         force for force in known("forces", made["forces"]) if getattr(force, "joint", None) in {None, *along}
     ]
     ropes = known("ropes", made["ropes"])
@@ -307,6 +318,7 @@ def _pack(scene: _Scene, made: Mapping[str, list[Any]], joints: list[Any]) -> No
                 ropes=tuple(ropes),
                 decks=tuple(decks),
                 transporters=tuple(transporters) if road_known else (),
+                at_rest=case.begins_at_rest,
             ),
             "dele2",
             0.0,

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from numpy.typing import ArrayLike, NDArray
-
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MatricesGeometry, MeshFileGeometry
@@ -28,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "assemble_model",
-    "check_on_body",
     "four_files",
     "in_body",
     "model_properties",
@@ -140,7 +137,7 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
         grouped |= error.key in {"elements", "part", "merge_nodes"} and of_file
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
-        if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.")):
+        if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.", "contours.")):
             raise
         problem, key = error.problem, ""
         for pattern, below in _CASE_KEYS:
@@ -169,76 +166,6 @@ def _refuse_single_layer(mesh: Mesh) -> None:
                 key=f"divisions.{label}",
                 expected="2 or more bricks (4 for bending within 7 %), or formulation 'incompatible'",
             )
-
-
-def check_on_body(
-    point: ArrayLike,
-    nodes: NDArray[np.float64],
-    elements: NDArray[np.int64] | None,
-    *,
-    source: object,
-    key: str,
-) -> int:
-    """Nearest node of a point that must lie on a body.
-
-    Parameters
-    ----------
-    point
-        Coordinates of the geometry [m], shape (3,).
-    nodes
-        Positions [m] in the same axes, shape (n, 3).
-    elements
-        Nodes of the elements, corners first, shape (ne, 8), (ne, 20) or (ne, 10); None if the body has none.
-    source, key
-        Where the point stands, for the message.
-
-    Returns
-    -------
-    int
-        Zero-based index of the node.
-
-    Raises
-    ------
-    InputError
-        If the node is farther than 2 % of the largest extent of the body and 1.5 times the longest edge of
-        the elements around it; without elements, 1.5 times the distance of its eighth neighbour.
-    """
-    position = np.asarray(point, dtype=np.float64)
-    distances = np.linalg.norm(nodes - position, axis=1)
-    node = int(np.argmin(distances))
-    allowed = 0.02 * float(np.ptp(nodes, axis=0).max())
-    if distances[node] <= allowed:
-        return node
-    if elements is None:
-        around = np.sort(np.linalg.norm(nodes - nodes[node], axis=1))
-        spacing = float(around[min(8, len(around) - 1)])
-    else:
-        corners = nodes[elements[np.any(elements == node, axis=1)][:, : 4 if elements.shape[1] == 10 else 8]]
-        spacing = _longest_edge(corners)
-    if distances[node] <= max(allowed, 1.5 * spacing):
-        return node
-    raise InputError(
-        f"point {_millimetres(position)} mm is not on the body: the nearest node, at {_millimetres(nodes[node])} "
-        f"mm, is {1e3 * distances[node]:.6g} mm away",
-        source=source,
-        key=key,
-        expected="a point on the body, in the coordinates of the geometry (are the units right?)",
-    )
-
-
-def _longest_edge(corners: NDArray[np.float64]) -> float:
-    """Longest edge of elements with corners of shape (ne, 4|8, 3), VTK order [m]."""
-    if corners.shape[1] == 4:
-        pairs = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
-    else:
-        ring = [(0, 1), (1, 2), (2, 3), (3, 0)]
-        pairs = ring + [(a + 4, b + 4) for a, b in ring] + [(a, a + 4) for a in range(4)]
-    first, second = np.array(pairs).T
-    return float(np.linalg.norm(corners[:, first] - corners[:, second], axis=2).max(initial=0.0))
-
-
-def _millimetres(point: NDArray[np.float64]) -> str:
-    return "(" + ", ".join(f"{1e3 * x:.6g}" for x in point) + ")"
 
 
 def _mesh(case: Case, name: str, body: FlexibleBodySection) -> Mesh:

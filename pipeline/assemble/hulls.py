@@ -25,7 +25,7 @@ from heavylift.preprocess.hydrodynamics.hull_panels import (
     surface_panels,
 )
 from heavylift.preprocess.hydrodynamics.panel_mesh import PanelMesh, hull_panels
-from heavylift.preprocess.hydrodynamics.repairs import repaired
+from heavylift.preprocess.hydrodynamics.repairs import FEWEST, implied_scatter, repaired
 from heavylift.preprocess.hydrodynamics.water_planes import lid_panels, moonpools
 from heavylift.solver.scene import sea as seas
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
     from heavylift.preprocess.hydrodynamics.hull_panels import HullPanels, PanelHydrostatics
+    from heavylift.preprocess.hydrodynamics.words import FirstColumn
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.sea import Radiation
     from heavylift.solver.water.hulls.hydrostatics import FloatingPosition
@@ -209,7 +210,7 @@ def linear_from_panels(still: PanelHydrostatics, level: float) -> seas.LinearRes
     lever = V * centre[2]
     # C33 = A, C34 = Sy, C35 = -Sx, C44 = Iyy + V z_B, C55 = Ixx + V z_B, C45 = -Ixy
     shift = np.array([0.0, 0.0, level])
-    return seas.LinearRestoring(
+    return seas.RestoringOfSurface(
         volume=float(V),
         centre_of_buoyancy=centre + shift,
         reference=shift,
@@ -515,15 +516,59 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
         )
     from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit
 
-    return read_wamit(
-        path,
-        length=section.length_scale or 1.0,
-        density=water.density,
-        gravity=water.gravity,
-        depth=water.depth,
-        reference_points=np.zeros((len(section.hulls), 3)) if points is None else points,
-        bodies=section.hulls,
-        first_column=section.first_column or "period",
-        symmetric=bool(section.symmetric),
-        repair=section.repair,
+    def read(first_column: FirstColumn) -> HydrodynamicDatabase:
+        return read_wamit(
+            path,
+            length=section.length_scale or 1.0,
+            density=water.density,
+            gravity=water.gravity,
+            depth=water.depth,
+            reference_points=np.zeros((len(section.hulls), 3)) if points is None else points,
+            bodies=section.hulls,
+            first_column=first_column,
+            symmetric=bool(section.symmetric),
+            repair=section.repair,
+        )
+
+    said = section.first_column or "period"
+    other: FirstColumn = "frequency" if said == "period" else "period"
+    try:
+        found = read(said)
+    except InputError as error:
+        try:
+            read(other)
+        except InputError:
+            raise error from None
+        raise _of_the_other_column(error, said, other) from None
+    if section.first_column is None and len(found.omega) >= FEWEST:
+        scatter = implied_scatter(found)
+        if scatter > DOUBTED:
+            try:
+                better = implied_scatter(read(other))
+            except InputError:
+                return found
+            if better < BETTER * scatter:
+                doubt = InputError(
+                    f"added mass and damping do not belong to each other, by {scatter:.1%}",
+                    source=str(path),
+                    key="first_column",
+                    expected=f"'first_column = \"{said}\"' if that is so",
+                )
+                raise _of_the_other_column(doubt, said, other)
+    return found
+
+
+DOUBTED, BETTER = 0.02, 0.2
+"""`implied_scatter` from which a first column is doubted, and the part of it that the other reading must stay below."""
+
+
+def _of_the_other_column(error: InputError, said: FirstColumn, other: FirstColumn) -> InputError:
+    """The same error, with the word by which the file is sound."""
+    what = {"period": "periods [s]", "frequency": "frequencies [rad/s]"}
+    return InputError(
+        f"{error.problem}; its first column was read as {what[said]}",
+        source=error.source,
+        key=error.key,
+        expected=f"{error.expected}; or 'first_column = \"{other}\"', with which the file is sound: HAMS and others "
+        "write frequencies, WAMIT periods",
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.finite_elements import check_on_body, four_files, in_body
+from heavylift.pipeline.assemble.finite_elements import four_files, in_body
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
@@ -36,10 +36,6 @@ def reduce_model(
     """Reduced body of a model in a folder, origin of its frame in coordinates of the geometry [m], static states."""
     name = next(name for name, other in case.bodies.items() if other is body)
     with in_body(case, name, model.name):
-        for index, point in enumerate(body.modes.static_points):
-            key = f"modes.static_points.{index}"
-            elements = None if model.mesh is None else model.mesh.elements
-            check_on_body(point, model.nodes, elements, source=case.file, key=key)
         held = held_directions(model, body.supports)
         return _reduce(case, name, body, replace(model, fixed_dofs=held), folder)
 
@@ -204,10 +200,11 @@ def _loads(options: ModesSection, model: FEModel, clamped: NDArray[np.int64]) ->
 
     loads = []
     if options.static_points:
-        nearest = {
-            int(np.argmin(((model.nodes - point) ** 2).sum(axis=1))): None for point in options.static_points
-        }
-        loads.append(bases.point_loads(model, list(nearest), options.static_directions))
+        loads.append(
+            bases.place_loads(
+                model, options.static_points, options.static_directions, key="modes.static_points"
+            )
+        )
     for group in options.static_groups:
         nodes = _nodes_of(model, [group], "modes.static_groups")
         loads.append(bases.patch_loads(model, nodes, options.static_directions, name=group))
@@ -338,6 +335,7 @@ def contour_loads(
 def reduced_properties(reduced: ReducedBody, states: Sequence[StaticState] = ()) -> dict[str, Any]:
     """Numbers of a reduced body and its static load cases for its manifest."""
     return {
+        "notes": _large_deflections(reduced, states),
         "static": {state.name: f"residual {state.residual:.0e}" for state in states} or None,
         "vector_count": reduced.mode_count,
         "frequencies_hz": [float(f) for f in reduced.frequencies],
@@ -345,3 +343,19 @@ def reduced_properties(reduced: ReducedBody, states: Sequence[StaticState] = ())
         "orthogonality": reduced.orthogonality,
         "dropped": list(reduced.dropped) or None,
     }
+
+
+def _large_deflections(reduced: ReducedBody, states: Sequence[StaticState]) -> list[str]:
+    """Sentences on static load cases that move the body too far for linear statics."""
+    from heavylift.modal.reduced import LARGE_DEFLECTION
+
+    found = []
+    for state in states:
+        share = float(np.linalg.norm(state.displacements, axis=1).max()) / reduced.size
+        if share > LARGE_DEFLECTION:
+            found.append(
+                f"WARNING: static load case {state.name!r} moves it by {share:.3g} of its size: linear statics are "
+                f"for displacements that are small beside it ({LARGE_DEFLECTION:.0%}); take a body of type 'frame' or "
+                "'shell', or smaller loads"
+            )
+    return found

@@ -23,14 +23,17 @@ from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move, plan_
 from heavylift.solver.scene.bodies import Driven, Fixed
 from heavylift.solver.scene.scenario import (
     AXES,
+    MOVERS,
     Connect,
     DriveSpeed,
     DriveTo,
+    Fail,
     Note,
     PathGoOn,
     PathSpeed,
     Release,
     ReleaseJoint,
+    Restore,
     TankRate,
     WinchBrake,
     WinchFollow,
@@ -356,7 +359,10 @@ def _plan_row(
 ) -> list[PlannedPhase]:
     told = [action for phase in phases for action in phase.actions]
     names = dict.fromkeys(
-        acted_on(a) for a in told if not isinstance(a, (Note, Release, ReleaseJoint, Connect, WinchBrake))
+        acted_on(a)
+        for a in told
+        if not isinstance(a, (Note, Release, ReleaseJoint, Connect, WinchBrake))
+        and not (isinstance(a, (Fail, Restore)) and a.sort not in MOVERS)
     )
     courses = {
         name: _PathCourse(routes[name]) if name in routes else _Course(Range(starts[name], starts[name]))
@@ -418,13 +424,16 @@ def _tell(courses: Mapping[str, _Course], name: str, action: Action) -> None:
     if isinstance(action, Connect):
         course.value = ANYTHING  # that of its path then
         return
-    if isinstance(action, (Release, WinchBrake, Note)):
+    if isinstance(action, (Release, WinchBrake, Restore, Note)):
         return
     if isinstance(action, (PathSpeed, PathGoOn)):
         assert isinstance(course, _PathCourse)
         course.drive(action)
         return
     course.leader = ""
+    if isinstance(action, Fail):
+        course.go_on(0.0, 0.0, 0.0, 0.0)
+        return
     limits = (
         getattr(action, "ramp", 0.0),
         getattr(action, "acceleration", 0.0),

@@ -12,12 +12,11 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.connections import assemble_joints
 from heavylift.pipeline.assemble.described import assemble, assemble_list
-from heavylift.pipeline.assemble.finite_elements import check_on_body
 from heavylift.pipeline.assemble.sides import Side, start_sides
 from heavylift.pipeline.assemble.water import has_sea
 from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.places import located
-from heavylift.pipeline.results.model_io import read_header, read_model, read_reduced
+from heavylift.pipeline.results.model_io import read_header, read_reduced
 from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.connections import EdgeJoint
 from heavylift.solver.scene.meshes import FrameBody, ShellBody
@@ -45,6 +44,7 @@ __all__ = [
     "MEASURED",
     "assemble_rigid",
     "assemble_scene",
+    "gravity_of",
     "modal_coordinates",
     "motion_of",
     "points_on",
@@ -56,7 +56,13 @@ MEASURED = ("relative_motions", "leads", "lugs", "hook_loads", "rope_groups")
 
 
 def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
-    """Scene of a case; the reduced bodies are read from its output folder."""
+    """Scene of a case; the reduced bodies are read from its output folder.
+
+    Raises
+    ------
+    InputError
+        If something does not fit: shapes, points, or a database and its hull.
+    """
     bodies: list[s.FlexibleBody | s.RigidBody | FrameBody | ShellBody] = []
     origins: dict[str, NDArray[np.float64]] = {}
     for name, body in case.bodies.items():
@@ -99,8 +105,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
             )
         )
     sides = start_sides(bodies, origins)
-    forces: list[Any] = [] if case.gravity is None else [s.Gravity(np.array(case.gravity.acceleration))]
-    forces += assemble_list(case, "forces", sides)
+    forces: list[Any] = [*gravity_of(case), *assemble_list(case, "forces", sides)]
     for key in MEASURED:
         forces += assemble_list(case, key, sides)
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
@@ -113,7 +118,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 for place, part in edges
                 if part.body_b == made.name
             ]
-            _check_points(case, points, folder.model(made.name), made.reduced.nodes + origins[made.name])
+            _check_points(case, points, made.reduced, origins[made.name])
         elif isinstance(made, (FrameBody, ShellBody)):
             from heavylift.pipeline.assemble.meshes import check_on_mesh, check_pulleys
 
@@ -121,7 +126,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
                 check_on_mesh(made, point, case.file, key)
             if isinstance(made, FrameBody):
                 check_pulleys(case, made)
-    return s.Scene(
+    scene = s.Scene(
         tuple(bodies),
         tuple(forces),
         tuple(assemble_list(case, "sensors", sides)),
@@ -135,7 +140,20 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         collisions=_collisions(case),
         sea=_sea(case, sides, folder),
         scenario=case.operation,
+        at_rest=case.begins_at_rest,
     )
+    if case.databases:
+        from heavylift.pipeline.assemble.afloat import check_afloat
+        from heavylift.pipeline.case.places import in_case
+
+        with in_case(case):
+            check_afloat(case, scene)
+    return scene
+
+
+def gravity_of(case: Case) -> tuple[s.Gravity, ...]:
+    """Gravity of a case as a force; none without."""
+    return () if case.gravity is None else (s.Gravity(np.array(case.gravity.acceleration)),)
 
 
 # cases import only what they have: most have no contours, surfaces or sea
@@ -245,16 +263,11 @@ def points_on(
 
 
 def _check_points(
-    case: Case, points: Sequence[tuple[str, ArrayLike]], model: Path, nodes: NDArray[np.float64]
+    case: Case, points: Sequence[tuple[str, ArrayLike]], reduced: ReducedBody, origin: NDArray[np.float64]
 ) -> None:
-    """Points that a flexible body carries must lie on it, or the nearest node would be far away."""
-    mesh, looked = None, False
+    """Points that a flexible body carries must lie on it; they and the origin in coordinates of the geometry [m]."""
     for key, point in points:
-        near = np.linalg.norm(nodes - np.array(point), axis=1).min()
-        if not looked and near > 0.02 * np.ptp(nodes, axis=0).max() and model.is_file():
-            mesh, looked = read_model(model).mesh, True  # only where the elements decide
-        elements = None if mesh is None else mesh.elements
-        check_on_body(point, nodes, elements, source=case.file, key=key)
+        reduced.locate(np.asarray(point) - origin, source=case.file, key=key, origin=origin)
 
 
 def modal_coordinates(

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import json
-import zipfile
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.hdf5_files import told_of_file
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import surface_digest
@@ -144,18 +145,17 @@ def read_surface_file(path: Path) -> StoredSurface:
     """
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
-    remedy = "make it with `heavylift mesh CASE --force`"
-    try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
-            about = json.loads(str(content["about"]))
-            whole = TriangleSurface(
-                content["points"], content["triangles"], float(content["radius"]), str(about["name"])
-            )
-            return StoredSurface(whole, content["kept"], about["report"], str(about["digest"]))
-    except FileNotFoundError:
-        raise InputError("does not exist", source=path, expected=f"a surface; {remedy}") from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"is damaged: {error}", source=path, expected=f"a whole file; {remedy}") from None
+    expected = "a whole surface; make it with `heavylift mesh CASE --force`"
+    with (
+        told_of_file(path, expected),
+        path.open("rb") as stream,
+        np.load(stream, allow_pickle=False) as content,
+    ):
+        about = json.loads(str(content["about"]))
+        whole = TriangleSurface(
+            content["points"], content["triangles"], float(content["radius"]), str(about["name"])
+        )
+        return StoredSurface(whole, content["kept"], about["report"], str(about["digest"]))
 
 
 def stored_surface(case: Case, index: int, folder: OutputFolder) -> StoredSurface:
@@ -224,10 +224,19 @@ def _of_file(file: str) -> Iterator[None]:
 
 
 def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[str]:
-    """What looks like a file in millimetres among surfaces that may touch, with their boxes; each once."""
-    from heavylift.preprocess.surfaces.report import check_magnitudes
+    """What looks like a file in millimetres: against the body of a surface, and against others; each once."""
+    from heavylift.preprocess.surfaces.report import check_against_body, check_magnitudes
 
     found: dict[str, None] = {}
+    for section in case.surfaces:
+        body = case.bodies.get(section.body)
+        if section.name in surfaces and body is not None and body.type == "rigid":
+            inertia = np.asarray(body.inertia, dtype=np.float64)
+            moments = inertia if inertia.ndim == 1 else np.diagonal(inertia)
+            gyration = math.sqrt(max(float(moments.max()), 0.0) / body.mass)
+            text = check_against_body(section.name, surfaces[section.name].surface, section.body, gyration)
+            if text:
+                found[text] = None
     for _, (a, b) in case.collided.values():
         if a in surfaces and b in surfaces:
             text = check_magnitudes(a, surfaces[a].surface, b, surfaces[b].surface)

@@ -3,8 +3,10 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import math
+import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -37,13 +39,24 @@ from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import Movable, Scenario, check_scenario, drives_of, releases_of
+from heavylift.solver.scene.scenario import (
+    Movable,
+    Scenario,
+    check_scenario,
+    drives_of,
+    helpers_of,
+    releases_of,
+)
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
 CASE_FILE = "case.toml"
 
 
+ASKING = {"check", "converge", "criteria", "reference", "report", "scenario"}
+"""Tables that name channels to judge or show them, or to wait for them."""
+GAP = re.compile(r"([^\s.,()]+)\.gap(?:_min)?(?!\w)")
+"""Owner, or pattern of owners, of a gap in the name of a quantity or channel, or in a combination of them."""
 _NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
 _KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
@@ -266,6 +279,11 @@ class Case(SceneTables, _CaseHeading):
             check_plan(self.ballast, self.tanks)
 
     @property
+    def begins_at_rest(self) -> bool:
+        """Whether it comes to rest before time starts."""
+        return self.simulate is not None and self.simulate.start in {"equilibrium", "relax"}
+
+    @property
     def operation(self) -> Scenario | None:
         """The scenario for the solver."""
         return None if self.scenario is None else scenario_of(self.scenario, self._known)
@@ -281,6 +299,7 @@ class Case(SceneTables, _CaseHeading):
             "pumped": {end: pump.name for pump in self.pumps for end in (pump.source, pump.target)},
             "vehicles": {one.name: one for one in self.transporters if one.legs},
             "releases": releases_of(self.joints, self.forces),
+            "helpers": helpers_of(self.pumps, self.controllers, self.transporters),
         }
 
     @property
@@ -314,6 +333,11 @@ class Case(SceneTables, _CaseHeading):
             vehicles,
             girders,
             tuple(movable["releases"]),
+            {
+                **{pump.name: "pump" for pump in self.pumps},
+                **{one.name: "levelling" for one in self.transporters if one.levelling is not None},
+            },
+            {one.name: tuple(one.pumps) for one in self.controllers},
         )
 
     def _rests_with_contacts(self, what: str) -> None:
@@ -392,6 +416,15 @@ class Case(SceneTables, _CaseHeading):
                 entry.name, entry.between, entry.among, surfaces, yielding
             ).items()
         }
+
+    @cached_property
+    def measured_gaps(self) -> frozenset[str]:
+        """Collisions whose gap is named by what judges or shows results: it is measured however far they are apart."""
+        if not self.collisions:
+            return frozenset()
+        shown = self.model_dump(include=ASKING)
+        owners = {owner for text in _texts_in(shown) for owner in GAP.findall(text)}
+        return frozenset(name for name in self.collided if any(fnmatchcase(name, owner) for owner in owners))
 
     @property
     def file(self) -> Path:
@@ -589,3 +622,13 @@ def check_values(document: dict[str, Any], file: Path) -> None:
             )
     if errors:
         raise InputErrors(errors[::-1])
+
+
+def _texts_in(node: Any) -> Iterator[str]:
+    """All texts in tables and lists."""
+    if isinstance(node, str):
+        yield node
+        return
+    below = node.values() if isinstance(node, Mapping) else node if isinstance(node, (list, tuple)) else ()
+    for entry in below:
+        yield from _texts_in(entry)

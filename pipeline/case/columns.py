@@ -62,7 +62,7 @@ def finite_rows(
     for number, line in lines:
         try:
             row = [float(entry) for entry in next(csv.reader([line]))]
-        except ValueError:
+        except (ValueError, csv.Error):  # the latter of a field that is longer than its reader takes
             row = []
         if len(row) != width or not all(map(math.isfinite, row)):
             raise InputError(

@@ -7,7 +7,9 @@ What a criterion is computed by, and its closed forms, are in `heavylift.pipelin
 
 import contextlib
 import math
+import re
 from collections.abc import Sequence
+from fnmatch import fnmatchcase
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import (
@@ -71,7 +73,10 @@ __all__ = [
     "check_criterion",
     "parts_to",
     "phase_names",
+    "ropes_over_pulleys",
     "sensor_at",
+    "straight_parts",
+    "tensions_of",
 ]
 
 
@@ -390,7 +395,7 @@ class SlingCriterion(_Rigged):
 
     type: Literal["sling"]
     ropes: Ropes
-    """Ropes, by names or patterns: ``["sling_*"]``."""
+    """Ropes, by names or patterns: ``["sling_*"]``. Of equalizers without masses of pulleys each line is judged."""
     breaking_load: Rated
     """Minimum breaking load of one rope: force or mass."""
     termination_factor: Factor
@@ -696,11 +701,56 @@ def phase_names(case: Any) -> list[str]:
     return [str(one.get("name", number)) for number, one in enumerate(entries, 1) if isinstance(one, dict)]
 
 
+def straight_parts(rope: Any) -> list[tuple[int, int]]:
+    """Places of a path, from 0 on, between which a rope has its straight parts; of lines of one force the lines."""
+    last = len(rope.path) - 1
+    return [(k, k + 1) for k in range(0, last, 2 if _has_lines(rope) else 1)]
+
+
 def parts_to(case: Any, rope: str, body: str) -> list[tuple[int, int]]:
     """Straight parts of a rope that lead to a body from another one: their numbers, and 1 or -1 of those from it."""
-    path = next(one.path for one in case.ropes if one.name == rope)
-    ends = [(path[k].body == body, path[k + 1].body == body) for k in range(len(path) - 1)]
+    found = next(one for one in case.ropes if one.name == rope)
+    ends = [(found.path[a].body == body, found.path[b].body == body) for a, b in straight_parts(found)]
     return [(k, 1 if last else -1) for k, (first, last) in enumerate(ends) if first != last]
+
+
+def _has_lines(rope: Any) -> bool:
+    """Whether a rope of a case is lines of one force, whose own tension is that of the rope over their pulleys."""
+    return bool(rope.DESCRIBED.WORD == "equalized")
+
+
+def tensions_of(case: Any, names: Sequence[str], *, least: bool = False) -> dict[str, str]:
+    """What ropes carry, as it is judged: what it is, and its channel.
+
+    A rope carries the tension of that part which has the largest one, ``{"sling": "sling.tension"}``. Of lines of one
+    force each line is judged, ``{"loader_rope line 2": "loader_rope.segment_tension.2"}``: their own tension is that of
+    the rope over their pulleys. Of the `least` that is carried, parts of ropes over places with an efficiency are
+    judged each, and the rope over the pulleys beside its lines.
+    """
+    ropes = {rope.name: rope for rope in case.ropes}
+    found: dict[str, str] = {}
+    for name in names:
+        rope, word = ropes.get(name), ""
+        if rope is not None and _has_lines(rope):
+            word = "line"
+        elif rope is not None and least and any(stop.efficiency < 1.0 for stop in rope.path):
+            word = "part"
+        if not word or (least and word == "line"):
+            found[name] = f"{name}.tension"
+        if rope is not None and word:
+            count = len(straight_parts(rope))
+            found |= {f"{name} {word} {k}": f"{name}.segment_tension.{k}" for k in range(1, count + 1)}
+    return found
+
+
+def ropes_over_pulleys(case: Any, text: str) -> list[str]:
+    """Ropes of lines of one force whose own tension a channel, or a combination of channels, takes."""
+    owners = re.findall(r"([^\s(),.]+)\.tension(?:_max|_min)?(?![\w])", text)
+    return [
+        rope.name
+        for rope in case.ropes
+        if _has_lines(rope) and any(fnmatchcase(rope.name, one) for one in owners)
+    ]
 
 
 def _ratings(criterion: Any) -> list[tuple[str, Rating]]:
@@ -739,7 +789,7 @@ def _check_path(case: Any, name: str, key: str) -> None:
     rope = next((one for one in case.ropes if one.name == name), None)
     if rope is None:
         reject(f"{name!r} has no path", "a rope of [[ropes]]", key=key)
-    for stop in rope.path:
+    for number, stop in enumerate(rope.path):
         _check_place(case, stop.body, stop.point, key)
-        if stop.radius > 0.0:
+        if stop.radius > 0.0 or (_has_lines(rope) and number == 0):
             _check_axes(case, stop.body, key)

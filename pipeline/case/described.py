@@ -30,6 +30,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
+from heavylift.numerics.hints import unaliased
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import (
     BodyDirection,
@@ -216,6 +217,7 @@ def _annotation(field: DescribedField, parts: Parts, coordinate: str) -> Any:
 
 def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> Any:
     """Type of a value of a case file; `coordinate` is that of the tables within it."""
+    hint = unaliased(hint)
     quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
         choices = [_type(kind, field, parts, coordinate) for kind in inner if kind is not type(None)]

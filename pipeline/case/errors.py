@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import TAG
 
@@ -61,24 +62,28 @@ def input_errors(
 def _causes(items: Sequence[Any], document: dict[str, Any]) -> list[Any]:
     """The items without those that only follow from another one, so that one mistake is one line."""
     places = [tuple(item["loc"]) for item in items]
+    above = {place[:length] for place in places for length in range(len(place))}
+    last_repeated: dict[str, int] = {}
+    last_missing: dict[tuple[Any, ...], int] = {}
+    unknown: dict[tuple[Any, ...], list[str]] = {}
+    for index, (item, place) in enumerate(zip(items, places, strict=True)):
+        if item["type"] == "repeated":
+            last_repeated[item["ctx"]["problem"]] = index
+        elif item["type"] == "missing":
+            last_missing[place[:-1]] = index
+        elif item["type"] == "extra_forbidden":
+            unknown.setdefault(place[:-1], []).append(str(place[-1]))
     kept = []
     for index, (item, place) in enumerate(zip(items, places, strict=True)):
-        kind, later = item["type"], range(index + 1, len(items))
-        if kind == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places):
+        kind = item["type"]
+        if kind == "too_short" and place in above:
             continue  # an entry that is wrong was not counted
-        if kind == "repeated" and any(
-            items[i]["type"] == kind and items[i]["ctx"]["problem"] == item["ctx"]["problem"] for i in later
-        ):
+        if kind == "repeated" and last_repeated[item["ctx"]["problem"]] != index:
             continue  # the last occurrence is told
         if kind == "missing" and isinstance(_place(document, item)[1], list):
-            if any(items[i]["type"] == kind and places[i][:-1] == place[:-1] for i in later):
+            if last_missing[place[:-1]] != index:
                 continue  # the last missing entry says how many are needed
-        elif kind == "missing" and any(
-            other["type"] == "extra_forbidden"
-            and p[:-1] == place[:-1]
-            and get_close_matches(str(p[-1]), [str(place[-1])], 1)
-            for other, p in zip(items, places, strict=True)
-        ):
+        elif kind == "missing" and get_close_matches(str(place[-1]), unknown.get(place[:-1], ()), 1):
             continue  # it is there, misspelt
         kept.append(item)
     return kept
@@ -126,8 +131,8 @@ def _words(item: Mapping[str, Any], value: Any, candidates: Iterable[type[BaseMo
         return f"{value!r} is not a list", "a list"
     if kind == "extra_forbidden":
         keys = known_keys(candidates)
-        near = get_close_matches(str(item["loc"][-1]), keys, 1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        near = nearest(str(item["loc"][-1]), sorted(keys))
+        hint = f"; did you mean {near!r}?" if near else ""
         return f"unknown key{hint}", f"one of: {', '.join(sorted(keys))}" if keys else "no such key"
     if kind == "union_tag_invalid":
         if context["tag"].startswith(TAG):  # a choice by `type_tag`

@@ -15,6 +15,8 @@ from typing import Annotated, Literal, Self
 from numpy import linspace
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
+from heavylift.numerics.foreign_files import converter_words
+from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.described import make_section, section_of
 from heavylift.pipeline.case.fields import (
     CaseContext,
@@ -29,7 +31,13 @@ from heavylift.pipeline.case.fields import (
     reject,
 )
 from heavylift.pipeline.case.waves import Heading
-from heavylift.preprocess.hydrodynamics.repairs import FEWEST, LARGEST_TOLERANCE, TOLERANCE, Repair
+from heavylift.preprocess.hydrodynamics.repairs import (
+    FEWEST,
+    LARGEST_TOLERANCE,
+    TOLERANCE,
+    Repair,
+    refuse_between,
+)
 from heavylift.preprocess.hydrodynamics.words import ExcitingForces, FileFormat, FirstColumn, TimeConvention
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Memory
 
@@ -195,8 +203,8 @@ class DatabaseSection(Section):
     ) = None
     """Lowest and highest frequency that are used [rad/s]; all if absent."""
     leave_out: tuple[Annotated[float, Positive("angular velocity")], ...] = ()
-    """The nearest frequencies are left out [rad/s], in between is interpolated: irregular ones, or where a gap between
-    hulls resonates and panels give no reciprocal matrix."""
+    """Frequencies that are left out [rad/s], in between is interpolated: irregular ones, or where a gap between hulls
+    resonates and panels give no reciprocal matrix. Each is one that there is, to a tenth of their distance."""
     symmetrise: Annotated[bool, Field(strict=True)] = True
     """Take symmetric parts where added mass or damping are further from symmetric than 5 % of the largest, and the
     nearest passive damping where it drives by more than 2 %; ``false``: refuse both."""
@@ -258,7 +266,11 @@ class DatabaseSection(Section):
             reject(problem, "one of them")
         if self.file is not None and not self.file_format:
             endings = ", ".join(DATABASE_FORMATS)
-            reject(f"{self.file!r} has an unknown ending", f"one of {endings}; or 'format'", key="file")
+            reject(
+                f"{self.file!r} has an unknown ending",
+                f"one of {endings}; or 'format'{converter_words(self.file)}",
+                key="file",
+            )
         if self.format is not None and self.file is None:
             reject("'format' with 'compute'", "'file', or no 'format'", key="format")
         if self.frequency_range is not None and self.frequency_range[1] <= self.frequency_range[0]:
@@ -285,11 +297,13 @@ class DatabaseSection(Section):
     def _check_computed(self) -> None:
         """Frequencies are left, and those that are left out are there."""
         assert self.compute is not None
-        first, last = self.compute.frequencies.first, self.compute.frequencies.last
-        half = 0.5 * (last - first) / (self.compute.frequencies.count - 1)
+        steps = self.compute.frequencies
+        every = linspace(steps.first, steps.last, steps.count)
         for omega in self.leave_out:
-            if not first - half <= omega <= last + half:
-                reject(f"{omega:g} rad/s", f"{first:g} to {last:g} rad/s", key="leave_out")
+            try:
+                refuse_between(omega, every)
+            except InputError as error:
+                reject(error.problem, error.expected, key="leave_out")
         if len(self.frequencies) < FEWEST:
             key = "leave_out" if self.leave_out else "frequency_range"
             reject(f"{len(self.frequencies)} frequencies are left", f"{FEWEST} or more", key=key)

@@ -78,7 +78,7 @@ class ModesSection(Section):
     interface: tuple[Name, ...] = ()
     """For ``craig_bampton``: groups of the nodes where other bodies are attached."""
     static_points: tuple[LengthVector, ...] = ()
-    """Points [m], in coordinates of the geometry; unit loads on the nearest nodes add static vectors."""
+    """Points [m], in coordinates of the geometry; unit loads there add static vectors."""
     static_groups: tuple[Name, ...] = ()
     """Groups on each of which unit loads, spread evenly, add static vectors."""
     static_directions: Annotated[str, StringConstraints(pattern="^x?y?z?$", min_length=1)] = "xyz"

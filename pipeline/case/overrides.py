@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import copy
 import tomllib
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.errors import known_keys, sections_below
 
 if TYPE_CHECKING:
@@ -112,8 +112,8 @@ def _assign(document: dict[str, Any], keys: list[str], value: Any, root: type[Ba
             sections = [*sections, root]
         below = sections_below(sections, key)
         if key not in node and key not in known_keys(sections):
-            near = get_close_matches(key, [*node, *known_keys(sections)], 1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
+            near = nearest(key, [*node, *sorted(known_keys(sections))])
+            hint = f"; did you mean {near!r}?" if near else ""
             raise InputError(
                 f"{path} does not exist{hint}", source=f"--set {text}", expected="a key of the case"
             )

@@ -62,6 +62,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS, Kind
+from heavylift.numerics.words import nearest
 from heavylift.pipeline.case.channel_kinds import (
     COLLISION_CONTACT,
     RESERVED_NAMES,
@@ -82,7 +83,7 @@ from heavylift.pipeline.case.channel_names import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
 __all__ = ["QuantityName", "channel_kind", "channel_members", "parse_quantity_name", "single_components"]
 
@@ -130,7 +131,7 @@ STRESSES = {
 """Components of the stress at a material point, by the type of its body."""
 ACROSS = ("largest", "smallest", "norm")  # in this order `heavylift.pipeline.checks.quantities` has them
 """Components that are made of all components of a record."""
-STATISTICS = ("end", "min", "max", "mean", "rms", "rate")
+STATISTICS = ("end", "min", "max", "absolute", "mean", "rms", "rate")
 _RATES = {
     "length": "velocity",
     "velocity": "acceleration",
@@ -286,9 +287,9 @@ def channel_members(name: str, names: Declared) -> tuple[str, ...]:
     return tuple(channel for _, channel in found) or (name,)
 
 
-def _unknown(text: str, word: str, known: object) -> str:
-    near = get_close_matches(word, list(known), 1)  # type: ignore[call-overload]
-    return f"quantity {text!r} is unknown" + (f"; did you mean {near[0]!r}?" if near else "")
+def _unknown(text: str, word: str, known: Iterable[str]) -> str:
+    near = nearest(word, known)
+    return f"quantity {text!r} is unknown" + (f"; did you mean {near!r}?" if near else "")
 
 
 def _mesh(text: str, parts: list[str]) -> QuantityName:

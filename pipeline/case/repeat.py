@@ -25,6 +25,11 @@ __all__ = ["Expansion", "Origin", "Parameters", "RepeatSection", "expand"]
 INDEX = "i"
 LIMIT = 100_000
 """Largest number of copies of one block."""
+MOST_TABLES = 200_000
+"""Tables that all blocks write together."""
+MOST_VALUES = 10_000_000
+"""Keys and values in them; a text counts once for each `PIECE` of it."""
+PIECE = 50
 PROSE = ("title", "sources", "source")
 """Keys whose texts may have braces that mean nothing."""
 
@@ -164,15 +169,40 @@ def expand(document: dict[str, Any], file: Path) -> Expansion:
             target[key] = copy.deepcopy(value)
         else:
             target[key] = writer.fill(value, key, writer.names)
-    for number, block in enumerate(blocks):
-        writer.write_out(target, block, f"repeat.{number}")
+    plans = [writer.plan(target, block, f"repeat.{number}") for number, block in enumerate(blocks)]
+    if writer.have_room(plans):
+        for plan in filter(None, plans):
+            writer.write_out(target, plan)
     if blocks:
         target.setdefault("bodies", {})  # which is told as too few, not as a key that is missing
-    return Expansion(target, writer.origins, tuple({error.key: error for error in writer.errors}.values()))
+    return Expansion(target, writer.origins, tuple(writer.errors.values()))
+
+
+def _size(shapes: Any) -> int:
+    """Keys and values of tables within each other."""
+    total, waiting = 0, [shapes]
+    while waiting:
+        node = waiting.pop()
+        total += 1 + (len(node) // PIECE if isinstance(node, str) else 0)
+        if isinstance(node, dict):
+            waiting += [*node, *node.values()]
+        elif isinstance(node, list):
+            waiting += node
+    return total
 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What a block will write: its key, its tables as they stand, the indices and the shift of the copies."""
+
+    path: str
+    shapes: Mapping[str, Any]
+    indices: range
+    shift: list[float] | None
 
 
 class _Writer:
@@ -181,7 +211,7 @@ class _Writer:
     def __init__(self, file: Path, names: Numbers) -> None:
         self.file, self.names = file, dict(names)
         self.origins: dict[str, Origin] = {}
-        self.errors: list[InputError] = []
+        self.errors: dict[str, InputError] = {}
 
     def fill(self, node: Any, key: str, names: Numbers) -> Any:
         """Copy of a value with numbers for what stands in braces in its texts and keys."""
@@ -203,14 +233,14 @@ class _Writer:
 
     def complain(self, error: InputError, key: str) -> None:
         """Note an error at its place, the first one of each place."""
-        if all(other.key != key for other in self.errors):
-            self.errors.append(InputError(error.problem, source=self.file, key=key, expected=error.expected))
+        if key not in self.errors:
+            self.errors[key] = InputError(error.problem, source=self.file, key=key, expected=error.expected)
 
-    def write_out(self, target: dict[str, Any], block: Any, path: str) -> None:
-        """Add the tables of one block to a document."""
+    def plan(self, target: dict[str, Any], block: Any, path: str) -> _Plan | None:
+        """What one block will write, with its own settings put into a document; None if it cannot be told."""
         if not isinstance(block, dict):
             target["repeat"].append(block)
-            return
+            return None
         settings = {
             key: self.fill(block[key], f"{path}.{key}", self.names) for key in block if key == "shift"
         }
@@ -227,13 +257,36 @@ class _Writer:
             or not isinstance(first, int)
             or count > LIMIT
         ):
-            return
+            return None
         shift = lengths(settings.get("shift", [0.0, 0.0, 0.0]))
-        for index in range(first, first + count):
+        return _Plan(path, shapes, range(first, first + count), shift)
+
+    def have_room(self, plans: Sequence[_Plan | None]) -> bool:
+        """Whether what all blocks write together is not too much; complains at the block with which it is."""
+        tables = values = 0
+        for plan in filter(None, plans):
+            count = len(plan.indices)
+            tables += count * sum(len(one) for one in plan.shapes.values() if isinstance(one, (dict, list)))
+            values += count * _size(plan.shapes)
+            for made, most, what in (
+                (tables, MOST_TABLES, "tables"),
+                (values, MOST_VALUES, "keys and values"),
+            ):
+                if made > most:
+                    problem = f"with {count:,} copies the blocks make {made:,} {what} in all"
+                    self.complain(InputError(problem, expected=f"at most {most:,}"), f"{plan.path}.count")
+                    return False
+        return True
+
+    def write_out(self, target: dict[str, Any], plan: _Plan) -> None:
+        """Add the tables of one block to a document."""
+        for index in plan.indices:
             names = {**self.names, INDEX: index}
-            move = [index * entry for entry in shift] if shift and any(shift) and index else None
+            move = (
+                [index * entry for entry in plan.shift] if plan.shift and any(plan.shift) and index else None
+            )
             for table in TABLES.values():
-                self._entries(target, table, block.get(table.key), path, names, move)
+                self._entries(target, table, plan.shapes.get(table.key), plan.path, names, move)
 
     def _whole(self, value: Any, key: str) -> Any:
         """An integer, or a text that is arithmetic; what is neither is left for the validation."""

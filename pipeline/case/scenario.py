@@ -3,7 +3,7 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
@@ -46,6 +46,7 @@ from heavylift.solver.scene.scenario import (
     Connect,
     DriveSpeed,
     DriveTo,
+    Fail,
     Limit,
     Note,
     PathGoOn,
@@ -53,6 +54,7 @@ from heavylift.solver.scene.scenario import (
     Phase,
     Release,
     ReleaseJoint,
+    Restore,
     Scenario,
     Signal,
     TankRate,
@@ -100,6 +102,10 @@ class Known:
         Names of transporters with a path.
     joints
         Names.
+    helpers
+        Names of pumps and of levelled transporters, and which of both.
+    controllers
+        Pumps of each controller by its name.
     girders
         By trolley of a gantry crane: its girder, and how far it may go from the middle of that [m].
     """
@@ -114,6 +120,20 @@ class Known:
     vehicles: tuple[str, ...] = ()
     girders: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     joints: tuple[str, ...] = ()
+    helpers: Mapping[str, Literal["pump", "levelling"]] = field(default_factory=dict)
+    controllers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def machines(self) -> dict[str, list[tuple[str, Any]]]:
+        """What may fail, by the names that a user gives it: names and sorts of all that it is."""
+        found: dict[str, list[tuple[str, Any]]] = {
+            name: [(pump, "pump") for pump in pumps] for name, pumps in self.controllers.items()
+        }
+        found |= {name: [(name, sort)] for name, sort in self.helpers.items()}
+        found |= {name: [(name, "tank")] for name in self.tanks}
+        found |= {name: [(name, "drive")] for name in self.drives}
+        found |= {name: [(self.rope_of(name), "winch")] for name in self.hooks}
+        return found | {name: [(name, "winch")] for name in self.ropes}
 
     def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
         """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
@@ -148,6 +168,9 @@ class Known:
 _WHAT = {
     **dict.fromkeys(("winch", "connect", "taut", "slack"), "rope"),
     "release": "rope or joint",
+    **dict.fromkeys(
+        ("fail", "restore"), "winch, hook, drive, tank, pump, controller or levelled transporter"
+    ),
     "of": "body",
     "path": "transporter with 'legs'",
     "arrived": "rope, hook, tank, drive or transporter on a path",
@@ -366,7 +389,11 @@ class ConditionSection(_Comparison):
             if patterns is not None:
                 own = known.names.channels
                 ropes = known.fitting(word, patterns, [name for name in own if "tension" in own[name]])
+                lines = [
+                    name for name in ropes if "stopped_time" in own[name]
+                ]  # each of which is one of them
                 terms = tuple(Term(f"{name}.tension") for name in ropes)
+                terms += tuple(Term(f"{name}.segment_tension") for name in lines)
                 signal = Signal(terms, function, f"{function}({', '.join(patterns)}).tension")  # type: ignore[arg-type]
                 given = self.above if word == "taut" else self.below
                 return Condition(signal, TAUT if given is None else given, word == "slack", self.hold)
@@ -478,6 +505,8 @@ _OWN = {
     "tank": {"rate", "mass"},
     "path": {"speed", "ramp", "acceleration", "planned"},
     "release": set(),
+    "fail": set(),
+    "restore": set(),
     "connect": {"slack"},
     "note": set(),
 }
@@ -488,6 +517,18 @@ _TELLS = {
     "drive": ("position", "distance"),
 }
 """Keys of which there is one, or else a speed alone."""
+
+
+def _see_together(drives: Collection[str], known: Known, key: str) -> None:
+    """Refuse an action on a part of a crane whose other parts do not go, or stand, with it."""
+    for name in drives:
+        missing = [other for other in known.together.get(name, ()) if other not in drives]
+        if missing:
+            raise InputError(
+                f"{name!r} without {missing[0]!r}, which travels with it",
+                key=key,
+                expected=f"one action for all of: {', '.join([name, *known.together[name]])}",
+            )
 
 
 class ActionSection(Section):
@@ -544,6 +585,11 @@ class ActionSection(Section):
     """At which the pump stops [kg]; the rate is positive then."""
     release: Names | None = None
     """Ropes and joints that let go."""
+    fail: Names | None = None
+    """What drives something fails, at once: the winch of a rope or of a hook, a drive, the pump of a tank, a pump of a
+    controller, a controller with all its pumps, the levelling of a transporter. Its brake holds it where it is."""
+    restore: Names | None = None
+    """What has failed works again: it stands until it is told something, or its controller looks."""
     connect: Names | None = None
     """Ropes that hold from now on."""
     slack: Annotated[float, Quantity("length")] = 0.0
@@ -647,6 +693,13 @@ class ActionSection(Section):
         if self.release is not None:
             names = known.fitting("release", self.release, [*known.ropes, *known.joints])
             return tuple(ReleaseJoint(name) if name in known.joints else Release(name) for name in names)
+        for kind, machines in ((Fail, self.fail), (Restore, self.restore)):
+            if machines is not None:
+                key = "fail" if kind is Fail else "restore"
+                names = known.fitting(key, machines, list(known.machines))
+                found = dict.fromkeys(one for name in names for one in known.machines[name])
+                _see_together([name for name, sort in found if sort == "drive"], known, key)
+                return tuple(kind(*one) for one in found)
         if self.connect is not None:
             return tuple(
                 Connect(name, self.slack) for name in known.fitting("connect", self.connect, known.ropes)
@@ -667,14 +720,7 @@ class ActionSection(Section):
             assert self.speed is not None
             place, by = (self.position, False) if self.distance is None else (self.distance, True)
             drives = known.fitting("drive", self.drive, known.drives)
-            for name in drives:
-                missing = [other for other in known.together.get(name, ()) if other not in drives]
-                if missing:
-                    raise InputError(
-                        f"{name!r} without {missing[0]!r}, which travels with it",
-                        key="drive",
-                        expected=f"one action for all of: {', '.join([name, *known.together[name]])}",
-                    )
+            _see_together(drives, known, "drive")
             if place is None:
                 return tuple(DriveSpeed(name, self.speed, self.ramp, **limits) for name in drives)
             return tuple(DriveTo(name, place, self.speed, self.ramp, by, **limits) for name in drives)

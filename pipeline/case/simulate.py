@@ -2,6 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, ValidationInfo, field_validator, model_validator
@@ -83,13 +84,13 @@ class SimulateSection(Section):
             return self
         if "output_interval" not in self.model_fields_set:
             reject("is missing", "a value", key="output_interval")
-        _refuse_a_part(self.duration, "output_interval", self.output_interval, key="duration")
         if self.duration / self.solver_step > MOST_STEPS:
             reject(
                 f"{self.duration / self.solver_step:.3g} steps of {self.solver_step:.3g} s",
                 f"at most {MOST_STEPS:.0e} in {self.duration:g} s",
                 key="output_interval" if self.step is None else "step",
             )
+        _refuse_a_part(self.duration, "output_interval", self.output_interval, key="duration")
         if self.step is None and self.tolerance is None and self.integrator == "dele2":
             reject("neither 'step' nor 'tolerance'", "'step' (fixed) or 'tolerance' (adaptive)")
         return self
@@ -127,5 +128,7 @@ def _refuse_a_part(value: float, name: str, unit: float | None, *, key: str = ""
 def multiple(value: float, unit: float) -> int | None:
     """Which whole multiple of a unit a value is; None if it is none, to 1e-6 of a unit."""
     ratio = value / unit
+    if not math.isfinite(ratio):
+        return None
     count = round(ratio)
     return count if count >= 1 and abs(ratio - count) <= 1e-6 * max(1.0, 1e-6 * count) else None

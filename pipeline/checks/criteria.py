@@ -29,7 +29,10 @@ from heavylift.pipeline.case.criteria import (
     TransportCriterion,
     parts_to,
     phase_names,
+    ropes_over_pulleys,
     sensor_at,
+    straight_parts,
+    tensions_of,
 )
 from heavylift.pipeline.case.fields import GROUND
 from heavylift.pipeline.checks import lift_rules as rules
@@ -54,6 +57,7 @@ __all__ = [
     "Factor",
     "crane_points",
     "evaluate_criteria",
+    "evaluate_criterion",
     "phase_words",
 ]
 
@@ -260,9 +264,10 @@ class _Run:
         """Records of a channel or stress, ``"channel.fall.tension"``, or their extremes since the record before."""
         values = self.quantities.history(f"{name}.{side}")
         found: NDArray[np.float64] = values[self.inside].copy()
-        if side in {"max", "min"} and self.begins.any():
-            found[self.begins] = self.quantities.history(f"{name}.end")[self.inside][self.begins]
-        return found
+        if side in {"max", "min", "absolute"} and self.begins.any():
+            ends = self.quantities.history(f"{name}.end")[self.inside][self.begins]
+            found[self.begins] = np.abs(ends) if side == "absolute" else ends
+        return np.abs(found) if side == "absolute" else found
 
     @property
     def steps(self) -> NDArray[np.float64]:
@@ -345,16 +350,33 @@ class _Run:
         return np.asarray(position + self.rotations(body).apply(given))
 
     def parts(self, name: str) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
-        """Beginnings and ends of the straight parts of a rope in the world [m], each of shape (nt, 3)."""
-        rope = next(one for one in self.case.ropes if one.name == name)
+        """Beginnings and ends of the straight parts of a rope in the world [m], each of shape (nt, 3).
+
+        Lines of one force begin at their pulleys, which slide below the outlets along their guides; they stretch.
+        """
+        rope: Any = next(one for one in self.case.ropes if one.name == name)
         centres = [self.place(stop.body, stop.point) for stop in rope.path]
+        pieces = straight_parts(rope)
+        if hasattr(rope, "lengths"):
+            turns = self.rotations(rope.path[0].body)
+            down = np.asarray(turns.apply(np.array(rope.direction) / np.linalg.norm(rope.direction)))
+            begins = []
+            tensions = tensions_of(self.case, [name]).values()
+            for (a, b), unstretched, told in zip(pieces, rope.lengths, tensions, strict=True):
+                strain = self.history(f"channel.{told}") / rope.line_stiffness
+                length = unstretched * (1.0 + strain[:, np.newaxis])
+                w = centres[b] - centres[a]
+                aside = w - np.sum(w * down, axis=1, keepdims=True) * down
+                square = length**2 - np.sum(aside**2, axis=1, keepdims=True)
+                begins.append(centres[b] - aside - np.sqrt(np.maximum(0.0, square)) * down)
+            return begins, [centres[b] for _, b in pieces]
         axes = []
         for stop in rope.path:
             axis = np.array([0.0, 0.0, 1.0] if stop.axis is None else stop.axis, dtype=np.float64)
             turns = self.rotations(stop.body if stop.radius > 0.0 else GROUND)
             axes.append(np.asarray(turns.apply(axis / np.linalg.norm(axis))))
         arrive, leave = rope_tangents(centres, [stop.radius for stop in rope.path], axes)
-        return leave[:-1], arrive[1:]
+        return [leave[a] for a, _ in pieces], [arrive[b] for _, b in pieces]
 
     def phase(self, time: float | None) -> str:
         """Phase of the operation at a time; empty if the run does not know."""
@@ -481,8 +503,9 @@ def _forces(
     return _Forces(values, np.empty(0), (Factor("DAF", factor, _GIVEN), *own), "")
 
 
-def _tensions(ropes: Sequence[str]) -> dict[str, str]:
-    return {rope: f"channel.{rope}.tension" for rope in ropes}
+def _tensions(run: _Run, ropes: Sequence[str], *, least: bool = False) -> dict[str, str]:
+    """What ropes carry: by what is judged of them, the quantity without its statistic."""
+    return {label: f"channel.{name}" for label, name in tensions_of(run.case, ropes, least=least).items()}
 
 
 def _sling(run: _Run, c: SlingCriterion) -> list[CriterionResult]:
@@ -496,7 +519,7 @@ def _sling(run: _Run, c: SlingCriterion) -> list[CriterionResult]:
         material=c.material_factor,
         twist=c.twist_factor,
     )
-    forces = _forces(run, _tensions(c.ropes))
+    forces = _forces(run, _tensions(run, c.ropes))
     breaking = run.newtons(c.breaking_load)
     names = ["sling utilisation", "sling safety factor"]
     if not {"consequence_factor", "wear_factor", "material_factor"} <= c.model_fields_set:
@@ -523,20 +546,21 @@ def _sling(run: _Run, c: SlingCriterion) -> list[CriterionResult]:
 
 
 def _shackle(run: _Run, c: ShackleCriterion) -> list[CriterionResult]:
-    forces = _forces(run, _tensions(c.ropes))
+    channels = _tensions(run, c.ropes)
+    forces = _forces(run, channels)
     wll, factors, note = run.newtons(c.working_load_limit), list(forces.factors), ""
     series = []
     amplifications = dict.fromkeys(forces.values, c.dynamic_factor or 1.0)
     if c.dynamic_factor is None and c.static_at is not None:
         for rope in forces.values:
-            static = run.at_rest(f"channel.{rope}.tension")
+            static = run.at_rest(channels[rope])
             if not static > 0.0:
                 raise InputError(
                     f"criterion {c.name!r}: {rope!r} has no tension at rest",
                     source=run.case.file,
                     expected="'static_at' when it carries",
                 )
-            largest = float(run.history(f"channel.{rope}.tension", "max").max())
+            largest = float(run.history(channels[rope], "max").max())
             amplifications[rope] = max(1.0, largest / static)
     for rope, values in forces.values.items():
         ratings = {"WLL": wll * amplifications[rope]}
@@ -564,15 +588,11 @@ def _shackle(run: _Run, c: ShackleCriterion) -> list[CriterionResult]:
     return [result]
 
 
-def _carried(run: _Run, rope: str) -> NDArray[np.bool_]:
-    """Records at which a rope carries."""
-    return np.asarray(run.history(f"channel.{rope}.tension") > 0.0)
-
-
 def _angles(
     run: _Run,
     what: str,
     found: dict[str, NDArray[np.float64]],
+    channels: dict[str, str],
     limit: float,
     side: str,
     clauses: tuple[Clause, ...],
@@ -581,7 +601,7 @@ def _angles(
     harmless = math.inf if side == ">=" else -math.inf
     series, never = [], []
     for rope, angles in found.items():
-        carries = _carried(run, rope)
+        carries = run.history(channels[rope]) > 0.0
         if carries.any():
             series.append(_Series(rope, np.where(carries, angles, harmless), limit))
         else:
@@ -594,16 +614,20 @@ def _angles(
 
 
 def _sling_angle(run: _Run, c: SlingAngleCriterion) -> list[CriterionResult]:
-    found = {}
+    channels = _tensions(run, c.ropes)
+    found: dict[str, NDArray[np.float64]] = {}
     for rope in c.ropes:
         angles = []
         for begin, end in zip(*run.parts(rope), strict=True):
             d = end - begin
             rise = np.abs(d @ run.up)
             angles.append(np.arctan2(rise, np.linalg.norm(d - np.outer(d @ run.up, run.up), axis=1)))
-        found[rope] = np.min(angles, axis=0)
+        own = list(tensions_of(run.case, [rope]))
+        of_each = angles if len(own) > 1 else [np.min(angles, axis=0)]
+        found |= dict(zip(own, of_each, strict=True))
     clauses = (run.default("minimum", Clause("30 deg, warning below 45 deg", "assumption")),)
-    result = _angles(run, "smallest angle to the horizontal", found, c.minimum, ">=", clauses)
+    what = "smallest angle to the horizontal"
+    result = _angles(run, what, found, channels, c.minimum, ">=", clauses)
     if result.passed and result.value < c.warning:
         words = f"below {math.degrees(c.warning):.4g} deg"
         result = replace(result, warns=True, note="; ".join(filter(None, (words, result.note))))
@@ -875,8 +899,9 @@ def _tilt(run: _Run, c: TiltCriterion) -> list[CriterionResult]:
 
 
 def _slack(run: _Run, c: SlackCriterion) -> list[CriterionResult]:
-    tensions = {rope: run.history(f"channel.{rope}.tension", "min") for rope in c.ropes}
-    seen = run.seen(list(_tensions(c.ropes).values()), "min")
+    channels = _tensions(run, c.ropes, least=True)
+    tensions = {rope: run.history(name, "min") for rope, name in channels.items()}
+    seen = run.seen(list(channels.values()), "min")
     result = run.result(
         "smallest tension",
         "N",
@@ -893,7 +918,7 @@ def _slack(run: _Run, c: SlackCriterion) -> list[CriterionResult]:
     if c.static_at is not None:
         series = []
         for rope, values in tensions.items():
-            static = run.at_rest(f"channel.{rope}.tension")
+            static = run.at_rest(channels[rope])
             if not static > 0.0:
                 raise InputError(
                     f"criterion {c.name!r}: {rope!r} has no tension at rest",
@@ -977,24 +1002,39 @@ def _limit(run: _Run, c: LimitCriterion) -> list[CriterionResult]:
     family = run.case.quantity(members[0][1]).family
     statistic = c.quantity.rpartition(".")[2] if family in {"channel", "stress"} else ""
     clause = _OF_THE_CASE
-    series, times = [], np.empty(0)
+    series, times, notes = [], np.empty(0), list[str]()
     for where, text in members:
         name = text.removesuffix(f".{statistic}")
-        if statistic in {"max", "min"}:
+        if statistic in {"max", "min", "absolute"}:
             values, times = run.history(name, statistic), run.times
         elif statistic:
             values = np.array([run.quantities.statistic(statistic, run.history(name), run.times)])
         else:
             values = np.array([run.quantities.number(text)])
-        if statistic in {"max", "min"} and (statistic == "max") != (side == "<="):
+        if statistic in {"max", "min", "absolute"} and (statistic != "min") != (side == "<="):
             # the largest value of all must exceed a limit, not every value
-            extreme = values.argmax() if statistic == "max" else values.argmin()
+            extreme = values.argmin() if statistic == "min" else values.argmax()
             values, times = values[[extreme]], np.empty(0)
         series.append(_Series(where, values, limit))
+        if statistic == ("max" if side == "<=" else "min"):
+            notes.append(_beyond(run.history(name, "min" if side == "<=" else "max"), side, limit, where))
     seen = (
         run.seen([text.removesuffix(f".{statistic}") for _, text in members], statistic) if len(times) else ""
     )
-    return [run.result(c.quantity, quantity.kind.unit, series, (clause,), side=side, seen=seen, times=times)]
+    note = next(filter(None, notes), "")
+    unit = quantity.kind.unit
+    return [run.result(c.quantity, unit, series, (clause,), side=side, seen=seen, times=times, note=note)]
+
+
+def _beyond(values: NDArray[np.float64], side: str, limit: float, where: str) -> str:
+    """That values within a limit are beyond the same amount on the other side of zero; empty if they are not."""
+    sign = 1.0 if side == "<=" else -1.0
+    worst = float(values.min() if side == "<=" else values.max())
+    if sign * limit <= 0.0 or sign * worst >= -abs(limit):
+        return ""
+    whose = f"{where}: " if where else ""
+    what = "smallest" if side == "<=" else "largest"
+    return f"{whose}the {what} is {worst:.6g}, beyond the same amount; 'absolute' judges both sides"
 
 
 _EVALUATED: dict[type, Callable[[_Run, Any], list[CriterionResult]]] = {
@@ -1048,7 +1088,18 @@ def evaluate_criteria(case: Case, out: Path, results: Results | None = None) -> 
 
 def evaluate_criterion(case: Case, quantities: Quantities, criterion: Criterion) -> list[CriterionResult]:
     """Lines of one criterion."""
-    return _EVALUATED[type(criterion)](_Run(case, quantities, criterion), criterion)
+    found = _EVALUATED[type(criterion)](_Run(case, quantities, criterion), criterion)
+    inner = ropes_over_pulleys(case, getattr(criterion, "quantity", getattr(criterion, "load", "")))
+    if not inner:
+        return found
+    words = "; ".join(
+        f"the tension of {name!r} is that of the rope over its pulleys, its lines have {name}.segment_tension"
+        for name in inner
+    )
+    return [
+        replace(one, note="; ".join(filter(None, (one.note, words))), warns=one.warns or one.passed)
+        for one in found
+    ]
 
 
 def crane_points(case: Case, quantities: Quantities, criterion: CraneCriterion) -> CranePoints:

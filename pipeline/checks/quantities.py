@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.quantity_names import QuantityName
     from heavylift.pipeline.checks.stresses import SolidStresses
 
-__all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_checks", "relative_drift"]
+__all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_check", "evaluate_checks", "relative_drift"]
 
 _REDUCTIONS: tuple[Callable[..., NDArray[np.float64]], ...] = (np.max, np.min, np.linalg.norm)
 _ACROSS = dict(zip(ACROSS, _REDUCTIONS, strict=True))
@@ -69,6 +69,8 @@ class CheckResult:
         steps it is the record that ends the interval with the extreme.
     time, member
         When an extreme was [s], else None; the quantity, of a group that of its worst member.
+    note
+        What the limit does not see: the other side of a channel with a sign.
     """
 
     id: str
@@ -87,6 +89,7 @@ class CheckResult:
     where: str = ""
     time: float | None = None
     member: str = ""
+    note: str = ""
 
     @property
     def has_limits(self) -> bool:
@@ -119,7 +122,7 @@ class CheckResult:
         row = asdict(self)
         order = ("id", "value", "reference", "error", "tolerance", "unit", "source", "passed")
         limits = ("maximum", "minimum", "margin", "utilisation") if self.has_limits else ()
-        words = {key: row[key] for key in ("seen", "where") if row[key]}
+        words = {key: row[key] for key in ("seen", "where", "note") if row[key]}
         return {key: row[key] for key in order} | {key: getattr(self, key) for key in limits} | words
 
 
@@ -236,10 +239,25 @@ class Quantities:
     def seen(self, text: str) -> str:
         """Of how many steps or records a quantity is the largest or smallest value, and within which time."""
         name = self._case.quantity(text)
-        words = {"max": "largest", "min": "smallest"}
+        words = {"max": "largest", "min": "smallest", "absolute": "largest amount"}
         if name.family != "channel" or name.statistic not in words:
             return self.span.strip()
-        return f"{words[name.statistic]} of {self.results.extremes(name.item, name.statistic)[1]}{self.span}"
+        side = "min" if name.statistic == "min" else "max"
+        return f"{words[name.statistic]} of {self.results.extremes(name.item, side)[1]}{self.span}"
+
+    def other_side(self, text: str, limit: float | None) -> str:
+        """That the smallest value is beyond the amount that limits the largest one, or the reverse; else empty."""
+        name = self._case.quantity(text)
+        other = {"max": "min", "min": "max"}.get(name.statistic)
+        if name.family not in {"channel", "stress"} or other is None or not limit:
+            return ""
+        value = self.number(f"{text.rpartition('.')[0]}.{other}")
+        sign = 1.0 if name.statistic == "max" else -1.0
+        if sign * limit < 0.0 or sign * value >= -abs(limit):
+            return ""
+        what = "smallest" if other == "min" else "largest"
+        unit = "" if name.kind.unit == "1" else f" {name.kind.unit}"
+        return f"the {what} is {value:.6g}{unit}; the statistic 'absolute' judges both sides"
 
     def time_of_extreme(self, text: str) -> float | None:
         """When a largest or smallest value was [s]; None of other quantities. Of all steps it is the next record."""
@@ -248,10 +266,12 @@ class Quantities:
             times, distances = self._distances(name)
             return float(times[distances.argmax()])
         reader = {"channel": self._history, "stress": self._stress_history}.get(name.family)
-        if reader is None or name.statistic not in {"max", "min"}:
+        if reader is None or name.statistic not in {"max", "min", "absolute"}:
             return None
         history = reader(name)[self.inside]
-        index = history.argmax() if name.statistic == "max" else history.argmin()
+        if name.statistic == "absolute":
+            history = np.abs(history)
+        index = history.argmin() if name.statistic == "min" else history.argmax()
         return float(self.results.time[self.inside][index]) if history.ndim == 1 else None
 
     def history(self, text: str) -> NDArray[np.float64]:
@@ -270,6 +290,7 @@ class Quantities:
             "end": lambda a: a[-1],
             "min": lambda a: a.min(axis=0),
             "max": lambda a: a.max(axis=0),
+            "absolute": lambda a: np.abs(a).max(axis=0),
             "mean": lambda a: a.mean(axis=0),
             "rms": lambda a: np.sqrt(np.mean(a**2, axis=0)),
             "rate": lambda a: (a[-1] - a[0]) / (times[-1] - times[0]),
@@ -412,8 +433,13 @@ class Quantities:
         """Records of a channel, shape (nt,), or (nt, components) if none of several is named."""
         results = self.results
         history = results[name.item]
-        if name.statistic in ("max", "min"):
-            ends, history = history, results.extremes(name.item, name.statistic)[0]
+        if name.statistic in ("max", "min", "absolute"):
+            ends = history
+            if name.statistic == "absolute":
+                both = [np.abs(results.extremes(name.item, side)[0]) for side in ("max", "min")]
+                ends, history = np.abs(ends), np.maximum(*both)
+            else:
+                history = results.extremes(name.item, name.statistic)[0]
             begins = self._begins  # the interval before it does not count
             if begins is not None:
                 history = history.copy()
@@ -436,6 +462,11 @@ class Quantities:
             time = results.time[lost][0]
             raise self._missing(
                 name, f"numbers; at {time:.6g} s a ratio divides by zero, or the run has none"
+            )
+        if lost.any() and name.item.rpartition(".")[2] in {"gap", "gap_min"}:
+            raise self._missing(
+                name,
+                "surfaces whose distance is measured while they are out of reach: 'clearance = true' in the collision",
             )
         return np.asarray(history)
 
@@ -550,7 +581,7 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     errors: list[InputError] = []
     for check in case.check:
         try:
-            found.append(_evaluate(check, quantities.within(check), case.quantity(check.quantity)))
+            found.append(evaluate_check(case, quantities, check))
         except InputErrors as error:
             errors += error.errors
         except InputError as error:
@@ -562,10 +593,11 @@ def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
     return found
 
 
-def _evaluate(check: CheckSection, quantities: Quantities, name: QuantityName) -> CheckResult:
+def evaluate_check(case: Case, quantities: Quantities, check: CheckSection) -> CheckResult:
     """The check of the member of a group that is worst, or of a quantity by itself."""
+    within, name = quantities.within(check), case.quantity(check.quantity)
     results = [
-        _of_member(check, quantities, name.kind.unit, owner, text)
+        _of_member(check, within, name.kind.unit, owner, text)
         for owner, text in name.members or (("", check.quantity),)
     ]
     return max(results, key=_badness)
@@ -596,6 +628,11 @@ def _of_member(
         time=time,
         member=quantity,
     )
+    if (check.maximum is None) != (check.minimum is None):
+        limit = check.maximum if check.minimum is None else check.minimum
+        side = "max" if check.minimum is None else "min"
+        if quantity.endswith(f".{side}"):
+            result = replace(result, note=quantities.other_side(quantity, limit))
     if check.reference is None:
         margin = result.margin
         return replace(result, passed=bool(margin is not None and margin >= 0.0))

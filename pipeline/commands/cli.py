@@ -147,7 +147,10 @@ def run(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Whatever of mesh, modes, simulate and report the case still needs."""
+    """Whatever of mesh, modes, simulate and report the case still needs.
+
+    Exit code: 1 if all has run and a check or criterion failed or could not be evaluated.
+    """
     stages = ("mesh", "modes", "simulate", "report")
     return _stages(stages, stages, case, out, set_, force=force, quiet=quiet, json=json)
 
@@ -162,10 +165,10 @@ def verify(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Run cases and compare their numbers with the references.
+    """Run cases and compare their numbers with the references, and judge them by their criteria.
 
-    Exit code: 0 if every check passed, 1 if some failed, 2 for bad input, above 2 if a run stopped before it got
-    to its checks; of several cases the largest.
+    Exit code: 0 if every check and criterion passed, 1 if some failed or could not be evaluated, 2 for bad input,
+    above 2 if a run stopped before it got to them; of several cases the largest.
     """
 
     def command(log: "Log") -> int:
@@ -201,7 +204,8 @@ def criteria(
 
     With seeds the worst of all runs counts, and the distribution of what they use is told.
 
-    Exit code: 0 if every criterion passed, 1 if some failed, 2 for bad input, above 2 if the run stopped.
+    Exit code: 0 if every criterion passed, 1 if some failed or could not be evaluated, 2 for bad input, above 2 if the
+    run stopped.
     """
 
     def command(log: "Log") -> int:
@@ -354,25 +358,30 @@ def _stages(
                 expected="step or tolerance, output_interval, duration",
             )
         result = run_case(case, out=out, stages=stages, force=own if force else (), log=log)
-        if result.outcome is not Outcome.COMPLETED:
-            complain(result.message)
+        outcome, message = result.outcome, result.message
+        if outcome is Outcome.COMPLETED and {"simulate", "report"} <= {*own}:  # a whole run is judged
+            verdict = result.stages[-1].details["verdict"]
+            if not verdict["passed"]:
+                outcome, message = Outcome.CHECK_FAILED, verdict["text"]
+        if outcome is not Outcome.COMPLETED:
+            complain(message)
         if json:
             last = result.stages[-1]
             if own == ("simulate",) and last.stage == "simulate" and last.details:
                 print_json({"case": case.name, **last.details})
             else:
-                print_json(_summary(case.name, result))
-        return int(result.outcome)
+                print_json(_summary(case.name, result, outcome, message))
+        return int(outcome)
 
     return guarded(command, quiet=quiet, json=json)
 
 
-def _summary(name: str, result: Any) -> dict[str, Any]:
+def _summary(name: str, result: Any, outcome: Outcome, message: str) -> dict[str, Any]:
     """Document of the commands that have no form of their own."""
     return {
         "case": name,
-        "outcome": result.outcome.name.lower(),
-        "message": result.message,
+        "outcome": outcome.name.lower(),
+        "message": message,
         "out": str(result.folder.root),
         "cpu_s": result.cpu_s,
         "stages": [

@@ -131,7 +131,9 @@ def print_json(document: Any) -> None:
     """Print a document on standard output."""
     import json
 
-    say_on(sys.stdout, json.dumps(_finite(document), indent=2, default=str), needed=True)
+    # of what a terminal obeys JSON leaves a single letter as it is
+    text = json.dumps(_finite(document), indent=2, default=str).replace("\x7f", "\\u007f")
+    say_on(sys.stdout, text, needed=True)
 
 
 def _finite(value: Any) -> Any:

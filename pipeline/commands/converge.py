@@ -22,7 +22,7 @@ from heavylift.pipeline.checks.convergence import (
 )
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.commands.verify import needed_stages
-from heavylift.pipeline.results.storage import StopError, write_json
+from heavylift.pipeline.results.storage import OutputFolder, StopError, write_json
 from heavylift.pipeline.stages.stages import run_case
 
 if TYPE_CHECKING:
@@ -67,7 +67,8 @@ def converge_case(
         )
     root = out if out is not None else base.output_folder
     runner = _Runner(base, section, root, force=force, log=log)
-    folder, plot = root / "converge", root / "converge" / "converge.png"
+    folder = OutputFolder(root).stage("converge")
+    plot = folder / "converge.png"
     if section.series:
         # every case is read before the first run: a value that does not fit is known at once
         cases = [
@@ -143,18 +144,23 @@ class _Runner:
 
     def study(self, cases: Sequence[Case], parameter: str) -> ConvergenceStudy:
         """The study of a single parameter; a last case without a row of its own is the reference."""
-        folder = self.root / "converge"
-        runs = [self._run(case, folder / str(i), parameter, strict=True) for i, case in enumerate(cases)]
+        runs = [self._run(case, self._folder(str(i)), parameter, strict=True) for i, case in enumerate(cases)]
         assert self.section.values is not None
         count = len(self.section.values)
         return self._study(cases[:count], runs[:count], parameter, runs[-1].value)
 
     def series(self, number: int, cases: Sequence[Case], parameter: str, name: str) -> ConvergenceStudy:
         """One of several series; a run that does not complete leaves its row without an error."""
-        folder = self.root / "converge" / f"series_{number}"
+        place = f"series_{number}"
         self.log.say(f"converge: {name}")
-        runs = [self._run(case, folder / str(i), parameter, strict=False) for i, case in enumerate(cases)]
+        runs = [
+            self._run(case, self._folder(place, str(i)), parameter, strict=False)
+            for i, case in enumerate(cases)
+        ]
         return self._study(cases, runs, parameter, None, name)
+
+    def _folder(self, *names: str) -> Path:
+        return OutputFolder(self.root).stage("converge", *names)
 
     def _run(self, case: Case, folder: Path, parameter: str, *, strict: bool) -> _Run:
         value = _parameter(case, parameter, raw=True)

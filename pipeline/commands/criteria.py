@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError, Outcome
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.log import Log
 
-__all__ = ["JudgedCase", "criteria_document", "criteria_table", "judge_case"]
+__all__ = ["JudgedCase", "criteria_document", "criteria_lines", "criteria_table", "judge_case"]
 
 _WIDTH = 110
 
@@ -31,9 +32,11 @@ class JudgedCase:
     case
         Its name.
     outcome
-        How its stages ended; `Outcome.CHECK_FAILED` if they completed and a criterion failed.
+        How its stages ended; `Outcome.CHECK_FAILED` if they completed and a criterion failed or could not be evaluated.
     results
         Lines of the table, if it got to its criteria.
+    missing
+        Of criteria that could not be evaluated by name why not.
     message
         Why not, if it did not; of several runs which stopped by themselves.
     """
@@ -41,6 +44,7 @@ class JudgedCase:
     case: str
     outcome: Outcome
     results: tuple[CriterionResult, ...] = ()
+    missing: dict[str, str] = field(default_factory=dict)
     message: str = ""
 
 
@@ -58,10 +62,10 @@ def judge_case(
     Raises
     ------
     InputErrors
-        If the case is wrong, has no criteria, or one of them cannot be evaluated.
+        If the case is wrong, or has no criteria.
     """
-    from heavylift.pipeline.checks.criteria import evaluate_criteria
-    from heavylift.pipeline.commands.verify import needed_stages
+    from heavylift.pipeline.checks.judge import judge
+    from heavylift.pipeline.commands.verify import judging_stages
     from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
     case = load_changed_case(path, overrides)
@@ -69,15 +73,17 @@ def judge_case(
         raise InputError("no criteria", source=case.file, expected="[[criteria]] with name and type")
     if seeds is not None:
         return _judge_seeds(case, path, out, overrides, seeds, force=force, log=log)
-    stages: tuple[str, ...] = ("mesh", "modes", "simulate")
-    if case.simulate is None:
-        stages = needed_stages([text for one in case.criteria if (text := getattr(one, "quantity", ""))])
+    stages = judging_stages(case, checks=False)
     report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
     if report.outcome is not Outcome.COMPLETED:
         return JudgedCase(case.name, report.outcome, message=report.message)
-    results = tuple(evaluate_criteria(case, report.folder.root))
-    passed = all(result.passed for result in results)
-    return JudgedCase(case.name, Outcome.COMPLETED if passed else Outcome.CHECK_FAILED, results)
+    found = judge(case, report.folder.root, checks=False)
+    return JudgedCase(
+        case.name,
+        Outcome.COMPLETED if found.passed else Outcome.CHECK_FAILED,
+        found.criteria,
+        {name: str(error) for name, error in found.open_criteria.items()},
+    )
 
 
 def _judge_seeds(
@@ -91,21 +97,25 @@ def _judge_seeds(
     log: Log,
 ) -> JudgedCase:
     """The worst of several runs, line by line; one that stopped by itself has passed nothing."""
-    from heavylift.pipeline.checks.criteria import evaluate_criteria
+    from heavylift.pipeline.checks.judge import judge
     from heavylift.pipeline.commands.statistics import simulate_seeds, told_stops
 
     root = case.output_folder if out is None else out
-    runs = simulate_seeds(case, root, path, overrides, seeds, evaluate_criteria, log, force=force)
+    runs = simulate_seeds(case, root, path, overrides, seeds, partial(judge, checks=False), log, force=force)
     judged = [(run.seed, run.found) for run in runs if run.found is not None]
+    missing: dict[str, str] = {}
+    for seed, found in judged:
+        for name, error in found.open_criteria.items():
+            missing.setdefault(name, f"seed {seed}: {error}")
     results: tuple[CriterionResult, ...] = ()
     if judged:
-        lines = zip(*(found for _, found in judged), strict=True)
-        results = tuple(_worst([seed for seed, _ in judged], line) for line in lines)
-    passed = all(result.passed for result in results)
+        every = ([one for one in found.criteria if one.name not in missing] for _, found in judged)
+        results = tuple(_worst([seed for seed, _ in judged], line) for line in zip(*every, strict=True))
+    passed = not missing and all(result.passed for result in results)
     outcome = Outcome.COMPLETED if passed else Outcome.CHECK_FAILED
     stopped = [run.outcome for run in runs if run.found is None]
     message = "\n".join(line.strip() for line in told_stops(runs))
-    return JudgedCase(case.name, stopped[0] if stopped else outcome, results, message)
+    return JudgedCase(case.name, stopped[0] if stopped else outcome, results, missing, message)
 
 
 def _worst(seeds: Sequence[int], line: Sequence[CriterionResult]) -> CriterionResult:
@@ -142,20 +152,28 @@ def criteria_document(judged: JudgedCase) -> dict[str, Any]:
         "case": judged.case,
         "outcome": judged.outcome.name.lower(),
         "criteria": [result.row() for result in judged.results],
+        **({"not_evaluated": judged.missing} if judged.missing else {}),
     }
     return {**document, "message": judged.message} if judged.message else document
 
 
 def criteria_table(judged: JudgedCase) -> list[str]:
     """Lines of a table for a person: two a result, and one of its sources and factors."""
-    from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words, used_words
-
     outcome = "a criterion failed" if judged.outcome is Outcome.CHECK_FAILED else judged.outcome.text
     lines = [f"{judged.case}: {outcome}"]
     if judged.message:
         lines += [f"  {line}" for line in judged.message.splitlines()]
-    width = max((len(result.name) for result in judged.results), default=0)
-    for result in judged.results:
+    lines += [f"  {name}: not evaluated, FAILED: {reason}" for name, reason in judged.missing.items()]
+    return lines + criteria_lines(judged.results)
+
+
+def criteria_lines(results: Sequence[CriterionResult]) -> list[str]:
+    """Lines of some results for a person."""
+    from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words, used_words
+
+    lines: list[str] = []
+    width = max((len(result.name) for result in results), default=0)
+    for result in results:
         value, limit, margin = criterion_cells(result)
         used = used_words(result) or "-"
         lines.append(

@@ -11,6 +11,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from heavylift.numerics.children import NEUTRAL_FOLDER, python_command
+from heavylift.pipeline.commands.requirements import remedy, requirements, troubles
+
 __all__ = ["diagnosis", "diagnosis_lines"]
 
 OPTIONAL_SOLVERS = {
@@ -50,35 +53,48 @@ sys.exit(0 if image.std() > 1.0 else 3)
 
 def diagnosis() -> dict[str, Any]:
     """Findings as plain values; ``ready`` tells whether everything needed works."""
-    from heavylift.numerics.objects import objects_folder
-    from heavylift.numerics.sources import cache_root
-    from heavylift.solver.compiling import all_units, missing_units
-
-    packages = {name: _version(name) for name in _required()}
+    packages = requirements()
+    outside = troubles(packages)
     gmsh = _attempt("import gmsh; gmsh.initialize(); gmsh.finalize(); print(gmsh.__version__)")
     drawing = _attempt(_RENDER)
-    units = [unit for own in all_units().values() for unit in own]
-    root = cache_root()
     return {
-        "ready": all(packages.values()) and gmsh["works"] and drawing["works"],
+        "ready": not outside and gmsh["works"] and drawing["works"],
         "python": f"{platform.python_version()} ({sys.executable})",
         "platform": platform.platform(),
         "cpu": _cpu(),
         "cores": len(os.sched_getaffinity(0)),
-        "packages": packages,
+        "packages": {one.name: one.version for one in packages},
+        "out_of_range": {one.name: str(one) for one in outside},
+        "remedy": remedy(outside) if outside else "",
         "optional_solvers": {name: _version(name) for name in OPTIONAL_SOLVERS},
-        "factorisations": _factorisations(),
-        "blas": _blas(),
+        "factorisations": [] if outside else _factorisations(),
+        "blas": "unknown" if outside else _blas(),
         "gmsh": gmsh,
         "drawing": drawing,
-        "cache": {
-            "folder": str(root),
-            "writable": _writable(objects_folder()),
-            "size": _size(root),
-            "parts": len(units),
-            "compiled": len(units) - len(missing_units(units)),
-        },
+        "cache": _cache(compiler=not outside),
     }
+
+
+def _cache(*, compiler: bool) -> dict[str, Any]:
+    """Where compiled kernels are, and how many, if there is a compiler that is known."""
+    from heavylift.numerics.sources import cache_root, distrusted
+
+    root = cache_root()
+    folder = root / "objects"
+    found = {
+        "folder": str(root),
+        "writable": _writable(folder),
+        "distrusted": distrusted(folder),
+        "size": _size(root),
+        "parts": 0,
+        "compiled": 0,
+    }
+    if not compiler:
+        return found
+    from heavylift.solver.compiling import all_units, missing_units
+
+    units = [unit for own in all_units().values() for unit in own]
+    return found | {"parts": len(units), "compiled": len(units) - len(missing_units(units))}
 
 
 def _writable(folder: Path) -> bool:
@@ -86,12 +102,6 @@ def _writable(folder: Path) -> bool:
     while not folder.exists():
         folder = folder.parent
     return os.access(folder, os.W_OK)
-
-
-def _required() -> list[str]:
-    """Names of the packages that heavylift requires, from its own metadata."""
-    required = metadata.requires("heavylift") or []
-    return [re.split(r"[<>=!~;\[ ]", line, maxsplit=1)[0] for line in required if "extra ==" not in line]
 
 
 def _version(name: str) -> str | None:
@@ -128,7 +138,13 @@ def _attempt(code: str) -> dict[str, Any]:
     """Run code in a process of its own, because a missing driver may end the process."""
     try:
         result = subprocess.run(  # noqa: S603
-            [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+            python_command("-c", code),
+            cwd=NEUTRAL_FOLDER,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=120,
+            check=False,
         )
     except subprocess.TimeoutExpired:
         return {"works": False, "detail": "no answer within two minutes", "remedy": ""}
@@ -161,7 +177,10 @@ def diagnosis_lines(found: dict[str, Any]) -> list[str]:
         f"BLAS            {found['blas']}",
     ]
     for name, version in found["packages"].items():
-        lines.append(f"{name:15} {version or 'MISSING: pip install ' + name}")
+        told = found["out_of_range"].get(name)
+        lines.append(f"{name:15} {version if told is None else f'OUT OF RANGE: {told}'}")
+    if found["remedy"]:
+        lines.append(f"remedy          {found['remedy']}")
     for name, version in found["optional_solvers"].items():
         lines.append(f"{name:15} {version or 'not installed (optional): ' + OPTIONAL_SOLVERS[name]}")
     lines.append(f"factorisations  {', '.join(found['factorisations'])}")
@@ -173,7 +192,9 @@ def diagnosis_lines(found: dict[str, Any]) -> list[str]:
         )
     cache = found["cache"]
     writable = "" if cache["writable"] else ", NOT WRITABLE: set HEAVYLIFT_CACHE_DIR"
-    ready = f"{cache['compiled']} of {cache['parts']} parts compiled"
+    if cache["distrusted"]:
+        writable = f", NOT USED: {cache['distrusted']}"
+    ready = f"{cache['compiled']} of {cache['parts']} parts compiled" if cache["parts"] else "not known"
     ahead = "" if cache["compiled"] == cache["parts"] else "; `heavylift compile` makes the rest ahead"
     lines.append(f"kernels         {ready}{ahead}")
     lines.append(f"kernel cache    {cache['folder']}, {cache['size'] / 2**20:.1f} MB in all{writable}")

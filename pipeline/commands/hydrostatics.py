@@ -11,6 +11,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.loading import Loading, scene_loading
 from heavylift.pipeline.commands.scene import choose_hulls, load_sea_case
 from heavylift.solver.forces.line_bearing import LineBearing
+from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.sea import LinearRestoring
 
 if TYPE_CHECKING:
@@ -196,9 +197,10 @@ _UNITS = {
 
 
 def _ropes(scene: Scene, group: set[str]) -> list[str]:
-    """Ropes and springs between these bodies and others."""
+    """Ropes, springs and other forces between these bodies and others; none that only watches or only rests."""
+    forces = (one for one in scene.forces if getattr(type(one), "FAMILY", None) is not MEASURES)
     found = []
-    for one in (*scene.ropes, *(force for force in scene.forces if not isinstance(force, LineBearing))):
+    for one in (*scene.ropes, *(force for force in forces if not isinstance(force, LineBearing))):
         path = getattr(one, "path", None)
         sides = (
             {stop.body for stop in path}
@@ -206,7 +208,8 @@ def _ropes(scene: Scene, group: set[str]) -> list[str]:
             else {getattr(one, "body_a", None), getattr(one, "body_b", None)} - {None}
         )
         if sides & group and sides - group:
-            found.append(f"{'rope' if path is not None else 'spring'} {one.name}")
+            word = str(getattr(type(one), "WORD", "force")).replace("_", " ")
+            found.append(f"{'rope' if path is not None else word} {one.name}")
     return found
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import secrets
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -12,8 +14,10 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import TYPE_CHECKING, Any
 
-from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.page.packing import LibraryMissingError, live_content
+from heavylift.numerics.children import python_command
+from heavylift.numerics.outcome import InputError, Outcome, in_one_line
+from heavylift.pipeline.log import say_on
+from heavylift.pipeline.page.packing import LibraryMissingError, content_policy, live_content
 from heavylift.pipeline.page.page import PageContent, page_content, page_html
 from heavylift.pipeline.report.document import Verdict
 from heavylift.pipeline.report.interactive import JudgedRun, interactive_content
@@ -34,6 +38,20 @@ if TYPE_CHECKING:
 __all__ = ["LiveRun", "serve", "view_case"]
 
 HOST = "127.0.0.1"
+IDLE_SECONDS = 20.0
+"""Until a client must have asked, and then have taken the next piece of the answer."""
+PIECE = 2**16
+"""Bytes of an answer."""
+CLIENTS = 64
+"""At once; a browser takes six."""
+SAFE_HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+"""No other page may show, read or embed this one."""
 STOP_SECONDS = 60.0
 """That a run has to end once it is asked to."""
 
@@ -138,15 +156,8 @@ def view_case(
     if not 0 <= port <= 65535:
         raise InputError(f"{port}", source="--port", expected="0 to 65535")
     folder = OutputFolder(case.output_folder if out is None else out)
-    command = [
-        sys.executable,
-        "-c",
-        "from heavylift.pipeline.commands.start import main; main()",
-        "run",
-        str(path),
-        "--out",
-        str(folder.root),
-    ]
+    program = "from heavylift.pipeline.commands.start import main; main()"
+    command = python_command("-c", program, "run", str(path), "--out", str(folder.root))
     for change in overrides:
         command += ["--set", change]
     command += ["--force"] * force
@@ -161,8 +172,12 @@ def view_case(
             f"{port}: {error.strerror}", source="--port", expected="a port that is free"
         ) from None
     try:
+        with contextlib.suppress(ValueError):  # not in the main thread
+            # the terminal is gone, and with it whoever would look: as Ctrl-C, but under nohup
+            if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+                signal.signal(signal.SIGHUP, signal.default_int_handler)
         # a group of its own: Ctrl-C reaches this process alone, which then asks the child once
-        live.child = subprocess.Popen(command, start_new_session=True)  # noqa: S603
+        live.child = _started(command)
         log.say(f"view: http://{HOST}:{server.server_address[1]}/ until Ctrl-C")
         threading.Event().wait()
     except KeyboardInterrupt:
@@ -180,6 +195,47 @@ def view_case(
     return int(Outcome.INTERRUPTED) if code is None or code < 0 else code
 
 
+def _started(command: Sequence[str]) -> subprocess.Popen[bytes]:
+    """A process that hears of a request to stop once it can answer it; Python, while it begins, would just fail."""
+    held = {signal.SIGINT}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, held)
+    try:
+        return subprocess.Popen(command, start_new_session=True)  # noqa: S603
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Server(ThreadingHTTPServer):
+    """Serves a few clients at once, and says in a line what goes wrong."""
+
+    daemon_threads = True
+
+    def __init__(self, *where: Any) -> None:
+        self._places = threading.BoundedSemaphore(CLIENTS)
+        super().__init__(*where)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """In a thread, unless there are too many already."""
+        if self._places.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """The thread of one client."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._places.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A client that leaves is no fault."""
+        del request, client_address
+        error = sys.exception()
+        if error is not None and not isinstance(error, (ConnectionError, TimeoutError)):
+            say_on(sys.stderr, f"view: {in_one_line(f'{type(error).__name__}: {error}')}")
+
+
 def serve(live: LiveRun, port: int = 0) -> ThreadingHTTPServer:
     """A server of a page on this machine alone, at work in a thread of its own.
 
@@ -193,6 +249,23 @@ def serve(live: LiveRun, port: int = 0) -> ThreadingHTTPServer:
 
     class Handler(BaseHTTPRequestHandler):
         """Answers ``/``, ``/data``, ``/progress`` and ``/stop``."""
+
+        timeout = IDLE_SECONDS
+        server_version, sys_version = "heavylift", ""
+
+        def handle(self) -> None:
+            # who sends a letter now and then is never idle
+            self._patience = threading.Timer(IDLE_SECONDS, self._hang_up)
+            self._patience.daemon = True
+            self._patience.start()
+            try:
+                super().handle()
+            finally:
+                self._patience.cancel()
+
+        def _hang_up(self) -> None:
+            with contextlib.suppress(OSError):
+                self.connection.shutdown(socket.SHUT_RDWR)
 
         def do_GET(self) -> None:
             if not self._is_ours():
@@ -220,6 +293,7 @@ def serve(live: LiveRun, port: int = 0) -> ThreadingHTTPServer:
 
         def _is_ours(self) -> bool:
             """Whether the page of this server asks, not one that leads its own name to this machine."""
+            self._patience.cancel()  # it has asked
             own = {f"{name}:{self.server.server_address[1]}" for name in (HOST, "localhost")}  # type: ignore[index]
             if self.headers.get("Host") in own:
                 return True
@@ -232,11 +306,18 @@ def serve(live: LiveRun, port: int = 0) -> ThreadingHTTPServer:
             self.send_header("Content-Length", str(len(content)))
             self.send_header("Cache-Control", "no-store")
             self.end_headers()
-            self.wfile.write(content)
+            for begin in range(0, len(content), PIECE):  # the time limit is one of each piece
+                self.wfile.write(content[begin : begin + PIECE])
+
+        def end_headers(self) -> None:
+            for name, value in SAFE_HEADERS.items():
+                self.send_header(name, value)
+            self.send_header("Content-Security-Policy", content_policy())
+            super().end_headers()
 
         def log_message(self, format: str, *args: Any) -> None:  # noqa: A002  the name is that of the library
             """Nothing: the terminal belongs to the run."""
 
-    server = ThreadingHTTPServer((HOST, port), Handler)
+    server = _Server((HOST, port), Handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     return server

@@ -20,6 +20,7 @@ from heavylift.solver.water.hulls.frequency_domain import (
     ResponseStatistics,
     motion_operators,
     natural_modes,
+    resonant_frequencies,
 )
 
 if TYPE_CHECKING:
@@ -72,7 +73,8 @@ def rao_command(
     Raises
     ------
     InputError
-        If there are no hulls with databases, no equilibrium, or headings that the databases do not have.
+        If there are no hulls with databases, no equilibrium, headings that the databases do not have, or a database
+        that does not fit.
     """
     from heavylift.pipeline.case.places import in_case
     from heavylift.pipeline.stages.stages import locked
@@ -84,22 +86,37 @@ def rao_command(
         linear = linearise(found.scene)
         hulls = linear_group(found.scene, linear)
     log.say(f"rao: {linear.text}")
-    if not hulls.database.has_excitation:
-        raise InputError(
-            "no exciting forces, radiation alone",
-            source=hulls.database.source,
-            key="excitation",
-            expected="a database with exciting forces",
+    for note in linear.notes:
+        log.say(f"rao: NOTE: {note}")
+    in_waves = hulls.database.has_excitation
+    if not in_waves:
+        if headings:
+            raise InputError(
+                "no exciting forces, radiation alone",
+                source=hulls.database.source,
+                key="excitation",
+                expected="a database with exciting forces; without --heading natural periods are told",
+            )
+        log.say(
+            f"rao: {hulls.database.source}: no exciting forces, radiation alone: natural periods, no operators"
+        )
+    resonant = resonant_frequencies(hulls)
+    if len(resonant):
+        log.say(
+            f"rao: NOTE: mass and added mass together are negative between {resonant[0]:.4g} and {resonant[-1]:.4g} "
+            "rad/s, where water between the hulls resonates: natural periods there are those of hulls and water, and "
+            "operators are as large as panels without friction make them"
         )
     if found.scene.touches:
         log.say("rao: contacts and collisions are left out")
     low, high = float(hulls.database.omega[0]), float(hulls.database.omega[-1])
     # finer than databases are, as resonances are narrow; no wind wave is longer
     omega = np.linspace(min(max(low, 2.0 * math.pi / LONGEST_PERIOD), high), high, FREQUENCIES)
-    operators = motion_operators(hulls, headings=headings or _available(hulls), omega=omega)
+    chosen = (headings or _available(hulls)) if in_waves else ()
+    operators = motion_operators(hulls, headings=chosen, omega=omega)
     modes = separate_modes(hulls)
     responses = {}
-    if found.sea.waves is not None:
+    if in_waves and found.sea.waves is not None:
         try:
             responses[THIS_SEA] = response_in_trains(hulls, found.sea.waves, float(linear.headings[0]))
         except InputError as error:  # the operators are right without
@@ -109,7 +126,7 @@ def rao_command(
         files = write_rao_report(folder, operators, modes=modes, responses=responses)
         files.append(folder / "matrices.json")
         write_json(files[-1], _matrices(linear))
-        if linear.row_names:
+        if linear.row_names and in_waves:
             files.append(folder / "joint_forces.csv")
             text = io.StringIO()
             csv.writer(text, lineterminator="\n").writerows(joint_force_rows(linear, operators))
@@ -282,6 +299,8 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
     lines += [f"    {mode['period']:>10.4g} s   {mode['coordinate']}" for mode in document["natural_modes"]]
     if not document["natural_modes"]:
         lines.append("    none: nothing restores")
+    if not document["headings"]:
+        return [*lines, "", "  no response operators: the databases have no exciting forces"]
     lines += [
         "",
         f"  {'largest amplitude':<28s}{'':>12s}  {'unit':<7s}{'period [s]':>11s}{'heading [deg]':>15s}",

@@ -59,6 +59,7 @@ def load_sea_case(
     StopError
         If a stage stops by itself.
     """
+    from heavylift.pipeline.assemble.afloat import check_afloat
     from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
 
@@ -70,6 +71,8 @@ def load_sea_case(
         raise StopError(result.outcome, result.message)
     with in_case(case):
         scene = assemble_scene(case, result.folder)
+        for note in check_afloat(case, scene):
+            log.say(f"NOTE: {note}")
     assert scene.sea is not None
     return SeaCase(case, result.folder, scene, scene.sea)
 

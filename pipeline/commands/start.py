@@ -16,11 +16,13 @@ import signal
 import sys
 import time
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pathlib import Path
     from types import FrameType, TracebackType
+
+    from heavylift.numerics.outcome import Outcome
 
 __all__ = ["Terminated", "main"]
 
@@ -40,6 +42,9 @@ class Terminated(KeyboardInterrupt):
 
 def main() -> None:
     """Entry point of the ``heavylift`` command."""
+    from heavylift.pipeline.commands.current_folder import distrust_current_folder
+    from heavylift.pipeline.commands.requirements import remedy, troubles
+
     code = 0
     try:
         # the time loop and others that end well at their next step take the signal over
@@ -47,14 +52,23 @@ def main() -> None:
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):
                 signal.signal(number, _stop)
             sys.unraisablehook = _swallowed
+            # whoever starts this process may hold a signal back until someone is there who answers it
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
         _open_streams()
+        distrust_current_folder()
         # numbers that overflow are looked for where they matter; what NumPy says of them is no word for a user
         warnings.filterwarnings("ignore", category=RuntimeWarning)
         gc.set_threshold(YOUNG, 2, 2)
         atexit.register(gc.freeze)  # the process ends as it is: what modules hold is not searched once more
-        from heavylift.pipeline.commands.cli import app
+        outside = [] if sys.argv[1:2] == ["doctor"] else troubles()
+        if outside:  # they would fail anywhere, or compute something else
+            from heavylift.numerics.outcome import Outcome
 
-        app()
+            code = _ended(f"{'; '.join(map(str, outside))}; {remedy(outside)}", Outcome.BAD_INPUT)
+        else:
+            from heavylift.pipeline.commands.cli import app
+
+            _run(app)
         if sys.stdout is not None:
             sys.stdout.flush()
     except SystemExit as end:
@@ -74,6 +88,26 @@ def main() -> None:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):
             signal.signal(number, signal.SIG_IGN)
     sys.exit(_closed(code))
+
+
+def _run(app: Any) -> None:
+    """Run the command that the command line tells; what is wrong with it is told in letters that a terminal shows.
+
+    File names come from elsewhere too, as in ``heavylift run *``.
+    """
+    from heavylift.numerics.outcome import visible
+
+    said = sys.argv[1:]
+    shown = [visible(token) for token in said]
+    if said == shown:
+        app()
+        return
+    from cyclopts import CycloptsError
+
+    try:
+        app(said, exit_on_error=False, print_error=False)
+    except CycloptsError:
+        app(shown)
 
 
 _WAITING: list[int] = []
@@ -147,6 +181,11 @@ def _told(error: BaseException) -> int:
         line, outcome = f"output is lost: {error.strerror}", Outcome.DISK_FULL
     else:
         line, outcome = _fault(error), Outcome.FAULT
+    return _ended(line, outcome)
+
+
+def _ended(line: str, outcome: Outcome) -> int:
+    """Say how a command ended that no other says it of; returns the exit code."""
     _say(line)
     if "--json" in sys.argv:
         import json
@@ -192,6 +231,8 @@ def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:
     from importlib import metadata
     from pathlib import Path
 
+    from heavylift.numerics.outcome import visible
+
     name = f"heavylift-fault-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.txt"
     text = [
         f"heavylift {metadata.version('heavylift')}, Python {platform.python_version()}, {platform.platform()}",
@@ -200,14 +241,20 @@ def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:
         "",
         *traceback.format_exception(type(error), error, trace),
     ]
-    content = "\n".join(text).encode("utf-8", "backslashreplace")
+    content = visible("\n".join(text)).encode("utf-8", "backslashreplace")
     try:
         file = Path.cwd() / name
-        file.write_bytes(content)
+        _write_new(file, content)
     except OSError:  # perhaps the folder is gone
         file = Path(tempfile.gettempdir()) / name
-        file.write_bytes(content)
+        _write_new(file, content)
     return file
+
+
+def _write_new(file: Path, content: bytes) -> None:
+    """Write a file that is not there, nor a link of its name."""
+    with file.open("xb") as stream:
+        stream.write(content)
 
 
 def _say(line: str, stream: object = None) -> None:

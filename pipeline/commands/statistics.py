@@ -273,9 +273,9 @@ def simulate_seeds(
     for number in range(count):
         changes = [*overrides, *(f"{key}={seed + number}" for key, seed in keys.items())]
         varied = load_changed_case(path, changes)
-        folder = root / "seeds" / f"seed_{first + number}"
+        folder = main.stage("seeds", f"seed_{first + number}")
         for stage in ("mesh", "modes"):  # the same for all seeds: surfaces and databases too
-            _link(main.stage(stage), folder / stage)
+            _link(main.stage(stage), OutputFolder(folder).stage(stage))
         log.say(f"seed {first + number}, run {number + 1} of {count}")
         again = ("simulate",) if force else ()
         done = run_case(varied, out=folder, stages=("mesh", "modes", "simulate"), force=again, log=log)
@@ -303,11 +303,11 @@ def _link(source: Path, target: Path) -> None:
         place = target / file.relative_to(source)
         if file.is_dir() or place.exists() or file.name.startswith("."):
             continue
-        place.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            os.link(file, place)
-        except OSError:
-            shutil.copyfile(file, place)
+        with replacing(place) as temporary:
+            try:
+                os.link(file, temporary)
+            except OSError:
+                shutil.copyfile(file, temporary)
 
 
 def statistics_command(
@@ -351,6 +351,7 @@ def statistics_command(
 
     case = load_changed_case(path, overrides)
     root = Path(out) if out is not None else case.output_folder
+    folder = OutputFolder(root).stage("statistics")  # before runs that take long
     begin = (0.0 if case.sea is None else case.sea.ramp) if after is None else after
 
     def take(run: Results) -> list[tuple[Column, RunStatistics]]:
@@ -375,7 +376,6 @@ def statistics_command(
         column_statistics(column, [one[place][1] for one in taken])
         for place, (column, _) in enumerate(taken[0])
     ]
-    folder = OutputFolder(root).stage("statistics")
     document: dict[str, Any] = {
         "case": case.name,
         "after": begin,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case.checks import QuantityReference
@@ -16,10 +16,28 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.checks import CheckSection
+    from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.log import Log
 
-__all__ = ["CaseVerdict", "check_table", "exit_code", "needed_stages", "verify_case", "verify_document"]
+__all__ = [
+    "CaseVerdict",
+    "Missed",
+    "check_table",
+    "exit_code",
+    "judging_stages",
+    "needed_stages",
+    "verify_case",
+    "verify_document",
+]
+
+
+class Missed(NamedTuple):
+    """A check that has no value: its unit, and why, if the reason is its own."""
+
+    check: CheckSection
+    unit: str
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -31,13 +49,17 @@ class CaseVerdict:
     case
         Its name.
     outcome
-        How its stages ended; `Outcome.CHECK_FAILED` if they completed and a check failed.
+        How its stages ended; `Outcome.CHECK_FAILED` if they completed and a check or criterion failed or could not be
+        evaluated.
     cpu_s
         CPU time of its stages [s].
     checks
-        Every check, if the case got to them.
+        Every check that could be evaluated, if the case got to them.
     missed
-        Every check with its unit, if it did not: they have no value and count as not passed.
+        Every check with its unit and why it has no value, if there is a reason of its own: all of a case that did not
+        get to them, and those that could not be evaluated. They count as not passed.
+    criteria, open_criteria
+        Lines of the criteria, and of those that could not be evaluated by name why not.
     message
         Why, if it did not.
     """
@@ -46,7 +68,9 @@ class CaseVerdict:
     outcome: Outcome
     cpu_s: float
     checks: tuple[CheckResult, ...] = ()
-    missed: tuple[tuple[CheckSection, str], ...] = ()
+    missed: tuple[Missed, ...] = ()
+    criteria: tuple[CriterionResult, ...] = ()
+    open_criteria: tuple[tuple[str, str], ...] = ()
     message: str = ""
 
     def row(self) -> dict[str, Any]:
@@ -60,11 +84,14 @@ class CaseVerdict:
                 *(_missed_row(*entry) for entry in self.missed),
             ],
         }
+        if self.criteria or self.open_criteria:
+            row["criteria"] = [one.row() for one in self.criteria]
+            row["not_evaluated"] = dict(self.open_criteria)
         return {**row, "message": self.message} if self.message else row
 
 
-def _missed_row(check: CheckSection, unit: str) -> dict[str, Any]:
-    """A check that was not reached, with the keys of `CheckResult.row`."""
+def _missed_row(check: CheckSection, unit: str, reason: str) -> dict[str, Any]:
+    """A check that has no value, with the keys of `CheckResult.row`."""
     tolerance = check.tolerance
     limits = {} if tolerance is not None else {"maximum": check.maximum, "minimum": check.minimum}
     allowed = None
@@ -80,6 +107,7 @@ def _missed_row(check: CheckSection, unit: str) -> dict[str, Any]:
         "source": check.source or "",
         "passed": False,
         **limits,
+        **({"message": reason} if reason else {}),
     }
 
 
@@ -93,31 +121,58 @@ def needed_stages(quantities: Sequence[str]) -> tuple[str, ...]:
 def verify_case(
     path: Path, *, out: Path | None, overrides: Sequence[str], force: bool, log: Log
 ) -> CaseVerdict:
-    """Run what the checks of a case need, and evaluate them; whatever goes wrong is in the verdict."""
-    from heavylift.pipeline.checks.quantities import evaluate_checks
+    """Run what checks and criteria of a case need, and evaluate them; whatever goes wrong is in the verdict."""
+    from heavylift.pipeline.checks.judge import judge
     from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
     name = path.resolve().parent.name if path.suffix == ".toml" else path.resolve().name
     cpu_s = 0.0
-    missed: tuple[tuple[CheckSection, str], ...] = ()
+    missed: tuple[Missed, ...] = ()
+    not_reached: tuple[tuple[str, str], ...] = ()
+    outcome: Outcome
     try:
         case = load_changed_case(path, overrides)
-        missed = tuple((check, case.quantity(check.quantity).kind.unit) for check in case.check)
-        stages = needed_stages(_quantities(case))
+        missed = tuple(_missed(case, check) for check in case.check)
+        not_reached = tuple((one.name, "") for one in case.criteria)
+        stages = judging_stages(case)
         report = run_case(case, out=out, stages=stages, force=stages if force else (), log=log)
         cpu_s = report.cpu_s
         if report.outcome is not Outcome.COMPLETED:
-            return CaseVerdict(name, report.outcome, cpu_s, missed=missed, message=report.message)
-        checks = tuple(evaluate_checks(case, report.folder.root))
+            outcome, message = report.outcome, report.message
+        else:
+            found = judge(case, report.folder.root)
+            return CaseVerdict(
+                name,
+                Outcome.COMPLETED if found.passed else Outcome.CHECK_FAILED,
+                cpu_s,
+                found.checks,
+                tuple(
+                    _missed(case, check, str(found.open_checks[check.id]))
+                    for check in case.check
+                    if check.id in found.open_checks
+                ),
+                found.criteria,
+                tuple((one, str(error)) for one, error in found.open_criteria.items()),
+            )
     except InputError as error:
-        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, missed=missed, message=str(error))
+        outcome, message = Outcome.BAD_INPUT, str(error)
     except StopError as error:
-        return CaseVerdict(name, error.outcome, cpu_s, missed=missed, message=str(error))
+        outcome, message = error.outcome, str(error)
     except OSError as error:
-        message = f"{error.filename}: {error.strerror}"
-        return CaseVerdict(name, Outcome.BAD_INPUT, cpu_s, missed=missed, message=message)
-    passed = all(check.passed for check in checks)
-    return CaseVerdict(name, Outcome.COMPLETED if passed else Outcome.CHECK_FAILED, cpu_s, checks)
+        outcome, message = Outcome.BAD_INPUT, f"{error.filename}: {error.strerror}"
+    return CaseVerdict(name, outcome, cpu_s, missed=missed, open_criteria=not_reached, message=message)
+
+
+def _missed(case: Case, check: CheckSection, reason: str = "") -> Missed:
+    return Missed(check, case.quantity(check.quantity).kind.unit, reason.replace("\n", "; "))
+
+
+def judging_stages(case: Case, *, checks: bool = True) -> tuple[str, ...]:
+    """Stages that must have run before the criteria of a case, and its checks, can be evaluated."""
+    if case.criteria and case.simulate is not None:
+        return ("mesh", "modes", "simulate")
+    limits = [text for one in case.criteria if (text := getattr(one, "quantity", ""))]
+    return needed_stages([*(_quantities(case) if checks else ()), *limits])
 
 
 def _quantities(case: Case) -> list[str]:
@@ -138,26 +193,30 @@ def verify_document(verdicts: Sequence[CaseVerdict]) -> dict[str, Any]:
 def exit_code(verdicts: Sequence[CaseVerdict]) -> int:
     """Exit code of ``verify``: the largest code among the cases.
 
-    0 only if every check of every case passed; 1 if all cases got to their checks and some failed; 2 if an input
-    is bad; the code of its outcome, all above 2, for a case that stopped before it got to its checks.
+    0 only if every check and criterion of every case passed; 1 if all cases got to them and some failed or could not be
+    evaluated; 2 if an input is bad; the code of its outcome, all above 2, for a case that stopped before.
     """
     return max((int(verdict.outcome) for verdict in verdicts), default=0)
 
 
 def _ending(check: CheckResult) -> str:
     """Result of a check, which member of a group it is of, when, and what was seen."""
-    words = [*([check.where] if check.where else []), *([check.seen] if check.seen else [])]
+    words = [word for word in (check.where, check.seen, check.note) if word]
     return ("passed" if check.passed else "FAILED") + (f"  ({'; '.join(words)})" if words else "")
 
 
 def check_table(verdict: CaseVerdict) -> list[str]:
     """Lines of a table for a person."""
+    from heavylift.pipeline.commands.criteria import criteria_lines
+
     lines = [f"{verdict.case}: {verdict.outcome.text}, {verdict.cpu_s:.1f} s CPU"]
     if verdict.message:
         lines += [f"  {line}" for line in verdict.message.splitlines()]
-    if not verdict.checks and not verdict.missed and verdict.outcome is Outcome.COMPLETED:
+    judged = (verdict.checks, verdict.missed, verdict.criteria, verdict.open_criteria)
+    if not any(judged) and verdict.outcome is Outcome.COMPLETED:
         lines.append("  no checks")
-    lines += [f"  {check.id}: not reached, FAILED" for check, _ in verdict.missed]
+    for name, reason in (*((one.check.id, one.reason) for one in verdict.missed), *verdict.open_criteria):
+        lines.append(f"  {name}: {f'not evaluated, FAILED: {reason}' if reason else 'not reached, FAILED'}")
     width = max((len(check.id) for check in verdict.checks), default=0)
     compared = [check for check in verdict.checks if not check.has_limits]
     if compared:
@@ -179,4 +238,4 @@ def check_table(verdict: CaseVerdict) -> list[str]:
             f"  {check.id:{width}}  {check.value:16.9g} {'<=' if side == 'maximum' else '>='} {limit:13.9g} "
             f"{check.unit:8} {used:>9} {check.margin:9.3g}  {_ending(check)}"
         )
-    return lines
+    return lines + criteria_lines(verdict.criteria)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import re
 import zlib
@@ -19,7 +20,15 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Block", "LibraryMissingError", "finite", "header_text", "live_content", "page_parts"]
+__all__ = [
+    "Block",
+    "LibraryMissingError",
+    "content_policy",
+    "finite",
+    "header_text",
+    "live_content",
+    "page_parts",
+]
 
 _LEVELS = 65535  # of a quantised number
 _ALIGNED = 4  # bytes at which arrays begin
@@ -126,6 +135,33 @@ def page_parts(header: dict[str, Any], block: Block) -> tuple[str, str]:
     page = (own / "viewer.html").read_text(encoding="utf-8")
     body = re.sub(r"\[([A-Z]+)\]", lambda place: parts[place[1]], page)  # once: names may look like places
     return (own / "viewer.css").read_text(encoding="utf-8"), body
+
+
+@cache
+def content_policy() -> str:
+    """What a browser may do for a page that a server delivers: the one script of ours, and nothing from elsewhere.
+
+    The library is a text that our script runs; it draws with textures that stand in it, and asks us for fonts.
+    """
+    own = resources.files("heavylift.pipeline.page")
+    page = (own / "viewer.html").read_text(encoding="utf-8")
+    scripts = [text for text in re.findall(r"<script>(.*?)</script>", page, re.DOTALL) if "[SCRIPT]" in text]
+    ours = scripts[0].replace("[SCRIPT]", (own / "viewer.js").read_text(encoding="utf-8"))
+    digest = base64.b64encode(hashlib.sha256(ours.encode()).digest()).decode("ascii")
+    return "; ".join(
+        (
+            "default-src 'none'",
+            f"script-src 'sha256-{digest}' 'unsafe-eval'",
+            "style-src 'unsafe-inline'",
+            "img-src data: blob:",
+            "font-src 'self' data:",
+            "worker-src blob:",
+            "connect-src 'self'",
+            "base-uri 'none'",
+            "form-action 'none'",
+            "frame-ancestors 'none'",
+        )
+    )
 
 
 def _folder() -> Path:

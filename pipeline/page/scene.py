@@ -666,14 +666,18 @@ class _Builder:
         number = int(placed["on"][0])
         return local if number < 0 else self.motion.poses[number].world(local)
 
-    def _tension(self, name: str) -> NDArray[np.float64] | None:
-        values = self._values(f"{name}.tension")
-        return None if values is None else values.max(axis=1)
+    def _tension(self, name: str, line: int | None = None) -> NDArray[np.float64] | None:
+        """Of a rope, or of one of its lines of one force."""
+        values = self._values(f"{name}.tension" if line is None else f"{name}.segment_tension")
+        if values is None:
+            return None
+        return values.max(axis=1) if line is None else values[:, line]
 
     def _ropes(self) -> None:
         loose = self._loose()
         for rope in self.scene.ropes:
-            for leg in getattr(rope, "legs", [rope.path]):
+            lines = hasattr(rope, "legs")
+            for number, leg in enumerate(getattr(rope, "legs", [rope.path])):
                 placed = self._attach([(stop.body, stop.point) for stop in leg])
                 if any(stop.radius > 0.0 for stop in leg):
                     placed = self._reeved(leg)
@@ -683,7 +687,7 @@ class _Builder:
                         "ropes",
                         colour=_ROPE,
                         radius=self.motion.radius,
-                        tension=self._tension(rope.name),
+                        tension=self._tension(rope.name, number if lines else None),
                         loose=loose.get(rope.name),
                         **placed,  # type: ignore[arg-type]
                     )

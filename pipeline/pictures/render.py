@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from heavylift.numerics.children import NEUTRAL_FOLDER, python_command
+
 if TYPE_CHECKING:
     from types import TracebackType
 
@@ -77,7 +79,8 @@ def rendering_backend() -> str:
         environment = {**os.environ, variable: candidate}
         try:
             probe = subprocess.run(  # noqa: S603
-                [sys.executable, "-c", _PROBE],
+                python_command("-c", _PROBE),
+                cwd=NEUTRAL_FOLDER,
                 env=environment,
                 capture_output=True,
                 text=True,

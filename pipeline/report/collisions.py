@@ -268,7 +268,7 @@ class _Happened:
         """Of the table of all collisions."""
         force, time = self.history("largest_force"), self.results.time
         record = self.peak
-        depth = max(0.0, -float(self.history("gap").min()))
+        depth = max(0.0, -float(np.fmin.reduce(self.history("gap"), initial=0.0)))
         return (
             self.name,
             " and ".join(self.pair),

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.case.criteria import CraneCriterion
-from heavylift.pipeline.checks.criteria import crane_points, evaluate_criteria
+from heavylift.pipeline.case.criteria import CraneCriterion, tensions_of
+from heavylift.pipeline.checks.criteria import crane_points
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.pictures.criteria_plots import crane_plot, tension_plot, utilisation_plot
 from heavylift.pipeline.report.document import Figure, Section, Table, Text
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.numerics.outcome import InputError
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.checks.criteria import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import Results
 
 __all__ = [
-    "criteria_results",
+    "briefly",
     "criteria_section",
     "criterion_cells",
     "governing_words",
@@ -44,26 +44,10 @@ _CURVES = 12  # of the chart of utilisations at most
 _HEADER = ("criterion", "value", "limit", "used", "margin", "governs", "source", "factors", "result")
 
 
-def criteria_results(
-    case: Case, out: Path, results: Results | None
-) -> tuple[list[CriterionResult], dict[str, str]]:
-    """Lines of the criteria that can be evaluated, and for the others by name why not."""
-    found: list[CriterionResult] = []
-    missing: dict[str, str] = {}
-    for criterion in case.criteria:
-        try:
-            one = case.model_copy(update={"criteria": (criterion,)})
-            found += evaluate_criteria(one, out, results)
-        except InputError as error:
-            missing[criterion.name] = "; ".join(map(_briefly, getattr(error, "errors", [error])))
-        except (IndexError, ValueError):  # of a run that stopped before its first record
-            missing[criterion.name] = "cannot be evaluated from the records that there are"
-    return found, missing
-
-
-def _briefly(error: InputError) -> str:
+def briefly(error: InputError) -> str:
     """What is wrong and in which file, by its name: a report is read elsewhere than it was made."""
-    return ": ".join(part for part in (Path(error.source).name, error.key, error.problem) if part)
+    parts = getattr(error, "errors", [error])
+    return "; ".join(": ".join(filter(None, (Path(one.source).name, one.key, one.problem))) for one in parts)
 
 
 def write_criteria(
@@ -194,11 +178,12 @@ def _charts(
         caption += f" {left} that use less are left out." if left else ""
         items.append(Figure(album.add("criteria", content), caption))
     given: list[tuple[str, ...]] = [getattr(criterion, "ropes", ()) for criterion in case.criteria]
-    groups = dict.fromkeys(ropes for ropes in given if len(ropes) > 1)
+    groups = dict.fromkeys(given)
     for number, ropes in enumerate(groups):
-        names = {rope: f"{rope}.tension" for rope in ropes if f"{rope}.tension" in results}
+        recorded = [rope for rope in ropes if f"{rope}.tension" in results]
+        names = tensions_of(case, recorded)
         if len(results.time) > 1 and len(names) > 1:
-            tensions = {rope: results[name] for rope, name in names.items()}
+            tensions = {label: quantities.history(f"channel.{name}.end") for label, name in names.items()}
             title = f"Tensions of {len(names)} ropes"
             content = tension_plot(results.time, tensions, title=title, bands=bands)
             caption = f"Spread of the tensions of {', '.join(list(names)[:8])}{' …' * (len(names) > 8)}, by records."

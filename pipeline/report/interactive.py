@@ -68,6 +68,12 @@ class JudgedRun:
     open_criteria: Mapping[str, str] = field(default_factory=dict)
     warnings: Sequence[str] = ()
 
+    @property
+    def passed(self) -> bool:
+        """Whether no check and no criterion failed or is open."""
+        failed = any(not one.passed for one in self.checks) or any(not one.passed for one in self.criteria)
+        return not (failed or self.open_checks or self.open_criteria)
+
 
 def interactive_content(
     case: Case,

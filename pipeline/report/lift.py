@@ -201,7 +201,7 @@ class _Lift:
         return [Table(header, tuple(rows), frozenset({1, 2, 3}))]
 
     def distances(self) -> list[Table | Figure]:
-        """Smallest distances, tilts and radii of relative motions, and gaps of surfaces."""
+        """Smallest distances, tilts and radii of relative motions, and gaps of surfaces where they were measured."""
         rows, near = [], {}
         for name in self.named("relative_motions", "distance"):
             least, when = self.extreme(f"{name}.distance", "min")
@@ -218,8 +218,8 @@ class _Lift:
                 )
             )
         for name in self.case.collided:
-            if f"{name}.gap" not in self.results:
-                continue
+            if f"{name}.gap" not in self.results or np.isnan(self.results[f"{name}.gap"]).any():
+                continue  # nobody asked for it
             least, when = self.extreme(f"{name}.gap", "min")
             near[name] = f"{name}.gap"
             rows.append((name, f"{least:.4g}", "–", "–", when))

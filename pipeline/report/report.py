@@ -7,15 +7,16 @@ from dataclasses import replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
-from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.checks.quantities import CheckResult, evaluate_checks
+from heavylift.numerics.outcome import Outcome
+from heavylift.pipeline.checks.hanging import hanging_warnings
+from heavylift.pipeline.checks.judge import judge
 from heavylift.pipeline.page.packing import LibraryMissingError, page_parts
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError
 from heavylift.pipeline.report.bodies import body_sections
 from heavylift.pipeline.report.collisions import collision_sections, surface_sections
 from heavylift.pipeline.report.contacts import contact_sections
 from heavylift.pipeline.report.criteria import (
-    criteria_results,
+    briefly,
     criteria_section,
     used_words,
     write_criteria,
@@ -48,18 +49,26 @@ from heavylift.pipeline.report.transport import transport_section
 from heavylift.pipeline.results.storage import OutputFolder, replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.histories import Results
 
 __all__ = ["judged_run", "write_report"]
 
 
-def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) -> list[Path]:
+def write_report(
+    case: Case,
+    folder: Path,
+    out: Path,
+    log: Log | None = None,
+    *,
+    tell: Callable[[JudgedRun], object] | None = None,
+) -> list[Path]:
     """Write ``report.md``, ``report.html`` and their pictures from whatever stages have run.
 
     Parameters
@@ -72,6 +81,8 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         Output folder of the case, with a folder for each stage that has run.
     log
         Told the verdict, and how far an animation is.
+    tell
+        Told how the run is judged.
 
     Returns
     -------
@@ -105,6 +116,8 @@ def write_report(case: Case, folder: Path, out: Path, log: Log | None = None) ->
         if renderer is not None:
             renderer.close()
     told = judged_run(case, stages, results, problem)
+    if tell is not None:
+        tell(told)
     judged, open_criteria, verdict = told.criteria, told.open_criteria, told.verdict
     warnings = [Text(text, warning=True) for text in (*told.warnings, remedy) if text]
     document = Document(
@@ -168,15 +181,18 @@ def judged_run(case: Case, stages: OutputFolder, results: Results | None, proble
     problem
         What is wrong with them.
     """
-    checks, open_checks = _checks(case, stages.root)
-    judged, open_criteria = criteria_results(case, stages.root, results)
+    found = judge(case, stages.root, results)
+    checks, judged = list(found.checks), list(found.criteria)
+    open_checks = {name: briefly(error) for name, error in found.open_checks.items()}
+    open_criteria = {name: briefly(error) for name, error in found.open_criteria.items()}
     told = str(results.metadata.get("warning", "")) if results is not None else ""
     outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
     failed = tuple(dict.fromkeys(f"criterion {one.name}" for one in judged if not one.passed))
     verdict = _stopped(outcome, message, checks, failed) or _verdict(
         case, checks, open_checks, simulated=results is not None, judged=judged, open_criteria=open_criteria
     )
-    warnings = tuple(text for text in (problem, f"{told}." if told else "") if text)
+    hanging = [] if results is None else hanging_warnings(case, results)
+    warnings = tuple(f"{text}." if text != problem else text for text in (problem, told, *hanging) if text)
     return JudgedRun(verdict, checks, open_checks, judged, open_criteria, warnings)
 
 
@@ -196,24 +212,6 @@ def _linked_pictures(report: Path) -> set[str]:
         return set(re.findall(r"\]\(([A-Za-z0-9_-]+\.(?:png|gif|mp4))\)", report.read_text(encoding="utf-8")))
     except (OSError, UnicodeDecodeError):
         return set()
-
-
-def _checks(case: Case, out: Path) -> tuple[list[CheckResult], dict[str, str]]:
-    """Checks that can be evaluated, and for the others by id why not."""
-    try:
-        return evaluate_checks(case, out), {}
-    except (InputError, IndexError, ValueError):
-        pass  # one by one, to keep those that can be evaluated
-    done: list[CheckResult] = []
-    missing: dict[str, str] = {}
-    for check in case.check:
-        try:
-            done += evaluate_checks(case.model_copy(update={"check": (check,)}), out)
-        except InputError as error:
-            missing[check.id] = str(error).partition("; expected")[0]
-        except (IndexError, ValueError):  # statistics of a run that stopped before its first record
-            missing[check.id] = "cannot be evaluated from the records that there are"
-    return done, missing
 
 
 def _stopped(
@@ -245,12 +243,14 @@ def _verdict(
     failed = [_with_place(check) for check in checks if not check.passed]
     count, criteria = len(case.check), len(case.criteria)
     if failed or broken:
-        parts = [f"{len(broken)} of {criteria} criteria ({', '.join(broken)})"] if broken else []
-        parts += [f"{len(failed)} of {count} checks ({', '.join(failed)})"] if failed else []
+        parts = [_share(broken, criteria, "criteria")] if broken else []
+        parts += [_share(failed, count, "checks")] if failed else []
+        unknown = [*(open_criteria or ()), *missing]
+        parts += [f"not evaluated: {', '.join(unknown)}"] if unknown else []
         return Verdict(f"Failed: {'; '.join(parts)}.", passed=False)
     if missing or open_criteria:
-        parts = [f"{len(open_criteria)} of {criteria} criteria"] if open_criteria else []
-        parts += [f"{len(missing)} of {count} checks"] if missing else []
+        parts = [_share(open_criteria, criteria, "criteria")] if open_criteria else []
+        parts += [_share(missing, count, "checks")] if missing else []
         return Verdict(f"Open: {' and '.join(parts)} could not be evaluated.", passed=None)
     if case.simulate is not None and not simulated:
         return Verdict("Open: the case has not been simulated.", passed=None)
@@ -266,6 +266,10 @@ def _verdict(
         parts[0] += f", of which {worst.name} uses most, {100.0 * worst.utilisation:.3g} %"
     parts += [_all_of(count, "check", "checks") + most] if count else []
     return Verdict(f"Passed: {'; '.join(parts)}.", passed=True)
+
+
+def _share(names: Collection[str], count: int, what: str) -> str:
+    return f"{len(names)} of {count} {what} ({', '.join(names)})"
 
 
 def _all_of(count: int, one: str, several: str) -> str:
@@ -329,7 +333,7 @@ def _limit_row(check: CheckResult) -> tuple[str, ...]:
         used_words(check) or "–",
         f"{check.margin:.4g}",
         check.where or "–",
-        _source(check, check.seen) or "–",
+        _source(check, check.seen, check.note) or "–",
         _result(check),
     )
 

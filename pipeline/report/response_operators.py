@@ -87,6 +87,7 @@ def rao_document(
                 "period": 2.0 * math.pi / float(operators.omega[k]),
             }
             for j, name in enumerate(names)
+            if len(operators.headings)
             for k, h in [
                 np.unravel_index(int(np.argmax(operators.amplitude[:, :, j])), operators.amplitude.shape[:2])
             ]
@@ -121,7 +122,7 @@ def write_rao_report(
     responses: Mapping[str, ResponseStatistics] | None = None,
     pictures: bool = True,
 ) -> list[Path]:
-    """Write ``rao.csv``, ``rao.json`` and a picture of each hull.
+    """Write ``rao.csv``, ``rao.json`` and a picture of each hull; of operators without headings ``rao.json`` alone.
 
     Parameters
     ----------
@@ -138,6 +139,11 @@ def write_rao_report(
         The files, in this order.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    if not len(operators.headings):
+        for stale in ("rao.csv", *(f"rao_{name}.png" for name in operators.bodies)):
+            (folder / stale).unlink(missing_ok=True)
+        write_json(folder / "rao.json", rao_document(operators, modes, responses))
+        return [folder / "rao.json"]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     for row in operator_rows(operators):

@@ -50,7 +50,10 @@ def load_finite_results(case: Case, folder: Path) -> tuple[Results | None, str]:
         if not len(results.time):
             return results, "No time histories: the run ended before its first record."
         finite = np.isfinite(results.time)
+        unknown = {f"{name}.{kind}" for name in case.collided for kind in ("gap", "gap_min")}
         for name in results:
+            if name in unknown:  # no number where nobody asked for it
+                continue
             finite &= np.isfinite(results[name].reshape(len(results.time), -1)).all(axis=1)
     except InputError as error:
         return None, f"No time histories: {error}"

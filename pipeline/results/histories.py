@@ -125,7 +125,8 @@ def write_segment(folder: Path, segment: Segment) -> SegmentMark:
     arrays = _arrays(segment)
     checksum = _checksum(arrays)
     with replacing(segment_path(folder, segment.number)) as temporary, temporary.open("wb") as stream:
-        np.savez(stream, allow_pickle=False, checksum=np.array(checksum), **arrays)
+        # before NumPy 2.2 a word on pickles would be an array of that name
+        np.savez(stream, checksum=np.array(checksum), **arrays)  # type: ignore[arg-type]
     return SegmentMark(len(segment.times), checksum)
 
 
@@ -218,10 +219,21 @@ def _read_segment(path: Path, index: int) -> Segment | None:
     checksum = str(arrays.pop("checksum", ""))
     if checksum != _checksum(arrays):
         return None
-    header = json.loads(str(arrays.pop("header")))
-    if header.pop("number") != index:
+    try:
+        header = json.loads(str(arrays.pop("header")))
+        times, records = arrays.pop("times"), arrays.pop("records")
+        told = header.pop("number"), header["first_record"], header["digest"], header["channels"]
+    except (
+        KeyError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        RecursionError,
+    ):  # no table, or not all that it says
         return None
-    times, records = arrays.pop("times"), arrays.pop("records")
+    shaped = times.ndim == 1 and records.ndim == 2 and len(records) == len(times)
+    if told[0] != index or not shaped or {times.dtype.kind, records.dtype.kind} != {"f"}:
+        return None
     state = {key.removeprefix(STATE_PREFIX): value for key, value in arrays.items()}
     return Segment(index, header, times, records, state, checksum)
 
@@ -415,7 +427,11 @@ class Results:
         beside = f"{name}_{side}"
         if beside not in self or not self.metadata.get("sees_every_step", False):
             return self[name], f"{len(self.time):,} records"
-        searched = name.rpartition(".")[2] == "gap"  # what is far away has a gap at records only
+        if np.isnan(self[beside]).any():  # nobody asked for it
+            return self[name], f"{len(self.time):,} records"
+        owner, _, last = name.rpartition(".")
+        # what is far from a contour has a gap at records only; surfaces are measured in all steps
+        searched = last == "gap" and f"{owner}.contacts" not in self
         near = f" where it was near enough to be searched, and {len(self.time):,} records" if searched else ""
         return self[beside], f"{int(self.metadata['steps']):,} steps{near}"
 

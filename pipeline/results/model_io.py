@@ -36,7 +36,7 @@ __all__ = [
 ]
 
 MODEL_FORMAT = "heavylift finite-element model 1"
-REDUCED_FORMAT = "heavylift reduced body 1"
+REDUCED_FORMAT = "heavylift reduced body 2"
 
 
 def open_hdf5(path: Path, remedy: str) -> AbstractContextManager[h5py.File]:
@@ -140,6 +140,10 @@ def write_reduced(
         _write(file, "nodes", body.nodes, "m", "positions of the nodes, body frame")
         _write(file, "eigenvalues", body.eigenvalues, "rad^2/s^2", "diagonal of the modal stiffness")
         _write(file, "mode_shapes", body.mode_shapes, "kg^-0.5", "(vector, node, component), modal mass 1")
+        if body.mesh is not None:
+            mesh = file.create_group("mesh")
+            mesh.attrs["element_type"] = body.mesh.element_type
+            _write(mesh, "elements", body.mesh.elements, "1", "zero-based nodes, VTK order")
         _write(file, "residuals", body.residuals, "1", "relative residual of each vector in the full model")
         integrals = file.create_group("integrals")
         for key, value in body.integrals._asdict().items():
@@ -166,13 +170,18 @@ def read_reduced(path: Path) -> ReducedBody:
     """Read a reduced body that `write_reduced` wrote; errors as `read_model`."""
     from heavylift.modal.invariants import ShapeIntegrals
     from heavylift.modal.reduced import ReducedBody
+    from heavylift.preprocess.finite_elements.mesh import Mesh
 
     with open_hdf5(path, "make it with `heavylift modes CASE --force`") as file:
         _check_format(file, path, REDUCED_FORMAT)
         integrals = {key: dataset[()] for key, dataset in file["integrals"].items()}
         integrals["mass"] = float(integrals["mass"])
+        nodes, mesh = file["nodes"][:], None
+        if "mesh" in file:
+            group = file["mesh"]
+            mesh = Mesh(nodes, group["elements"][:], str(group.attrs["element_type"]))
         return ReducedBody(
-            nodes=file["nodes"][:],
+            nodes=nodes,
             eigenvalues=file["eigenvalues"][:],
             mode_shapes=file["mode_shapes"][:],
             integrals=ShapeIntegrals(**integrals),
@@ -181,6 +190,7 @@ def read_reduced(path: Path) -> ReducedBody:
             residuals=file["residuals"][:],
             orthogonality=float(file.attrs["orthogonality"]),
             dropped=tuple(json.loads(file.attrs["dropped"])),
+            mesh=mesh,
         )
 
 

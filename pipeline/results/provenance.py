@@ -222,6 +222,8 @@ def simulate_digest(case: Case) -> str:
             surface.name: [surface.body, surface.facets, surface_digest(case, surface)]
             for surface in case.surfaces
         }
+    if case.measured_gaps:
+        scene["measured_gaps"] = sorted(case.measured_gaps)
     if case.databases:
         scene["databases"] = {
             name: [section.model_dump(mode="json", include=MEMORY_KEYS), database_digest(case, section)]

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
 __all__ = ["rope_tangents"]
 
+UNTOUCHED = -0.25 * np.pi
+"""Least wrap [rad] of a pulley that the rope does not touch: as at the start of a run."""
+
 _REPETITIONS = 12  # of pulleys in a row, whose common tangents are found by repetition
 
 
@@ -36,7 +39,8 @@ def rope_tangents(
     -----
     A tangent from a point at the distance L touches a circle of radius r at the angle ``arccos(r / L)`` from the
     point, ahead of it where the rope arrives and behind it where it leaves. Two pulleys in a row find their common
-    tangent by repetition. What lies outside the plane of a pulley counts by its projection.
+    tangent by repetition. What lies outside the plane of a pulley counts by its projection. A pulley that the rope does
+    not touch has the nearest point of the straight line that passes it by.
     """
     arrive, leave = [np.array(c) for c in centres], [np.array(c) for c in centres]
     for _ in range(_REPETITIONS):
@@ -44,7 +48,36 @@ def rope_tangents(
             if radius > 0.0 and 0 < k < len(centres) - 1:
                 arrive[k] = _tangent_point(centre, radius, axis, leave[k - 1], 1.0)
                 leave[k] = _tangent_point(centre, radius, axis, arrive[k + 1], -1.0)
+                past = _passes(arrive[k] - centre, leave[k] - centre, axis)
+                if np.any(past):
+                    nearest = _nearest(centre, leave[k - 1], arrive[k + 1])
+                    arrive[k] = np.where(past, nearest, arrive[k])
+                    leave[k] = np.where(past, nearest, leave[k])
     return arrive, leave
+
+
+def _passes(
+    arrival: NDArray[np.float64], departure: NDArray[np.float64], axis: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Whether a rope would leave a pulley before it arrives, by less than an eighth of a turn, shape (..., 1)."""
+    turn = np.arctan2(
+        np.sum(axis * np.cross(arrival, departure), axis=-1, keepdims=True),
+        np.sum(arrival * departure, axis=-1, keepdims=True),
+    )
+    return (turn < 0.0) & (turn >= UNTOUCHED)
+
+
+def _nearest(
+    point: NDArray[np.float64], begin: NDArray[np.float64], end: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Point of a straight line that is nearest to another."""
+    way = end - begin
+    square = np.sum(way * way, axis=-1, keepdims=True)
+    part = np.sum((point - begin) * way, axis=-1, keepdims=True) / np.maximum(
+        square, np.finfo(np.float64).tiny
+    )
+    found: NDArray[np.float64] = begin + np.clip(part, 0.0, 1.0) * way
+    return found
 
 
 def _tangent_point(

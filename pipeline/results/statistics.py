@@ -614,6 +614,12 @@ def _component(results: Results, channel: str, index: int, count: int) -> Column
     def read(run: Results) -> NDArray[np.float64]:
         values = run[channel]
         column = values if values.ndim == 1 else values[:, index]
+        if ".gap" in channel and np.isnan(column).any():
+            raise InputError(
+                f"{channel!r} is not known at all times: surfaces were out of reach, and nobody asked how far",
+                source=run.source,
+                expected="'clearance = true' in the collision, or a check, criterion or [report] channels that name it",
+            )
         if "(" in channel and np.isnan(column).any():
             at = run.time[np.isnan(column)][0]
             raise InputError(

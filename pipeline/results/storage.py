@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.outcome import InputError, Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -64,9 +64,24 @@ class OutputFolder:
         stages = ("check", "mesh", "modes", "simulate", "report", "draw", "export")
         return (self.root, *(self.root / name for name in stages), self.segments)
 
-    def stage(self, name: str) -> Path:
-        """Folder of a stage."""
-        return self.root / name
+    def stage(self, *names: str) -> Path:
+        """Folder of a stage, of a command, or of a part of one, into which files may be written.
+
+        Raises
+        ------
+        InputError
+            If it, or one on the way to it, is a link: what it leads to belongs to someone.
+        """
+        path = self.root
+        for name in names:
+            path /= name
+            if path.is_symlink() or (path.exists() and not path.is_dir()):
+                raise InputError(
+                    f"is {'a link' if path.is_symlink() else 'no folder'}: files in it are replaced and removed",
+                    source=path,
+                    expected="a folder, or nothing; the output folder itself may be a link, or choose another --out",
+                )
+        return path
 
     def manifest(self, stage: str) -> Path:
         """Manifest of a stage."""

@@ -11,6 +11,7 @@ from heavylift.pipeline.results.storage import read_json, stored, unchanged, wri
 from heavylift.pipeline.stages.stages import StageReport
 
 if TYPE_CHECKING:
+    from heavylift.pipeline.report.interactive import JudgedRun
     from heavylift.pipeline.stages.stages import Work
 
 __all__ = ["report_stage"]
@@ -23,18 +24,26 @@ def report_stage(work: Work) -> StageReport:
     manifest = read_json(manifest_file) or {}
     digest = report_digest(work.case, work.folder)
     files = manifest.get("files", {})
-    if "report" not in work.force and manifest.get("digest") == digest and files:
+    verdict = manifest.get("verdict")
+    told = isinstance(verdict, dict) and {"text", "passed"} <= verdict.keys()
+    if "report" not in work.force and manifest.get("digest") == digest and files and told:
         if all(unchanged(folder / name, entry) for name, entry in files.items()):
             work.log.say("report: unchanged, skipped")
             return StageReport(
-                "report", Outcome.COMPLETED, skipped=True, cpu_s=manifest["cpu_s"], details={"files": files}
+                "report",
+                Outcome.COMPLETED,
+                skipped=True,
+                cpu_s=manifest["cpu_s"],
+                details={"files": files, "verdict": verdict},
             )
         work.log.say("report: files are missing or damaged, made anew")
     from heavylift.pipeline.report.report import write_report
 
     begin = time.process_time()
     folder.mkdir(parents=True, exist_ok=True)
-    paths = write_report(work.case, folder, work.folder.root, work.log)
+    judged: list[JudgedRun] = []
+    paths = write_report(work.case, folder, work.folder.root, work.log, tell=judged.append)
+    verdict = {"text": judged[0].verdict.text, "passed": judged[0].passed}
     files = {str(path.relative_to(folder)): stored(path) for path in paths}
     cpu_s = time.process_time() - begin
     write_json(
@@ -47,8 +56,15 @@ def report_stage(work: Work) -> StageReport:
             "sources_digest": source_digest("report"),
             "versions": versions("report"),
             "cpu_s": cpu_s,
+            "verdict": verdict,
             "files": files,
         },
     )
     work.log.say(f"report: {paths[0]} and {len(files) - 1} files beside it; {cpu_s:.2f} s CPU")
-    return StageReport("report", Outcome.COMPLETED, skipped=False, cpu_s=cpu_s, details={"files": files})
+    return StageReport(
+        "report",
+        Outcome.COMPLETED,
+        skipped=False,
+        cpu_s=cpu_s,
+        details={"files": files, "verdict": verdict},
+    )

@@ -167,7 +167,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
     from heavylift.solver.scene.meshes import MeshBody
-    from heavylift.solver.simulation import Simulation
+    from heavylift.solver.simulation import AT_REST, Simulation
 
     section, folder, log = work.case.simulate, work.folder, work.log
     assert section is not None
@@ -175,6 +175,11 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     scene = assemble_scene(work.case, folder)
     for note in collision_notes(work.case):
         log.say(f"simulate: {note}")
+    if work.case.databases and section.start not in AT_REST:  # an equilibrium tells it better
+        from heavylift.pipeline.assemble.afloat import draught_notes
+
+        for note in draught_notes(work.case, scene):
+            log.say(f"simulate: NOTE: {note}")
     meshes = [mesh_shape(body) for body in scene.bodies if isinstance(body, MeshBody)]
     options: dict[str, Any] = {"record_every": section.record_every}
     if section.solver_tolerance is not None:
@@ -251,15 +256,25 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         "energy_drift": drift if math.isfinite(drift) else None,
         **about,
     }
+    if finished:
+        details["warning"] = "; ".join(filter(None, (about["warning"], *_hanging(work))))
     _write_manifest(work, digest, details["outcome"], message, finished=finished, details=details)
     if finished:
         remove_segments(folder.segments)
     log.say(f"simulate: {outcome.text}: {_words(details)}")
-    if about["warning"]:
-        log.say(f"simulate: WARNING: {about['warning']}")
+    if details["warning"]:
+        log.say(f"simulate: WARNING: {details['warning']}")
     return StageReport(
         "simulate", outcome, skipped=False, cpu_s=details["cpu_s"], message=message, details=details
     )
+
+
+def _hanging(work: Work) -> list[str]:
+    """What is to be told of how loads hang, by the results of the run."""
+    from heavylift.pipeline.checks.hanging import hanging_warnings
+    from heavylift.pipeline.results.histories import load_results
+
+    return hanging_warnings(work.case, load_results(work.case, work.folder.root))
 
 
 def _check_plan(work: Work, scene: Scene, operation: Operation) -> None:

@@ -204,6 +204,7 @@ REPORTED = {
     Outcome.TIMED_OUT,
     Outcome.PHASES_LEFT,
     Outcome.OFF_ROAD,
+    Outcome.MODES_LEFT,
 }
 """Ends of a simulation that leave results worth a report; after the others there is no disk, or no wish."""
 
@@ -368,12 +369,7 @@ def _check_folder(folder: OutputFolder) -> None:
                 expected="a folder, or a path where one can be made; choose another --out",
             )
     for path in folder.folders[1:]:
-        if path.is_symlink() or (path.exists() and not path.is_dir()):
-            raise InputError(
-                f"is {'a link' if path.is_symlink() else 'no folder'}: files in it are replaced and removed",
-                source=path,
-                expected="a folder, or nothing; the output folder itself may be a link, or choose another --out",
-            )
+        folder.stage(*path.relative_to(root).parts)
 
 
 def load_changed_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:

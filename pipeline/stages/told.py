@@ -8,6 +8,9 @@ is made again since its results are gone, takes them at the same steps. So it en
 from __future__ import annotations
 
 import contextlib
+import errno
+import os
+import stat
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from heavylift.numerics.outcome import InputError
@@ -42,11 +45,33 @@ def tell(root: Path, word: Word) -> None:
             with locked(root):
                 pass
         except StopError:
-            with (root / WORDS_FILE).open("a", encoding="utf-8") as file:
-                file.write(f"{word}\n")
+            _append(root / WORDS_FILE, f"{word}\n")
             return
     raise InputError(
         f"no run works in {root}", source=root, key="--tell", expected="a run that goes on, or another --out"
+    )
+
+
+def _append(path: Path, text: str) -> None:
+    """Add to a file, that of no other name: a link would lead to one of someone."""
+    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+    try:
+        handle = os.open(path, flags, 0o644)
+    except OSError as error:
+        if error.errno not in {errno.ELOOP, errno.ENXIO, errno.EISDIR}:
+            raise
+        handle = -1
+    if handle >= 0:
+        with open(handle, "a", encoding="utf-8") as file:  # noqa: PTH123  of a descriptor
+            status = os.fstat(handle)
+            if stat.S_ISREG(status.st_mode) and status.st_nlink == 1:
+                file.write(text)
+                return
+    raise InputError(
+        "is a link, the file of another name too, or no file",
+        source=path,
+        key="--tell",
+        expected="a file of heavylift, or none; move it away",
     )
 
 

@@ -4,7 +4,8 @@ What is understood:
 
 * *text*: keywords in any case and with or without inner blanks; comments ``**``; blank lines; a keyword line goes
   on after a comma at its end; lines of elements, constants and sets go on as long as numbers are missing; commas at
-  the end of a line; numbers like 1.5D-3; quoted names; ``*INCLUDE`` and ``INPUT=`` of files below the case folder;
+  the end of a line; numbers like 1.5D-3; quoted names; ``*INCLUDE``, and ``INPUT=`` of nodes, elements, sets and the
+  like (`INPUT_IS_DATA`), of files below the case folder;
 * *mesh*: ``*NODE`` (``NSET``, ``SYSTEM=R|C|S``) and ``*SYSTEM``; ``*ELEMENT`` (``TYPE``, ``ELSET``), of which C3D8,
   C3D20 and C3D10 with all letters behind (R, I, H, M, T ...) become bricks and tetrahedra; numbers behind the nodes
   of an element are passed over;
@@ -34,11 +35,10 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import (
     Deck,
+    DeckLines,
     DeckMaterial,
     ElementBlock,
     deck_number,
-    deck_text,
-    included_file,
 )
 
 if TYPE_CHECKING:
@@ -47,7 +47,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["read_abaqus_deck"]
+__all__ = ["INPUT_IS_DATA", "read_abaqus_deck"]
+
+INPUT_IS_DATA = frozenset(
+    {"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "SYSTEM", "BOUNDARY", "ELASTIC", "DENSITY"}
+)
+"""Keywords whose ``INPUT=`` names a file with their data lines; that of others is read by other programs alone."""
 
 
 # ---- text ----
@@ -78,17 +83,18 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
     """Keywords of a file and of what it includes, in order."""
     card: _Card | None = None
     goes_on = False
-    for file, number, line in _lines(deck, deck, root, ()):
+    lines = DeckLines(deck, root, _said, _included)
+    for file, number, line in lines.of(deck):
         if line.startswith("*"):
             if card is not None:
                 yield card
             card = _header(line, file, number)
             goes_on = line.endswith(",")
-            if "INPUT" in card.parameters:
-                target = included_file(card.parameters["INPUT"], deck, root, file, number)
+            if "INPUT" in card.parameters and card.keyword in INPUT_IS_DATA:
+                target = lines.named(card.parameters["INPUT"], file, number)
                 card.data = [
                     (target, at, _fields(text))
-                    for _, at, text in _lines(target, deck, root, (deck,))
+                    for _, at, text in lines.of(target, deck)
                     if text[0] != "*" and _fields(text)
                 ]
         elif card is not None and goes_on and _PARAMETERS.match(line):
@@ -103,25 +109,16 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
         yield card
 
 
-def _lines(file: Path, deck: Path, root: Path, above: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
-    """Lines that say something, with files included in place."""
-    for number, raw in enumerate(deck_text(file), start=1):
-        line = raw.strip()
-        if not line or line.startswith("**"):
-            continue
-        if re.match(r"\*\s*include\b", line, re.IGNORECASE):
-            name = _header(line, file, number).parameters.get("INPUT", "")
-            target = included_file(name, deck, root, file, number)
-            if target in (*above, file.resolve()):
-                raise InputError(
-                    f"*INCLUDE: {name!r} includes itself",
-                    source=file,
-                    key=f"line {number}",
-                    expected="files that do not include each other in a circle",
-                )
-            yield from _lines(target, deck, root, (*above, file.resolve()))
-        else:
-            yield file, number, line
+def _said(raw: str) -> str:
+    line = raw.strip()
+    return "" if line.startswith("**") else line
+
+
+def _included(line: str, file: Path, number: int) -> str | None:
+    """File that ``*INCLUDE`` names."""
+    if line[0] == "*" and re.match(r"\*\s*include\b", line, re.IGNORECASE):
+        return _header(line, file, number).parameters.get("INPUT", "")
+    return None
 
 
 def _header(text: str, file: Path, line: int) -> _Card:
@@ -471,6 +468,8 @@ class _Reader:
             )
         if key in self.verbs:
             self.verbs[key](card)
+        elif key in {"MATRIXINPUT", "MATRIXASSEMBLE"}:
+            self.left_out.append(f"left out: *{card.shown} of line {card.line}")
         elif key == "NONSTRUCTURALMASS":
             whose = card.parameters.get("ELSET", "")
             self.left_out.append(f"left out: *{card.shown} of line {card.line}, set {whose!r}")
@@ -756,6 +755,10 @@ class _Reader:
         return _Assembler(self, placed).deck(path)
 
 
+MOST_PLACED = 50_000_000
+"""Nodes and elements of all instances of a deck."""
+
+
 class _Assembler:
     """From parts in place to one numbering of nodes and elements."""
 
@@ -768,9 +771,10 @@ class _Assembler:
         self.blocks: list[ElementBlock] = []
         self.node_of: list[NDArray[np.int64]] = []
         self.kind_of: list[str] = []
+        self.known_sets: dict[tuple[int, int | None, str, bool], NDArray[np.int64]] = {}
 
     def deck(self, path: Path) -> Deck:
-        self._number_nodes()
+        self._number_nodes(path)
         self._number_elements(path)
         self.node_of = [row for block in self.blocks for row in block.nodes]
         self.kind_of = [block.kind for block in self.blocks for _ in block.labels]
@@ -837,7 +841,14 @@ class _Assembler:
                 found += [3 * rows + axis - 1 for axis in range(first, last + 1)]
         return np.unique(np.concatenate(found))
 
-    def _number_nodes(self) -> None:
+    def _number_nodes(self, path: Path) -> None:
+        count = sum(len(one.part.nodes) + len(one.part.elements) for one in self.placed)
+        if count > MOST_PLACED:
+            raise InputError(
+                f"{len(self.placed):,} instances have {count:,} nodes and elements",
+                source=path,
+                expected=f"at most {MOST_PLACED:,}",
+            )
         start = 0
         for one in self.placed:
             positions = np.array(list(one.part.nodes.values()), dtype=np.float64).reshape(-1, 3)
@@ -913,66 +924,84 @@ class _Assembler:
         found = self._place(instance) if dot else None
         return None if found is None or found == place else (self.placed[found].part, found, name)
 
-    def _elements(
-        self, scope: _Scope, place: int | None, name: str, above: tuple[str, ...] = ()
-    ) -> NDArray[np.int64]:
-        return self._resolve(scope, place, name, above, nodes=False)
+    def _elements(self, scope: _Scope, place: int | None, name: str) -> NDArray[np.int64]:
+        return self._resolve(scope, place, name, nodes=False)
 
-    def _nodes(
-        self,
-        scope: _Scope,
-        place: int | None,
-        name: str,
-        above: tuple[str, ...] = (),
-    ) -> NDArray[np.int64]:
-        found = [self._resolve(scope, place, name, above, nodes=True)]
-        for piece in scope.node_sets.get(name.upper(), []):
-            inside = self._place(piece.instance) if piece.instance else place
-            whose = self.placed[inside].part if piece.instance and inside is not None else scope
-            for elements in piece.of_elements:
-                found += [self.node_of[index] for index in self._elements(whose, inside, elements)]
-        return _unique(found)
+    def _nodes(self, scope: _Scope, place: int | None, name: str) -> NDArray[np.int64]:
+        return self._resolve(scope, place, name, nodes=True)
 
-    def _resolve(
-        self, scope: _Scope, place: int | None, name: str, above: tuple[str, ...], *, nodes: bool
-    ) -> NDArray[np.int64]:
-        """Members of a set as rows; what does not exist is passed over, as ranges may have holes."""
-        pieces = (scope.node_sets if nodes else scope.element_sets).get(name.upper())
-        if pieces is None:
-            other = self._elsewhere(name, place)
-            if other is None:
-                self.reader.unknown_sets[name] = None
-                return np.empty(0, dtype=np.int64)
-            return self._resolve(*other, above, nodes=nodes)
+    def _resolve(self, scope: _Scope, place: int | None, name: str, *, nodes: bool) -> NDArray[np.int64]:
+        """Members of a set as rows; what does not exist is passed over, as ranges may have holes.
+
+        A set has the members of all that it names, however often and in whatever circle.
+        """
+        wanted = (id(scope), place, name.upper(), nodes)
+        if wanted in self.known_sets:
+            return self.known_sets[wanted]
         found: list[NDArray[np.int64]] = []
-        for piece in pieces:
-            inside = self._place(piece.instance) if piece.instance else place
-            whose = self.placed[inside].part if piece.instance and inside is not None else scope
-            known = {} if inside is None else (self.node_row if nodes else self.element_row)[inside]
-            rows = []
-            for item in piece.items:
-                if isinstance(item, str):
-                    key = f"{inside}.{item.upper()}"
-                    instance, dot, label = item.rpartition(".")
-                    at = self._place(instance) if dot and _is_whole(label) else None
-                    if at is not None:
-                        row = (self.node_row if nodes else self.element_row)[at].get(int(label))
-                        rows += [] if row is None else [row]
-                    elif key not in above and key != f"{inside}.{name.upper()}":
-                        found.append(self._resolve(whose, inside, item, (*above, key), nodes=nodes))
-                    continue
-                first, last, step = item
-                if first == last:
-                    row = known.get(first)
+        waiting, seen = [(scope, place, name)], {wanted}
+        while waiting:
+            scope, place, name = waiting.pop()
+            known = self.known_sets.get((id(scope), place, name.upper(), nodes))
+            if known is not None:
+                found.append(known)
+                continue
+            pieces = (scope.node_sets if nodes else scope.element_sets).get(name.upper())
+            named: list[tuple[_Scope, int | None, str]] = []
+            if pieces is None:
+                other = self._elsewhere(name, place)
+                if other is None:
+                    self.reader.unknown_sets[name] = None
+                else:
+                    named.append(other)
+            for piece in pieces or ():
+                rows, names = self._members(scope, place, piece, nodes=nodes)
+                found.append(rows)
+                named += names
+            for one in named:
+                key = (id(one[0]), one[1], one[2].upper(), nodes)
+                if key not in seen:
+                    seen.add(key)
+                    waiting.append(one)
+        self.known_sets[wanted] = _unique(found)
+        return self.known_sets[wanted]
+
+    def _members(
+        self, scope: _Scope, place: int | None, piece: _Set, *, nodes: bool
+    ) -> tuple[NDArray[np.int64], list[tuple[_Scope, int | None, str]]]:
+        """Rows that a piece of a set lists itself, and the sets that it names."""
+        inside = self._place(piece.instance) if piece.instance else place
+        whose = self.placed[inside].part if piece.instance and inside is not None else scope
+        numbered = self.node_row if nodes else self.element_row
+        known = {} if inside is None else numbered[inside]
+        rows: list[int] = []
+        named: list[tuple[_Scope, int | None, str]] = []
+        for item in piece.items:
+            if isinstance(item, str):
+                instance, dot, label = item.rpartition(".")
+                at = self._place(instance) if dot and _is_whole(label) else None
+                if at is not None:
+                    row = numbered[at].get(int(label))
                     rows += [] if row is None else [row]
                 else:
-                    span = range(first, last + (1 if step > 0 else -1), step)
-                    if len(span) > len(known):
-                        rows += [known[label] for label in known if label in span]
-                    else:
-                        rows += [known[label] for label in span if label in known]
-            found.append(np.array(rows, dtype=np.int64))
-        return _unique(found)
+                    named.append((whose, inside, item))
+                continue
+            first, last, step = item
+            if first == last:
+                row = known.get(first)
+                rows += [] if row is None else [row]
+                continue
+            span = range(first, last + (1 if step > 0 else -1), step)
+            if len(span) > len(known):
+                rows += [known[label] for label in known if label in span]
+            else:
+                rows += [known[label] for label in span if label in known]
+        of_elements = [
+            self.node_of[index]
+            for elements in piece.of_elements
+            for index in self._elements(whose, inside, elements)
+        ]
+        return _unique([np.array(rows, dtype=np.int64), *of_elements]), named
 
     def _surface(
         self,
@@ -1001,7 +1030,7 @@ class _Assembler:
             known = {} if place is None else (self.node_row if nodes else self.element_row)[place]
             row = known.get(int(word))
             return np.array([] if row is None else [row], dtype=np.int64)
-        return self._resolve(scope, place, word, (), nodes=nodes)
+        return self._resolve(scope, place, word, nodes=nodes)
 
     # -- materials --
 

@@ -19,7 +19,7 @@ from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.finite_elements.model import DENSITY_LIMIT, WAVE_SPEEDS, Material
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -27,6 +27,7 @@ __all__ = [
     "DECK_SUFFIXES",
     "Deck",
     "DeckBody",
+    "DeckLines",
     "DeckMaterial",
     "ElementBlock",
     "deck_number",
@@ -118,6 +119,107 @@ def included_file(name: str, deck: Path, root: Path, place: Path, line: int) -> 
             expected="a file, relative to the folder of the deck",
         )
     return target
+
+
+MOST_INCLUDES = 5_000
+"""Files that a deck includes, each as often as it is included."""
+MOST_AGAIN = 2**28
+"""Bytes of files that are included a second time and more."""
+
+
+class DeckLines:
+    """Lines of a deck, with the files that it includes in their places.
+
+    Parameters
+    ----------
+    deck
+        The first file.
+    root
+        Folder that is not left, also not through links.
+    said
+        Of a line as it stands: what it says without comments, ``""`` if that is nothing.
+    included
+        Of a line that says something, its file and number: the name of the file that it includes, or None.
+    """
+
+    def __init__(
+        self,
+        deck: Path,
+        root: Path,
+        said: Callable[[str], str],
+        included: Callable[[str, Path, int], str | None],
+    ) -> None:
+        self.deck, self.root = deck, root
+        self._said, self._included = said, included
+        self._count, self._again = 0, 0
+        self._known: set[Path] = set()
+
+    def named(self, name: str, place: Path, line: int) -> Path:
+        """File that a line names, as `included_file`; all that are named count together.
+
+        Raises
+        ------
+        InputError
+            More files, or more of them again, than a deck that somebody wrote.
+        """
+        target = included_file(name, self.deck, self.root, place, line)
+        self._count += 1
+        if target in self._known:
+            self._again += target.stat().st_size
+        self._known.add(target)
+        if self._count > MOST_INCLUDES or self._again > MOST_AGAIN:
+            many = self._count > MOST_INCLUDES
+            raise InputError(
+                f"includes {name!r}, the file number {self._count:,} in all"
+                if many
+                else f"includes {name!r} again, with {self._again:,} bytes of files that were read before",
+                source=place,
+                key=f"line {line}",
+                expected=f"at most {MOST_INCLUDES:,} files in all"
+                if many
+                else f"at most {MOST_AGAIN:,} bytes",
+            )
+        return target
+
+    def of(self, file: Path, above: Path | None = None) -> Iterator[tuple[Path, int, str]]:
+        """File, number and text of the lines of a file that say something.
+
+        Parameters
+        ----------
+        file
+            Where to begin.
+        above
+            A file that must not be included: the one that names this one.
+
+        Raises
+        ------
+        InputError
+            Files that include each other in a circle, or as `named`.
+        """
+        inside = {file.resolve()} if above is None else {above.resolve(), file.resolve()}
+        waiting = [(file, enumerate(deck_text(file), start=1))]
+        while waiting:
+            place, lines = waiting[-1]
+            for number, raw in lines:
+                line = self._said(raw)
+                name = self._included(line, place, number) if line else None
+                if name is not None:
+                    target = self.named(name, place, number)
+                    if target in inside:
+                        raise InputError(
+                            f"{name!r} includes itself",
+                            source=place,
+                            key=f"line {number}",
+                            expected="files that do not include each other in a circle",
+                        )
+                    inside.add(target)
+                    waiting.append((target, enumerate(deck_text(target), start=1)))
+                    break
+                if line:
+                    yield place, number, line
+            else:
+                waiting.pop()
+                inside.discard(place.resolve())
 
 
 # ---- what a deck holds ----

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.hdf5_files import check_hdf5
+from heavylift.numerics.foreign_files import converter_words
+from heavylift.numerics.hdf5_files import check_hdf5, is_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session, mesh_tetrahedra
 from heavylift.preprocess.finite_elements.groups import NodeSelector, select_nodes
 from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.named_files import mesh_files
 from heavylift.preprocess.finite_elements.refinement import CurveSize, curves_of_groups
 
 if TYPE_CHECKING:
@@ -97,7 +99,8 @@ def load_geometry(
         f"suffix {path.suffix!r} is unknown",
         source=path,
         expected="a STEP file or a mesh: "
-        + " ".join(sorted({*STEP_SUFFIXES, *MESH_SUFFIXES, *DECK_SUFFIXES})),
+        + " ".join(sorted({*STEP_SUFFIXES, *MESH_SUFFIXES, *DECK_SUFFIXES}))
+        + converter_words(path),
     )
 
 
@@ -323,6 +326,10 @@ def read_with_meshio(path: Path) -> Any:
 
     if path.suffix.lower() == ".med":  # an HDF5 file
         check_hdf5(path, f"a {path.suffix} file meshio can read")
+    if path.suffix.lower() == ".xdmf":
+        for file in mesh_files(path, Path(path.resolve().anchor))[1:]:
+            if is_hdf5(file):
+                check_hdf5(file, "an HDF5 file with the numbers of the mesh")
     # meshio prints its complaint and may leave by SystemExit: keep both for the message
     said = io.StringIO()
     try:

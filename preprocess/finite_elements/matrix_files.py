@@ -76,9 +76,9 @@ def read_matrices(
         that is not the same in all directions; an impossible body.
     """
     notes = list(deck.notes)
-    label_row = {str(label): row for row, label in enumerate(deck.node_labels)}
-    names = None if degrees is None else _degrees(degrees, label_row)
-    tables = [_entries(path, names, label_row) for path in (stiffness, mass)]
+    label_row, twice = _node_rows(deck)
+    names = None if degrees is None else _degrees(degrees, label_row, twice)
+    tables = [_entries(path, names, label_row, twice) for path in (stiffness, mass)]
     present = np.unique(np.concatenate([np.concatenate([t.rows, t.columns]) for t in tables]))
     of_elements = [block.nodes.ravel() for block in deck.blocks]
     used = np.unique(np.concatenate([present // 3, *of_elements]))
@@ -109,7 +109,49 @@ def read_matrices(
     return replace(model, notes=tuple(notes))
 
 
-def _degrees(path: Path, label_row: Mapping[str, int]) -> NDArray[np.int64]:
+_ONE_INSTANCE = "one instance a node number: matrices and a deck written without parts and instances"
+
+
+def _node_rows(deck: Deck) -> tuple[dict[int, int], dict[int, tuple[str, ...]]]:
+    """Rows of `Deck.points` by the number of a node, and the instances of numbers that several nodes have.
+
+    Matrices know numbers alone: those of an instance are called without it. A node of elements goes before one of none,
+    as reference points of an assembly are.
+    """
+    used = np.zeros(len(deck.points), dtype=bool)
+    for block in deck.blocks:
+        used[block.nodes.ravel()] = True
+    found: dict[int, list[int]] = {}
+    for row, label in enumerate(deck.node_labels):
+        own = str(label).rpartition(".")[2]
+        if own.isdecimal():
+            found.setdefault(int(own), []).append(row)
+    rows: dict[int, int] = {}
+    twice: dict[int, tuple[str, ...]] = {}
+    for number, candidates in found.items():
+        chosen = [row for row in candidates if used[row]] if len(candidates) > 1 else candidates
+        if len(chosen) == 1:
+            rows[number] = chosen[0]
+        else:
+            twice[number] = tuple(str(deck.node_labels[row]) for row in chosen or candidates)
+    return rows, twice
+
+
+def _refuse_twice(path: Path, line: int, number: int, twice: Mapping[int, tuple[str, ...]]) -> None:
+    """Refuse a node number that is that of several nodes."""
+    if number in twice:
+        nodes = ", ".join(twice[number][:4]) + (", ..." if len(twice[number]) > 4 else "")
+        raise InputError(
+            f"node {number} is one of several: {nodes}",
+            source=path,
+            key=f"line {line}",
+            expected=_ONE_INSTANCE,
+        )
+
+
+def _degrees(
+    path: Path, label_row: Mapping[int, int], twice: Mapping[int, tuple[str, ...]]
+) -> NDArray[np.int64]:
     """Degree of freedom of every row: three times the node of the deck, plus the direction."""
     found = []
     try:
@@ -127,18 +169,25 @@ def _degrees(path: Path, label_row: Mapping[str, int]) -> NDArray[np.int64]:
                 key=f"line {number}",
                 expected="a node and a direction 1, 2 or 3, e.g. 12.3: matrices of displacements",
             )
-        if node not in label_row:
+        label = int(node) if node.isdigit() and len(node) < 19 else -1
+        _refuse_twice(path, number, label, twice)
+        if label not in label_row:
             raise InputError(
                 f"node {node} is not in the deck",
                 source=path,
                 key=f"line {number}",
                 expected="the deck that the matrices are of (of solids: shells and beams get nodes of their own)",
             )
-        found.append(3 * label_row[node] + int(direction) - 1)
+        found.append(3 * label_row[label] + int(direction) - 1)
     return np.array(found, dtype=np.int64)
 
 
-def _entries(path: Path, names: NDArray[np.int64] | None, label_row: Mapping[str, int]) -> EntryTable:
+def _entries(
+    path: Path,
+    names: NDArray[np.int64] | None,
+    label_row: Mapping[int, int],
+    twice: Mapping[int, tuple[str, ...]],
+) -> EntryTable:
     """Entries with degrees of freedom of the deck."""
     table = read_table(path)
     width = table.values.shape[1]
@@ -157,8 +206,14 @@ def _entries(path: Path, names: NDArray[np.int64] | None, label_row: Mapping[str
         expected = f"whole numbers from 1 to {len(names)}, the rows"
     else:
         wrong = np.union1d(wrong, np.flatnonzero((labels[:, [1, 3]] > 3).any(axis=1)))
-        known = np.array([float(label) for label in label_row if label.isdigit()])
-        wrong = np.union1d(wrong, np.flatnonzero(~np.isin(labels[:, [0, 2]], known).all(axis=1)))
+        known = np.array(sorted(label_row), dtype=np.int64)
+        double = np.isin(labels[:, [0, 2]], np.array(list(twice), dtype=np.float64))
+        if double.any():
+            at, side = (int(k) for k in np.argwhere(double)[0])
+            _refuse_twice(path, int(table.lines[at]), int(labels[at, 2 * side]), twice)
+        wrong = np.union1d(
+            wrong, np.flatnonzero(~np.isin(labels[:, [0, 2]], known.astype(float)).all(axis=1))
+        )
         expected = "nodes of the deck, and directions 1, 2 or 3"
     if wrong.size:
         at = int(wrong[0])
@@ -169,9 +224,9 @@ def _entries(path: Path, names: NDArray[np.int64] | None, label_row: Mapping[str
         assert names is not None
         rows, columns = names[index[:, 0] - 1], names[index[:, 1] - 1]
     else:
-        row = np.zeros(int(known.max()) + 1, dtype=np.int64)
-        row[known.astype(np.int64)] = [label_row[str(int(label))] for label in known]
-        rows, columns = 3 * row[index[:, 0]] + index[:, 1] - 1, 3 * row[index[:, 2]] + index[:, 3] - 1
+        row = np.array([label_row[label] for label in known.tolist()], dtype=np.int64)
+        first, second = (row[np.searchsorted(known, index[:, k])] for k in (0, 2))
+        rows, columns = 3 * first + index[:, 1] - 1, 3 * second + index[:, 3] - 1
     return EntryTable(rows, columns, table.values[:, -1], table.lines)
 
 

@@ -23,9 +23,11 @@ from heavylift.preprocess.finite_elements.reference_elements import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Mesh"]
+__all__ = ["BESIDE", "Mesh", "find_place"]
 
-_AT, _BESIDE = 1e-9, 1e-2  # of the largest extent: a point is in an element; a point is not of the body
+BESIDE = 1e-2
+"""Of the largest extent of a body: a point that is farther away is not of the body."""
+_AT = 1e-9  # of the largest extent: a point is in an element, or at a node
 _NEWTON_STEPS = 30
 _CHUNK = 4096  # elements handled at once, so that memory does not grow with the mesh
 
@@ -138,47 +140,27 @@ class Mesh:
     def locate(
         self, point: ArrayLike, *, source: object = ""
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Nodes of the element at a point, and their shape functions there.
+        """Nodes of the element at a point, and their shape functions there; see `find_place`."""
+        return find_place(self.nodes, self, point, source=str(source) or self.name or "mesh")
 
-        Parameters
-        ----------
-        point
-            Coordinates [m], shape (3,). Beside the mesh, as where straight edges stand for a curved face, a point of
-            an element counts that is as near, to a factor of about two.
-        source
-            Named in the message.
-
-        Returns
-        -------
-        tuple
-            Node indices and weights of sum 1, shapes (nodes per element,).
-
-        Raises
-        ------
-        InputError
-            If the point is farther from the mesh than 1 % of the largest extent of the body.
-        """
-        place = np.asarray(point, dtype=np.float64)
+    def nearest_place(
+        self, point: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
+        """Nodes and shape functions at the place of the body nearest to a point, and its distance [m]."""
         corners = self.nodes[self.elements]
         lower, upper = corners.min(axis=1), corners.max(axis=1)
         # an element is no nearer than its box: look at near ones only, nearest first
-        beside = np.linalg.norm(np.maximum(np.maximum(lower - place, place - upper), 0.0), axis=1)
+        beside = np.linalg.norm(np.maximum(np.maximum(lower - point, point - upper), 0.0), axis=1)
         size = float(np.ptp(self.nodes, axis=0).max())
         best, found = np.inf, (self.elements[0], np.zeros(self.elements.shape[1]))
         for element in np.argsort(beside, kind="stable"):
             if beside[element] > best or best <= _AT * size:
                 break
-            weights = self._nearest(corners[element], place)
-            distance = float(np.linalg.norm(weights @ corners[element] - place))
+            weights = self._nearest(corners[element], point)
+            distance = float(np.linalg.norm(weights @ corners[element] - point))
             if distance < best:
                 best, found = distance, (self.elements[element], weights)
-        if not best <= _BESIDE * size:
-            raise InputError(
-                f"point {np.round(place, 9).tolist()} m is {best:.6g} m away from the body",
-                source=str(source) or self.name or "mesh",
-                expected="a point of the body, in the coordinates of the geometry (are the units right?)",
-            )
-        return found
+        return *found, best
 
     def _nearest(self, corners: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
         """Shape functions at a point of an element, by Newton's method; at a nearby point of it if it is outside."""
@@ -318,6 +300,69 @@ class Mesh:
     def _element_words(self, index: int) -> str:
         centre = self.nodes[self.elements[index]].mean(axis=0)
         return f"element {index + 1} at ({centre[0]:.6g}, {centre[1]:.6g}, {centre[2]:.6g}) m"
+
+
+def find_place(
+    nodes: NDArray[np.float64],
+    mesh: Mesh | None,
+    point: ArrayLike,
+    *,
+    source: object,
+    key: str = "",
+    origin: ArrayLike = (0.0, 0.0, 0.0),
+    within: float = BESIDE,
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Nodes whose displacements make that of a place of a body, and their weights.
+
+    Parameters
+    ----------
+    nodes
+        Positions [m], shape (n, 3).
+    mesh
+        Elements between these nodes: displacements are interpolated by their shape functions. None if they are not
+        known: then the nearest node has to be the place.
+    point
+        Coordinates [m], shape (3,). Beside the mesh, as where straight edges stand for a curved face, a point of
+        an element counts that is as near, to a factor of about two.
+    source, key
+        Where the point stands, for the message.
+    origin
+        Of these coordinates in those of the message [m].
+    within
+        How far the place may be from the point, in largest extents of the body.
+
+    Returns
+    -------
+    tuple
+        Node indices and weights of sum 1, shapes (m,): the node itself where the point is at one.
+
+    Raises
+    ------
+    InputError
+        If the point is farther away.
+    """
+    place = np.asarray(point, dtype=np.float64)
+    if place.shape != (3,) or not np.all(np.isfinite(place)):
+        raise InputError(f"point {point!r}", source=source, key=key, expected="three finite coordinates [m]")
+    size = float(np.ptp(nodes, axis=0).max())
+    squares = np.sum((nodes - place) ** 2, axis=1)
+    node = int(np.argmin(squares))
+    distance = float(np.sqrt(squares[node]))
+    found, weights = np.array([node]), np.ones(1)
+    if mesh is not None and distance > _AT * size:
+        found, weights, distance = mesh.nearest_place(place)
+    if distance <= within * size:
+        return found, weights
+    words = ", ".join(f"{1e3 * x:.6g}" for x in place + np.asarray(origin))
+    near = ", ".join(f"{1e3 * x:.6g}" for x in weights @ nodes[found] + np.asarray(origin))
+    what = "its nearest place" if mesh is not None else "its nearest node (no elements are known)"
+    raise InputError(
+        f"point ({words}) mm is not on the body: {what}, at ({near}) mm, is {1e3 * distance:.6g} mm away",
+        source=source,
+        key=key,
+        expected=f"a point on the body, to {within:.0%} of its largest extent of {1e3 * size:.6g} mm, in the "
+        "coordinates of the geometry (are the units right?)",
+    )
 
 
 def _inside(local: NDArray[np.float64], brick: bool) -> NDArray[np.float64]:

@@ -8,10 +8,12 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
+from heavylift.numerics.hdf5_files import HOLDS_ALL, is_hdf5, outside_of_hdf5
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements.abaqus_deck import INPUT_IS_DATA
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES
 
 if TYPE_CHECKING:
@@ -21,31 +23,41 @@ if TYPE_CHECKING:
 __all__ = ["mesh_files", "refuse_foreign_files"]
 
 _INCLUDES = re.compile(
-    r"""^\s*(?:\*\s*\w[\w ]*,.*?\bINPUT\s*=\s*"?([^",\r\n]+)|INCLUDE\s+['"]?([^'"\r\n]+))""",
+    r"""\bINPUT[ \t]*=[ \t]*"?([^",\r\n]+)|^[ \t]*INCLUDE[ \t]+['"]?([^'"\r\n]+)""",
     re.IGNORECASE | re.MULTILINE,
 )
-_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_KEYWORD = re.compile(r"[ \t]*\*([\w \t]*)")
 
 
 def mesh_files(path: Path, root: Path) -> list[Path]:
     """A mesh file and the files below `root` that it names: what a digest of it is made of."""
-    found = [path]
+    found = {path: None}
     suffix = path.suffix.lower()
     top = root.resolve()
     if suffix == ".xdmf":
         for name in sorted(set(_data_files(path))):
             target = (path.resolve().parent / name).resolve()
-            if target.is_relative_to(top) and target.is_file() and target not in found:
-                found.append(target)
+            if target.is_relative_to(top) and target.is_file():
+                found[target] = None
     if suffix not in DECK_SUFFIXES:
-        return found
-    for file in found:  # grows as it goes
-        text = file.read_bytes().decode("utf-8", errors="replace")
-        for names in _INCLUDES.findall(text):
-            target = (path.parent / next(filter(None, names)).strip()).resolve()
+        return list(found)
+    waiting = [path]
+    while waiting:
+        for name in dict.fromkeys(_included_names(waiting.pop())):
+            target = (path.parent / name).resolve()
             if target.is_relative_to(top) and target.is_file() and target not in found:
-                found.append(target)
-    return found
+                found[target] = None
+                waiting.append(target)
+    return list(found)
+
+
+def _included_names(file: Path) -> Iterator[str]:
+    """Names of files that a deck takes as its own text; one too many does no harm."""
+    text = file.read_bytes().decode("utf-8", errors="replace")
+    for match in _INCLUDES.finditer(text):
+        keyword = _KEYWORD.match(text, text.rfind("\n", 0, match.start()) + 1) if match[1] else None
+        if keyword is None or "".join(keyword[1].split()).upper() in {"INCLUDE", *INPUT_IS_DATA}:
+            yield (match[1] or match[2]).strip()
 
 
 def refuse_foreign_files(path: Path, root: Path) -> None:
@@ -104,55 +116,7 @@ def _data_files(path: Path) -> Iterator[str]:
 
 
 def _refuse_links(path: Path) -> None:
-    """See that an HDF5 file holds all its data itself; other files are passed over."""
-    if not _is_hdf5(path):
-        return
-    import h5py
-
-    def look(group: Any, place: str, seen: set[Any]) -> None:
-        for name in group:
-            link = group.get(name, getlink=True)
-            here = f"{place}/{name}"
-            if isinstance(link, h5py.ExternalLink):
-                _refuse(path, here, f"links to {link.filename!r}")
-            if not isinstance(link, h5py.HardLink):
-                continue
-            item = group[name]
-            if isinstance(item, h5py.Group):
-                if item.id not in seen:  # groups can hold each other
-                    seen.add(item.id)
-                    look(item, here, seen)
-            elif isinstance(item, h5py.Dataset):
-                if item.external:
-                    _refuse(path, here, f"has its data in {item.external[0][0]!r}")
-                outside = (
-                    [s.file_name for s in item.virtual_sources() if s.file_name != "."]
-                    if item.is_virtual
-                    else []
-                )
-                if outside:
-                    _refuse(path, here, f"has its data in {outside[0]!r}")
-
-    try:
-        with h5py.File(path, "r") as file:
-            look(file, "", {file.id})
-    except InputError:
-        raise
-    except (OSError, RuntimeError, KeyError, ValueError, RecursionError):
-        return  # a damaged file, of which its reader says so
-
-
-def _refuse(path: Path, place: str, problem: str) -> None:
-    raise InputError(problem, source=path, key=place, expected="an HDF5 file that holds all its data itself")
-
-
-def _is_hdf5(path: Path) -> bool:
-    """Whether the signature of HDF5 stands at one of the places where it may."""
-    size, place = path.stat().st_size, 0
-    with path.open("rb") as stream:
-        while place + len(_SIGNATURE) <= size:
-            stream.seek(place)
-            if stream.read(len(_SIGNATURE)) == _SIGNATURE:
-                return True
-            place = max(512, 2 * place)
-    return False
+    """See that an HDF5 file holds all its data itself; other files, and damaged ones, are left to their readers."""
+    leads = outside_of_hdf5(path) if is_hdf5(path) else None
+    if leads is not None:
+        raise InputError(leads[1], source=path, key=leads[0], expected=HOLDS_ALL)

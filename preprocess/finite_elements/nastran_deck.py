@@ -32,11 +32,10 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import (
     Deck,
+    DeckLines,
     DeckMaterial,
     ElementBlock,
     deck_number,
-    deck_text,
-    included_file,
 )
 
 if TYPE_CHECKING:
@@ -127,7 +126,7 @@ def _fields(line: str) -> tuple[str, list[str]]:
 
 def _bulk(deck: Path, root: Path) -> Iterator[tuple[Path, int, str]]:
     """Lines of the bulk data, behind the factor on masses if the case control section gives it."""
-    lines = list(_lines(deck, deck, root, ()))
+    lines = list(DeckLines(deck, root, _said, _included).of(deck))
     begin = next(
         (k + 1 for k, (*_, line) in enumerate(lines) if re.match(r"\s*BEGIN\b", line, re.IGNORECASE)), 0
     )
@@ -149,25 +148,14 @@ def _bulk(deck: Path, root: Path) -> Iterator[tuple[Path, int, str]]:
         yield file, number, line
 
 
-def _lines(file: Path, deck: Path, root: Path, above: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
-    """Lines that say something, with files included in place."""
-    for number, raw in enumerate(deck_text(file), start=1):
-        line = raw.partition("$")[0].expandtabs(8).rstrip()
-        if not line:
-            continue
-        match = re.match(r"""\s*INCLUDE\s+['"]?([^'"]+)""", line, re.IGNORECASE)
-        if match:
-            target = included_file(match[1].strip(), deck, root, file, number)
-            if target in (*above, file.resolve()):
-                raise InputError(
-                    f"INCLUDE: {match[1]!r} includes itself",
-                    source=file,
-                    key=f"line {number}",
-                    expected="files that do not include each other in a circle",
-                )
-            yield from _lines(target, deck, root, (*above, file.resolve()))
-        else:
-            yield file, number, line
+def _said(raw: str) -> str:
+    """A line without its comment."""
+    return raw.partition("$")[0].expandtabs(8).rstrip()
+
+
+def _included(line: str, _file: Path, _number: int) -> str | None:
+    match = re.match(r"""\s*INCLUDE\s+['"]?([^'"]+)""", line, re.IGNORECASE)
+    return match[1].strip() if match else None
 
 
 # ---- elements ----

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.hdf5_files import opened_hdf5
+from heavylift.numerics.hdf5_files import is_hdf5, opened_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.preprocess.hydrodynamics.repairs import repaired
@@ -61,10 +61,8 @@ def read_bemio(
         Not such a file, a data set is missing or of another shape, bodies with elastic modes, bodies computed
         without each other where the file has several, or what `repaired` refuses.
     """
-    import h5py
-
     path = Path(path)
-    if not path.is_file() or not h5py.is_hdf5(path):
+    if not path.is_file() or not is_hdf5(path):
         raise InputError("no such HDF5 file", source=path, expected="a .h5 file of BEMIO")
     with opened_hdf5(path, "a .h5 file of BEMIO", foreign=True) as file:
         density, gravity = (

@@ -32,6 +32,7 @@ __all__ = [
     "Limits",
     "at_frequencies",
     "check_axes",
+    "check_bodies",
     "check_database",
     "check_phase",
     "check_shapes",
@@ -447,6 +448,27 @@ def check_shapes(database: HydrodynamicDatabase) -> None:
                 source=database.source,
                 key=key,
                 expected=f"{shape} for {count} hulls, {nw} frequencies, {nh} headings",
+            )
+
+
+def check_bodies(database: HydrodynamicDatabase) -> None:
+    """Every hull has an added mass at every frequency: what is cut, or of other hulls, leaves zeros.
+
+    Raises
+    ------
+    InputError
+        Names the hull and its coordinates, and a frequency if it has others.
+    """
+    for body, name in enumerate(database.bodies):
+        own = slice(6 * body, 6 * body + 6)
+        empty = ~np.any(database.added_mass[:, own, own] != 0.0, axis=(1, 2))
+        if empty.any():
+            at = "" if empty.all() else f" at {database.omega[empty][0]:.4g} rad/s"
+            raise InputError(
+                f"no added mass of {name!r}{at}, coordinates {6 * body + 1} to {6 * body + 6}",
+                source=database.source,
+                key="added_mass",
+                expected="coefficients of every hull at every frequency (is the file cut, or of other hulls?)",
             )
 
 

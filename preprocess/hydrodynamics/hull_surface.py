@@ -15,6 +15,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.report import unique_edges
 from heavylift.preprocess.surfaces.triangle_surface import WELD_TOLERANCE, TriangleSurface, clean
+from heavylift.preprocess.surfaces.twice_inside import twice_inside
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +26,7 @@ __all__ = ["HullSurface", "check_hull"]
 
 _SLIT = 4.0 * WELD_TOLERANCE  # of the extent: what lies closer to an edge lies on it
 _FLAT = 1e-9  # of the box around: less volume is none
+_TWICE = 1e-3  # of the volume, that parts may share, as facets of round bulkheads that touch, or a skeg in its hull
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +73,7 @@ def check_hull(
     ----------
     surface
         Triangles in the axes of the body [m], z up; may consist of several closed parts that do not overlap, as the
-        pontoons of a platform.
+        pontoons of a platform, and may touch, as compartments.
     open_deck
         Height [m] in these axes, at or above which the surface may be open. The hull is then right only while the whole
         rim of the opening is dry, which must be watched.
@@ -82,7 +84,7 @@ def check_hull(
     ------
     InputError
         For a rounded surface, holes, plates inside, triangles wound against each other, parts that are inside-out, no
-        volume.
+        volume, parts that overlap or lie in each other by more than 0.1 % of the volume.
 
     Notes
     -----
@@ -110,7 +112,24 @@ def check_hull(
         _refuse_leaks(welded, ends, open_deck, _SLIT * extent, source, key)
     covered = _cover(welded, pieces[pieces[:, 2] != 0])
     volume = _part_volumes(covered, np.vstack([edges.ends, pieces[:, :2]]), source, key)
-    return HullSurface(welded, covered, volume, welded.points[np.unique(ends)])
+    rim = welded.points[np.unique(ends)]
+    _refuse_twice(covered, volume, float(rim[:, 2].min(initial=np.inf)), source, key)
+    return HullSurface(welded, covered, volume, rim)
+
+
+def _refuse_twice(surface: TriangleSurface, volume: float, below: float, source: str, key: str) -> None:
+    """Raise if parts enclose the same space, which would displace water twice."""
+    twice = twice_inside(surface, below=below)
+    if twice.volume > _TWICE * volume:
+        place = ", ".join(f"{x:.3g}" for x in twice.place)
+        raise InputError(
+            f"parts overlap or lie in each other: about {twice.volume:.3g} m3 of {volume:.5g} m3, around ({place}) m, "
+            "would be counted twice",
+            source=source,
+            key=key,
+            expected="the outside of the hull alone: join parts that overlap to one in the CAD program, leave out what "
+            "is inside (tanks are [[tanks]]); parts may touch",
+        )
 
 
 def _refuse_flipped(
@@ -261,7 +280,9 @@ def _part_volumes(surface: TriangleSurface, joins: NDArray[np.int64], source: st
             )
             if volume < -_FLAT * box:
                 problem = f"{which}is inside-out: its volume is {volume:.6g} m3"
-                expected = "triangles anticlockwise seen from outside, and no inner skins (turn the normals)"
+                expected = (
+                    "triangles anticlockwise seen from outside (turn the normals), no inner skins (leave out)"
+                )
             else:
                 problem = f"{which}encloses no volume"
                 expected = "the outside of a hull; leave plates out"

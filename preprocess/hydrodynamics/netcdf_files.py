@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
-from heavylift.numerics.hdf5_files import opened_hdf5, told_of_file
+from heavylift.numerics.hdf5_files import is_hdf5, opened_hdf5, told_of_file
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import check_word
 from heavylift.preprocess.hydrodynamics.database import (
@@ -58,7 +58,7 @@ def load_variables(path: Path) -> tuple[dict[str, Variable], dict[str, Any]]:
 
     if not path.is_file():
         raise InputError("no such file", source=path, expected="a netCDF file")
-    if h5py.is_hdf5(path):
+    if is_hdf5(path):
         with opened_hdf5(path, "a netCDF file", foreign=True) as file:
             return (
                 {

@@ -44,7 +44,13 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 
-__all__ = ["check_plausibility", "group_velocity", "haskind_damping", "outlying_frequencies"]
+__all__ = [
+    "check_long_waves",
+    "check_plausibility",
+    "group_velocity",
+    "haskind_damping",
+    "outlying_frequencies",
+]
 
 FELT = 0.01
 """Of the mass of the hull and the water with it: an added mass below it has no sign that counts."""
@@ -93,7 +99,7 @@ def check_plausibility(database: HydrodynamicDatabase) -> None:
     _check_outliers(database)
     if database.has_excitation and np.any(database.excitation):
         _check_haskind(database)
-        _check_long_waves(database)
+        check_long_waves(database)
 
 
 def _check_signs(database: HydrodynamicDatabase) -> None:
@@ -266,7 +272,18 @@ def _check_haskind(database: HydrodynamicDatabase) -> None:
             )
 
 
-def _check_long_waves(database: HydrodynamicDatabase) -> None:
+def check_long_waves(database: HydrodynamicDatabase) -> None:
+    """Refuse forces in the longest wave of a phase, or of a size against the water plane, that no hull has.
+
+    Nothing is checked where that wave is not long against the hulls, nor without exciting forces.
+
+    Raises
+    ------
+    InputError
+        Names hull, wave and what is expected.
+    """
+    if not (database.has_excitation and np.any(database.excitation)):
+        return
     k = float(database.wave_numbers()[0])
     if k * _length(database) > LONGER:
         return

@@ -20,6 +20,7 @@ from heavylift.preprocess.hydrodynamics.database import (
     Limits,
     at_frequencies,
     check_axes,
+    check_bodies,
     check_database,
     check_phase,
     check_shapes,
@@ -45,7 +46,9 @@ __all__ = [
     "LARGEST_TOLERANCE",
     "TOLERANCE",
     "Repair",
+    "implied_scatter",
     "passive_damping",
+    "refuse_between",
     "remedies",
     "repaired",
 ]
@@ -147,6 +150,7 @@ def repaired(
     repair = repair or Repair()
     check_shapes(database)
     check_axes(database)
+    check_bodies(database)
     if not database.has_excitation:
         database = _told(database, "no exciting forces: for motions in still water")
     for step in (_asked, _finite):
@@ -193,6 +197,41 @@ def _down(omega: float, *, up: bool = False) -> str:
     return f"{(np.ceil(omega / step - ROUND) if up else np.floor(omega / step + ROUND)) * step:.4g}"
 
 
+MEANT = 0.1
+"""Of the step to the next frequency: how far from one a number still means it."""
+SHOWN = 8
+"""Frequencies that a sentence names."""
+
+
+def refuse_between(wanted: float, omega: NDArray[np.float64], source: str = "") -> None:
+    """Refuse a frequency that is to be left out and is none: its neighbours are good, and would go in its place.
+
+    Parameters
+    ----------
+    wanted
+        What is to be left out [rad/s].
+    omega
+        Frequencies that there are [rad/s], increasing.
+    source
+        Of the message.
+
+    Raises
+    ------
+    InputError
+        With the nearest ones.
+    """
+    at = int(np.argmin(np.abs(omega - wanted)))
+    steps = np.diff(omega)[max(at - 1, 0) : at + 1]
+    if abs(omega[at] - wanted) > MEANT * float(min(steps, default=0.0)) + 5e-4 * wanted:
+        near = " and ".join(f"{w:.6g}" for w in np.sort(omega[np.argsort(np.abs(omega - wanted))[:2]]))
+        raise InputError(
+            f"{wanted:.6g} rad/s is none of the frequencies",
+            source=source,
+            key="leave_out",
+            expected=f"frequencies from {omega[0]:.6g} to {omega[-1]:.6g} rad/s that are there; the nearest are {near}",
+        )
+
+
 # ---- steps ----
 
 
@@ -205,26 +244,19 @@ def _asked(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicDataba
         kept = (omega >= low * (1.0 - ROUND)) & (omega <= high * (1.0 + ROUND))
         if not kept.any():
             raise _few(database, kept, f"from {low:g} to {high:g} rad/s", "frequency_range")
-    steps = np.diff(omega)
     for wanted in repair.leave_out:
         at = int(np.argmin(np.abs(omega - wanted)))
-        near = 0.5 * max(steps[max(at - 1, 0) : at + 1], default=0.0)
-        if abs(omega[at] - wanted) > near * (1.0 + ROUND) + ROUND * wanted:
-            raise InputError(
-                f"{wanted:g} rad/s",
-                source=database.source,
-                key="leave_out",
-                expected=f"frequencies of the database, {omega[0]:.4g} to {omega[-1]:.4g} rad/s",
-            )
+        refuse_between(wanted, omega, database.source)
         kept[at] = False
     if kept.all():
         return database
     if kept.sum() < FEWEST:
         raise _few(database, kept, "", "leave_out" if repair.leave_out else "frequency_range")
-    left = omega[kept]
+    left, gone = omega[kept], omega[~kept]
+    which = ", ".join(f"{w:.4g}" for w in gone[:SHOWN]) + (", ..." if len(gone) > SHOWN else "")
     return _told(
         at_frequencies(database, kept),
-        f"{np.count_nonzero(~kept)} of {len(omega)} frequencies left out as asked; "
+        f"{len(gone)} of {len(omega)} frequencies left out as asked ({which} rad/s); "
         f"{left[0]:.4g} to {left[-1]:.4g} rad/s are used",
     )
 
@@ -376,9 +408,7 @@ def _with_limit(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicD
             "all of it found from the damping by Ogilvie's relation",
         )
     value, spread = _implied(database)
-    largest = np.abs(np.diagonal(database.added_mass, axis1=1, axis2=2)).max(axis=0)
-    largest = np.maximum(largest, FELT_MASS * mass_scales(database))
-    scatter = float((spread / np.sqrt(np.outer(largest, largest))).max())
+    scatter = _relative(database, spread)
     if scatter > max(INCONSISTENT, repair.tolerance):
         raise InputError(
             f"no added mass of infinite frequency, and what damping implies scatters by {scatter:.1%}",
@@ -391,6 +421,26 @@ def _with_limit(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicD
         "no added mass of infinite frequency: found from the damping by Ogilvie's relation, "
         f"which scatters by {max(scatter, 1e-4):.2%} over these frequencies and knows nothing of damping beyond them",
     )
+
+
+def implied_scatter(database: HydrodynamicDatabase) -> float:
+    """How far added mass and damping are from belonging to each other over the frequencies, of the added mass.
+
+    Ogilvie's relation gives the added mass of infinite frequency at each frequency; of a true database all are one.
+
+    Raises
+    ------
+    InputError
+        Too few frequencies.
+    """
+    return _relative(database, _implied(database)[1])
+
+
+def _relative(database: HydrodynamicDatabase, spread: NDArray[np.float64]) -> float:
+    """Largest entry of a matrix of masses over the largest added masses of its coordinates."""
+    largest = np.abs(np.diagonal(database.added_mass, axis1=1, axis2=2)).max(axis=0)
+    largest = np.maximum(largest, FELT_MASS * mass_scales(database))
+    return float((spread / np.sqrt(np.outer(largest, largest))).max())
 
 
 def _implied(database: HydrodynamicDatabase) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

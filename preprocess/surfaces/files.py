@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.numerics.foreign_files import converter_words
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES
@@ -98,7 +99,9 @@ def read_triangles(
         raise InputError(
             f"suffix {path.suffix!r} is unknown",
             source=path,
-            expected="triangles, CAD geometry or a mesh: " + " ".join(SURFACE_SUFFIXES),
+            expected="triangles, CAD geometry or a mesh: "
+            + " ".join(SURFACE_SUFFIXES)
+            + converter_words(path),
         )
     for key, value in (("scale", scale), ("size", size)):
         if value is not None and not (np.isfinite(value) and value > 0.0):

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from heavylift.preprocess.surfaces.triangle_surface import CleanCounts, TriangleSurface
 
-__all__ = ["SurfaceReport", "check_magnitudes", "report_surface", "unique_edges"]
+__all__ = ["SurfaceReport", "check_against_body", "check_magnitudes", "report_surface", "unique_edges"]
 
 _LARGEST_RATIO = 300.0  # of the extents of two bodies that meet
 _LONGEST = 500.0  # m; the longest ship has 458 m
@@ -132,6 +132,35 @@ def report_surface(surface: TriangleSurface, dropped: CleanCounts | None = None)
         area=0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()),
         radius=surface.radius,
         dropped=dropped,
+    )
+
+
+def check_against_body(name: str, surface: TriangleSurface, body: str, gyration: float) -> str | None:
+    """Say if a surface looks as if it were in another unit than the inertia of its body.
+
+    A box has two to four times its radius of gyration as its longest side; so far more than `_LARGEST_RATIO` times is a
+    file in mm that is taken for metres, whatever small and heavy thing stands for the body.
+
+    Parameters
+    ----------
+    name, body
+        What the message calls them.
+    surface
+        Points in m.
+    gyration
+        Largest radius of gyration of the body [m].
+
+    Returns
+    -------
+    str or None
+        A warning with both sizes.
+    """
+    size = float(np.ptp(surface.bounds, axis=0).max())
+    if not gyration > 0.0 or size <= _LARGEST_RATIO * gyration:
+        return None
+    return (
+        f"{name} measures {size:.4g} m, and the radius of gyration of its body {body} is {gyration:.4g} m: is it in mm "
+        f'(then it would measure {1e-3 * size:.4g} m; unit = "mm")?'
     )
 
 

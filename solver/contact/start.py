@@ -6,10 +6,11 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import pose_contours, settle_points
-from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, ContactRows
+from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, ContactRows
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.solve.ends import REST, count_rough, pressed_force
+from heavylift.solver.contact.solve.events import gap_tolerance
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.interface import (
     FORCES,
@@ -48,7 +49,7 @@ def run_start(
     set_velocity(bodies, step, work)
     finish(bodies, step, work)
     forget_accelerations(bodies)
-    _close(contacts, work)
+    _close(contacts, step, work)
 
 
 @kernel(internal=True)
@@ -67,12 +68,19 @@ def _locate_all(contacts: ContactRows, bodies: Bodies, work: Workspace, step: fl
 
 
 @kernel(internal=True)
-def _close(contacts: ContactRows, work: Workspace) -> None:
-    """What has met without restitution stays closed; impulses and forces are none yet."""
+def _close(contacts: ContactRows, step: float, work: Workspace) -> None:
+    """What has met without restitution stays closed, and what rests; impulses and forces are none yet.
+
+    A body that is put onto another one has gaps of rounding errors, and whether it bears must not be theirs to say. A
+    closed contact pushes and never pulls, so one that does not bear is open again after the first step.
+    """
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
         after = contact_rates(contacts, c, work.velocity)[0]
         if state.new and after <= REST * abs(state.rate):
+            state.closed = True
+        tolerance = gap_tolerance(contacts, c, after)
+        if contacts.table[c].law == RIGID and state.gap <= tolerance and after * step <= tolerance:
             state.closed = True
         state.rate, state.recent_impacts = after, 0
         if contacts.table[c].law == COMPLIANT:

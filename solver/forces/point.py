@@ -34,8 +34,8 @@ class PointForce(OnBody):
     SENTENCES: ClassVar = {
         "name": "Its name.",
         "body": "Body that is loaded.",
-        "point": "Loaded point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame "
-        "or shell any point of its mesh.",
+        "point": "Loaded point in the coordinates of the geometry [m]; of a flexible body, frame or shell any "
+        "point of its mesh.",
     }
 
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)

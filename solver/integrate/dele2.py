@@ -9,7 +9,8 @@ Contacts may find an impact within the step, and a scenario something to do: the
 that time.
 
 With a tolerance the step follows the distance of the midpoint velocity from its extrapolation, which
-costs no solve: the local error of a second-order step is proportional to it.
+costs no solve: the local error of a second-order step is proportional to it. One that was cut, by an event or a record,
+does not shorten those behind it.
 """
 
 from __future__ import annotations
@@ -51,6 +52,9 @@ __all__ = ["run"]
 ACCEPTED, SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 1.5, 0.85, 0.3, 2.0
 STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
 NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+SLIVER = 1e-2
+"""Of the step that was wanted, below which one that was cut tells nothing of its error."""
+
 SHORTEST_PART = 1.5 / 256.0
 """Of a fixed step, to which it is halved while an iteration does not converge."""
 
@@ -66,6 +70,19 @@ def _to_corner(work: Workspace, time: float, close: float) -> float:
         corner += 1
     work.control.corner = corner
     return work.corners[corner] - time if corner < work.corners.shape[0] else math.inf
+
+
+@kernel(inline=True, internal=True)
+def _next_step(h: float, wanted: float, error: float) -> float:
+    """Step after one of the length h, of which a longer one was wanted where it was cut, by its error.
+
+    What was cut to a sliver has no error that tells anything.
+    """
+    if error <= ACCEPTED and h < SLIVER * wanted:
+        return wanted
+    factor = max(SAFETY * (error + 1e-12) ** (-1.0 / 3.0), SMALLEST_FACTOR)
+    most = LARGEST_FACTOR * h if error > ACCEPTED else max(LARGEST_FACTOR * h, wanted)
+    return min(h * factor, most)
 
 
 @kernel(internal=True)
@@ -171,15 +188,13 @@ def run(
                 error = control.error / tolerance
                 if work.status.outcome != 0:
                     error = 1e3  # too large a step: nothing has been changed yet
-                factor_of_step = min(
-                    max(SAFETY * (error + 1e-12) ** (-1.0 / 3.0), SMALLEST_FACTOR), LARGEST_FACTOR
-                )
+                proposed = _next_step(h, control.next_step, error)
                 if error > ACCEPTED and h > SMALLEST_STEP * step:
-                    control.next_step = h * factor_of_step
+                    control.next_step = proposed
                     work.status.outcome = work.status.block = 0
                     split = 0.0
                     continue
-                control.next_step = h * factor_of_step
+                control.next_step = proposed
                 if error > ACCEPTED and work.status.outcome == 0:
                     work.status.outcome = STEP_TOO_SMALL  # `estimate_error` left the body
             elif work.status.outcome == NOT_CONVERGED and h > SHORTEST_PART * step:
@@ -210,7 +225,7 @@ def run(
                 split, control.split = control.split, 0.0
                 continue
             if tolerance == 0.0 and split == 0.0:
-                control.next_step = min(2.0 * h, step)
+                control.next_step = min(max(2.0 * h, control.next_step), step)  # h may be a rest
             natural = tolerance > 0.0 and split == 0.0
             split = 0.0
             control.last_step = h

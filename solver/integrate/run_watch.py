@@ -13,7 +13,7 @@ from heavylift.solver.scene.channels import Channel
 
 __all__ = ["STATE", "RunWatch"]
 
-STATE = 7
+STATE = 8
 """Numbers that a continuation needs."""
 
 LARGEST_CHANGE = 0.02
@@ -22,6 +22,10 @@ and drives take and give, so what it gains or loses is made by the steps."""
 
 LARGEST_DRIFT = 0.5
 """The same beyond which a run is not to be believed."""
+
+FASTEST = 1e5
+"""Mean speed of all bodies [m/s] beyond which no balance says anything: an unstable model takes from its drives what it
+gains, and its balance is kept to the last."""
 
 LARGEST_OPENING = 1e-5
 """Violation [m or rad] of a rigid row of a joint that is worth a warning: errors of the motion are some thirty times
@@ -59,6 +63,8 @@ class RunWatch:
         Of all bodies, each times its size [J].
     touches
         Whether bodies touch.
+    mass
+        Of all bodies [kg].
     remedy
         What may help beside a smaller step or tolerance, as words that go on a sentence.
 
@@ -69,6 +75,8 @@ class RunWatch:
         word.
     opening
         [m or rad].
+    kinetic
+        Largest kinetic energy [J].
     finite
         Whether energies and momenta of all records are numbers.
     """
@@ -81,12 +89,14 @@ class RunWatch:
         remedy: str = "",
         *,
         touches: bool = False,
+        mass: float = 0.0,
     ) -> None:
         self._column = {channel.name: channel.column for channel in channels}
         self._sums = [c.column + i for c in channels for i in range(len(c.components)) if _of_all(c.name)]
         self._first: float | None = None
         self._given = 0.0
-        self.gain = self.loss = self.scale = self.opening = 0.0
+        self.gain = self.loss = self.scale = self.opening = self.kinetic = 0.0
+        self._mass = mass
         self.finite = True
         self._remedy = remedy
         self.floor = SMALLEST_ENERGY + (TOUCHING if touches else FREE) * weight
@@ -101,13 +111,14 @@ class RunWatch:
     def state(self) -> NDArray[np.float64]:
         """What a continuation needs, shape (`STATE`,)."""
         first = np.nan if self._first is None else self._first
-        return np.array(
-            [first, self._given, self.gain, self.loss, self.scale, self.opening, float(self.finite)]
-        )
+        sums = (self._given, self.gain, self.loss, self.scale, self.opening, self.kinetic)
+        return np.array([first, *sums, float(self.finite)])
 
     @state.setter
     def state(self, values: NDArray[np.float64]) -> None:
-        first, self._given, self.gain, self.loss, self.scale, self.opening, finite = map(float, values)
+        first, self._given, self.gain, self.loss, self.scale, self.opening, self.kinetic, finite = map(
+            float, values
+        )
         self._first, self.finite = None if np.isnan(first) else first, bool(finite)
 
     def add(self, records: NDArray[np.float64]) -> None:
@@ -135,6 +146,7 @@ class RunWatch:
             energy("dissipated"),
             given - self._given,
         )
+        self.kinetic = max(self.kinetic, float(energy("kinetic").max()))
         floor = self.floor + ROUNDING * float(np.abs(energy("potential")).max())
         self.scale = max(self.scale, floor, *(float(np.abs(values).max()) for values in turned))
 
@@ -152,6 +164,12 @@ class RunWatch:
             return Outcome.NOT_FINITE, (
                 f"{Outcome.NOT_FINITE.text} in energies or momenta of records; try a smaller step, or loads and initial"
                 " values of a sensible size"
+            )
+        if self._mass > 0.0 and self.kinetic > 0.5 * self._mass * FASTEST**2:
+            return Outcome.ENERGY_NOT_KEPT, (
+                f"not to be believed: {self.kinetic:.3g} J of kinetic energy would move all bodies with "
+                f"{math.sqrt(2.0 * self.kinetic / self._mass):.3g} m/s; the balance is kept, as drives and loads give "
+                "whatever an unstable model takes: look for what has no stiffness, or for a drive that never ends"
             )
         if self.drift > LARGEST_DRIFT:
             return Outcome.ENERGY_NOT_KEPT, f"{Outcome.ENERGY_NOT_KEPT.text}: {self.warning}"

@@ -11,7 +11,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.rows.structure import Attachment, RowSystem, pack_rows
+from heavylift.solver.rows.structure import MOVES, TURNS, Attachment, RowSystem, pack_rows
 from heavylift.solver.scene.connections import GROUND, JOINTS
 
 if TYPE_CHECKING:
@@ -98,6 +98,7 @@ def pack_joints(
                 made.rows[block].stiffness[: len(rotational)] = 1.0 / joint.compliance
             made.rows[block].relaxation[: len(rotational)] = joint.relaxation
             made.rows[block].rigid[: len(rotational)] = _openness(joint, rotational, scales)
+            made.rows[block].vector[: len(rotational)] = [TURNS if turns else MOVES for turns in rotational]
         return made
 
     return tuple(kinds), system, tuple(joint.name for joint, _ in ordered)

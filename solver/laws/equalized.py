@@ -86,11 +86,22 @@ class SharedLines:
     CHANNELS: ClassVar = (
         ChannelKind("tension", "force", "tension of the rope over all pulleys"),
         *interval_extremes("tension", "force"),
+        ChannelKind("segment_tension", "force", "tension of each line, from the first one on", None),
+        *interval_extremes("segment_tension", "force", components=None),
         ChannelKind(
-            "segment_tension", "force", "tension of each segment of the rope, from its first end on", None
+            "stop",
+            "number",
+            "of each line: -1 if its pulley is at the upper stop, 1 at the lower one, else 0",
+            None,
+        ),
+        ChannelKind(
+            "stopped_time", "time", "of each line: how long so far its pulley has been at a stop", None
         ),
     )
     """What it records, in the order of its columns; of segments the lines."""
+
+    SEGMENT_NAME: ClassVar = "line"
+    """What a segment is called."""
 
     name: str
     path: Annotated[tuple[RopePoint, ...], Least(4)]
@@ -147,6 +158,12 @@ class SharedLines:
     def segment_count(self) -> int:
         """How many tensions it records beside that of the rope."""
         return len(self.path) // 2
+
+    @property
+    def components(self) -> dict[str, tuple[str, ...]]:
+        """Components of the channels that have one a line."""
+        lines = tuple(str(i + 1) for i in range(self.segment_count))
+        return {kind.name: lines for kind in self.CHANNELS if kind.components is None}
 
     @property
     def legs(self) -> list[tuple[RopePoint, ...]]:
@@ -245,6 +262,10 @@ class LineState(Record):
         Of its angle to the guide.
     force
         Along the guide at the end of the last step [N].
+    extremes
+        Of the tension of the line [N].
+    stopped
+        How long its pulley has been at a stop [s].
     """
 
     depth: float
@@ -255,6 +276,8 @@ class LineState(Record):
     by_guide: VectorField
     cosine: float
     force: float
+    extremes: Extremes
+    stopped: float
 
 
 class EqualizedState(Record):
@@ -635,6 +658,11 @@ def watch_equalized(kind: EqualizedLines, work: Workspace, system: RowArrays) ->
         if not state.rubbed:
             _end_lines(kind, i, rate)
         note_value(state.extremes, work.control.interval, state.tension)
+        for k in range(entry.first, entry.first + entry.count):
+            own = kind.line[k]
+            note_value(own.extremes, work.control.interval, own.force / own.cosine)
+            if own.stop != 0:
+                own.stopped += work.control.last_step
         _show_lines(kind, i)
 
 
@@ -659,7 +687,7 @@ def _compare_force(kind: EqualizedLines, i: int, time: float) -> None:
 def record_equalized(
     kind: EqualizedLines, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
-    """Tension of the rope, its extremes, tensions of the lines."""
+    """Tension of the rope, its extremes, tensions of the lines, theirs, and stops."""
     for i in range(kind.table.shape[0]):
         entry, state = kind.table[i], kind.state[i]
         for k in range(entry.first, entry.first + entry.count):
@@ -674,8 +702,14 @@ def record_equalized(
         row[column] = state.tension
         row[column + 1] = largest_of(state.extremes, interval, state.tension)
         row[column + 2] = smallest_of(state.extremes, interval, state.tension)
-        for k in range(entry.first, entry.first + entry.count):
-            row[column + 3 + k - entry.first] = kind.line[k].force / kind.line[k].cosine
+        for k in range(entry.count):
+            own, place = kind.line[entry.first + k], column + 3 + k
+            tension = own.force / own.cosine
+            row[place] = tension
+            row[place + entry.count] = largest_of(own.extremes, interval, tension)
+            row[place + 2 * entry.count] = smallest_of(own.extremes, interval, tension)
+            row[place + 3 * entry.count] = float(own.stop)
+            row[place + 4 * entry.count] = own.stopped
         _show_lines(kind, i)
         work.sums.elastic += energy_of(kind, i)
         work.sums.dissipated += state.loss

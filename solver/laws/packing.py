@@ -76,17 +76,16 @@ def law_owners(scene: Scene) -> list[Any]:
 
 def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
     """Append the channels of one of them; returns the next free column."""
-    if hasattr(owner, "segment_count"):
-        lines = tuple(str(i + 1) for i in range(owner.segment_count))
-        return add_channels(owner.name, owner.CHANNELS, channels, column, {"segment_tension": lines})
     if isinstance(owner, (JointSpring, JointMotor)):
         turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
         return add_channels(owner.name, [load], channels, column)
     parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
     rubbing = tuple(str(place) for place in rubbing_places(owner))
+    segments = tuple(str(i + 1) for i in range(parts))
     chosen = {
-        "segment_tension": tuple(str(i + 1) for i in range(parts)),
+        "segment_tension": segments,
+        **dict.fromkeys(("segment_tension_max", "segment_tension_min"), segments if rubbing else ()),
         "sheave_speed": rubbing,
         "sheave_state": rubbing,
         **{name: (name,) if controlled(owner) else () for name in ("paid_out", "paying_speed")},
@@ -220,6 +219,7 @@ def pack_laws(
             {rope.name: rope for rope in scene.ropes},
             watched,
             as_forces=integrator == "accurate",
+            at_rest=scene.at_rest,
         )
         made.joints.append(kind)
         made.blocks += blocks

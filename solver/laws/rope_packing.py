@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
@@ -40,7 +41,7 @@ from heavylift.solver.scene.connections import (
 )
 from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "pack_ropes"]
+__all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "check_strains_at_rest", "pack_ropes"]
 
 LARGEST_DRIFT, LARGEST_SHARE = 1.0, 0.1
 """Of a carried stretch from the path [m], and relative to the length: the smaller one ends the run. Ropes break at a
@@ -59,6 +60,7 @@ def pack_ropes(
     watched: WatchedRopes,
     *,
     as_forces: bool,
+    at_rest: bool,
 ) -> tuple[Ropes, list[LawBlock]]:
     """Make the kind and its rows, none if ropes are forces.
 
@@ -66,7 +68,7 @@ def pack_ropes(
     ------
     InputError
         If a rope has fewer than two points, ends on a pulley, has coincident neighbours, no stiffness, or is
-        shorter than its path by more than it can stretch.
+        shorter than its path by more than it can stretch, unless the scene comes to rest before time starts.
     """
     table: list[tuple[float, ...]] = []
     places: list[tuple[int, int, int]] = []
@@ -79,7 +81,7 @@ def pack_ropes(
         points = rope.path
         path = start_path(rope, bodies)
         rows = _rows_of_both(rope, leaders)
-        length = _unstretched(rope, path, rows)
+        length = _unstretched(rope, path, rows, at_rest=at_rest)
         held = list(dict.fromkeys(point.body for point in points if point.body != GROUND))
         level = FORCES if rope.damping > 0.0 or as_forces else ROWS
         first = len(places)
@@ -200,7 +202,7 @@ def _with_friction(
             block = entry.block + part * stride
             stop = (entry.first + place - 1, block, lane, flow + part * ROWS_A_BLOCK + lane, column + row - 1)
             point = rope.path[place - 1]
-            sheaves.append((*stop, point.efficiency, point.friction))
+            sheaves.append((*stop, point.efficiency, point.efficiency, point.friction))
         flow += (len(rubbing) // rows + 1) * ROWS_A_BLOCK
     places = len(kind.places)
     held = {stop.body for rope in ropes for stop in rope.path if stop.body != GROUND}
@@ -215,6 +217,7 @@ def _with_friction(
         leaving=records(PlaceGradient, places),
         parts=np.zeros(places),
         tension=np.zeros(places),
+        part_extremes=records(Extremes, places),
         slope=np.zeros(places),
         flows=np.zeros(flow),
         by_place=np.zeros((places, widest)),
@@ -265,8 +268,10 @@ def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
     return path
 
 
-def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, ...]]) -> float:
-    """Length at the start [m]; that of a wire rope is checked."""
+def _unstretched(
+    rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, ...]], *, at_rest: bool
+) -> float:
+    """Length at the start [m]; that of a wire rope is checked, unless `check_strains_at_rest` does it later."""
     drawn = start_length(path)
     tension, winch = getattr(rope, "tension", None), getattr(rope, "winch", None)
     if tension is not None:
@@ -282,7 +287,7 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float
         length = float(winch.lengths[0]) + (rows[0][2] if winch.acceleration is None else 0.0)
     else:
         length = drawn if rope.length is None else float(rope.length)
-    if hasattr(rope, "axial_stiffness") and drawn > length * (1.0 + LARGEST_STRAIN):
+    if hasattr(rope, "axial_stiffness") and not at_rest and drawn > length * (1.0 + LARGEST_STRAIN):
         raise _error(
             rope,
             f"the rope of {length:.6g} m is {drawn - length:.4g} m shorter than its path of {drawn:.6g} m:"
@@ -291,6 +296,39 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float
             f"at least {drawn / (1.0 + LARGEST_STRAIN):.6g} m; or another start, or no length for one as drawn",
         )
     return length
+
+
+def check_strains_at_rest(kinds: Iterable[Any], names: Sequence[str]) -> None:
+    """Refuse wire ropes that are stretched beyond what they bear where a scene has come to rest.
+
+    Parameters
+    ----------
+    kinds
+        Kinds of joints and forces; ropes are among them.
+    names
+        Of blocks.
+
+    Raises
+    ------
+    InputError
+        Names the rope that is strained most, with the strain.
+    """
+    worst, found = LARGEST_STRAIN, None
+    for kind in kinds:
+        if isinstance(kind, Ropes):
+            for number in np.flatnonzero(kind.table["axial_stiffness"] > 0.0):
+                strain = kind.tension_at_rest(int(number))[0] / kind.table[number].axial_stiffness
+                if strain > worst:
+                    worst, found = strain, kind.table[number]
+    if found is not None:
+        length = float(found.start_length)
+        raise InputError(
+            f"{length:.6g} m is shorter than the path of {length * (1.0 + worst):.6g} m at rest by"
+            f" {length * worst:.4g} m, a strain of {100.0 * worst:.3g} %",
+            source=names[found.block] if found.block >= 0 else "simulation",
+            key="length",
+            expected=f"at most {100.0 * LARGEST_STRAIN:g} % under the loads at rest: a longer or a stiffer rope",
+        )
 
 
 def _rows_of_both(rope: Any, leaders: Mapping[str, Any]) -> list[tuple[float, ...]]:

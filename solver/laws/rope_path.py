@@ -8,6 +8,10 @@ centre of a pulley to the tangent point, square to its axis ``n``, and ``D`` fro
 
 so the tangents are exact in the plane of each pulley, wherever the rope comes from: it leaves the groove
 at an angle to the plane if its neighbour is out of it. A rope wound the other way needs the opposite axis.
+
+A taut rope leaves a pulley where its wrap vanishes: it then runs straight from the neighbour before to that behind,
+without a force on the pulley, until the pulley comes back to it. Length and derivatives go over smoothly in the plane
+of a pulley.
 """
 
 from __future__ import annotations
@@ -27,8 +31,9 @@ from heavylift.solver.joints.row_writing import dot, near_angle
 
 __all__ = ["START_WRAP", "PlaceGradient", "RopePlace", "find_parts", "path_length"]
 
-START_WRAP = math.pi * (1.0 - 1e-6)
-"""Wrap near which that of the start is sought [rad]: none of it may be more than a turn."""
+START_WRAP = 0.75 * math.pi
+"""Wrap near which that of the start is sought [rad]: from 1/8 of a turn less than none, of a pulley that the rope does
+not touch, to 7/8 of a turn."""
 
 NEWTON_STEPS = 12
 
@@ -247,6 +252,81 @@ def _add_part(
     return _add_straight(a, b, e1, e2, by_a, by_b), e1, e2
 
 
+@kernel(internal=True)
+def _next_place(places: Records[RopePlace], wraps: NDArray[np.float64], i: int, skips: bool) -> int:
+    """The place to which the rope runs from place i, past pulleys with a negative wrap if they are skipped."""
+    j = i + 1
+    while skips and j < places.shape[0] - 1 and places[j].radius > 0.0 and wraps[j] < 0.0:
+        j += 1
+    return j
+
+
+@kernel(internal=True)
+def _turn_between(arrival: Vector, place: RopePlace, leaving: Vector, before: float) -> float:
+    """Wrap of a place [rad] between the unit vectors to both tangent points, nearest to the one before."""
+    return near_angle(math.atan2(dot(_axis(place), cross(arrival, leaving)), dot(arrival, leaving)), before)
+
+
+@kernel(internal=True)
+def _run_over(
+    places: Records[RopePlace], gradient: Records[PlaceGradient], wraps: NDArray[np.float64], skips: bool
+) -> tuple[float, float]:
+    """Length of the path [m] over all places, or those that the rope touches; smallest wrap of these [rad]."""
+    count = places.shape[0]
+    for i in range(count):
+        for k in range(3):
+            gradient[i].centre[k] = gradient[i].axis[k] = 0.0
+    total, lowest = 0.0, math.inf
+    arrival = (0.0, 0.0, 0.0)
+    i = 0
+    while i < count - 1:
+        j = _next_place(places, wraps, i, skips)
+        straight, e1, e2 = _add_part(places[i], places[j], gradient[i], gradient[j])
+        total += straight
+        r = places[i].radius
+        if r > 0.0:
+            wrap = _turn_between(arrival, places[i], e1, wraps[i])
+            total += r * wrap
+            if math.isfinite(wrap):  # what has no path must not spoil the count of turns
+                wraps[i] = wrap
+            lowest = min(lowest, wraps[i])
+        arrival = e2
+        i = j
+    return total, lowest
+
+
+@kernel(internal=True)
+def _find_touched(
+    places: Records[RopePlace], gradient: Records[PlaceGradient], wraps: NDArray[np.float64]
+) -> None:
+    """Wraps that are negative exactly where the rope does not touch: of the straight line that passes by.
+
+    Notes
+    -----
+    Pulleys with a negative wrap are passed over, and one that the line then cuts is taken up again, the deepest first.
+    """
+    count = places.shape[0]
+    for _ in range(2 * count):
+        if _run_over(places, gradient, wraps, True)[1] < 0.0:
+            continue
+        deepest, found, before = 0.0, -1, 0
+        for p in range(1, count - 1):
+            if places[p].radius == 0.0 or wraps[p] >= 0.0:
+                before = p
+                continue
+            behind = _next_place(places, wraps, p, True)
+            arrival = _straight(places[before], places[p])[1]
+            leaving = _straight(places[p], places[behind])[0]
+            wrap = _turn_between(arrival, places[p], leaving, wraps[p])
+            if wrap < 0.0:
+                wraps[p] = wrap
+            elif wrap > deepest:
+                deepest, found = wrap, p
+        if found < 0:
+            return
+        wraps[found] = deepest
+
+
 @entry
 def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wraps: Floats1) -> float:
     """Length of a path [m].
@@ -263,27 +343,13 @@ def path_length(places: Records[RopePlace], gradient: Records[PlaceGradient], wr
 
     Notes
     -----
-    Not finite where a neighbour comes nearer to the axis than the radius. A rope that would lift off a pulley
-    has a negative wrap.
+    Not finite where a neighbour comes nearer to the axis than the radius. The wrap of a pulley that the rope does not
+    touch is negative.
     """
-    count = places.shape[0]
-    for i in range(count):
-        for k in range(3):
-            gradient[i].centre[k] = gradient[i].axis[k] = 0.0
-    total = 0.0
-    arrival = (0.0, 0.0, 0.0)
-    for i in range(count - 1):
-        straight, e1, e2 = _add_part(places[i], places[i + 1], gradient[i], gradient[i + 1])
-        total += straight
-        r = places[i].radius
-        if r > 0.0:
-            n = _axis(places[i])
-            s = cross(arrival, e1)
-            wrap = near_angle(math.atan2(dot(n, s), dot(arrival, e1)), wraps[i])
-            total += r * wrap
-            if math.isfinite(wrap):  # what has no path must not spoil the count of turns
-                wraps[i] = wrap
-        arrival = e2
+    total, lowest = _run_over(places, gradient, wraps, False)
+    if lowest < 0.0:
+        _find_touched(places, gradient, wraps)
+        total, _ = _run_over(places, gradient, wraps, True)
     return total
 
 
@@ -309,31 +375,40 @@ def find_parts(
     Notes
     -----
     Parts end at directions about the axes of the pulleys that are fixed in space: so their derivatives are those of
-    tensions at the tangent points, and no part turns a body about the axis of its pulley.
+    tensions at the tangent points, and no part turns a body about the axis of its pulley. At pulleys that the rope does
+    not touch they end at points of the straight line, fixed in space, which divide it into equal parts.
     """
-    count = places.shape[0]
-    for i in range(count):
-        lengths[i] = 0.0
-        for k in range(3):
-            gradient[i].centre[k] = gradient[i].axis[k] = 0.0
-            leaving[i].centre[k] = leaving[i].axis[k] = 0.0
-    total = 0.0
-    arrival = (0.0, 0.0, 0.0)
-    for i in range(count - 1):
-        straight, e1, e2 = _add_part(places[i], places[i + 1], leaving[i], gradient[i + 1])
-        total += straight
-        lengths[i] += straight
-        for k in range(3):
-            gradient[i].centre[k] += leaving[i].centre[k]
-            gradient[i].axis[k] += leaving[i].axis[k]
-        r = places[i].radius
-        if r > 0.0:
-            n = _axis(places[i])
-            wrap = near_angle(math.atan2(dot(n, cross(arrival, e1)), dot(arrival, e1)), wraps[i])
-            total += r * wrap
-            lengths[i] += 0.5 * r * wrap
-            lengths[i - 1] += 0.5 * r * wrap
-            if math.isfinite(wrap):
-                wraps[i] = wrap
-        arrival = e2
-    return total
+    count, skips = places.shape[0], False
+    while True:
+        for i in range(count):
+            lengths[i] = 0.0
+            for k in range(3):
+                gradient[i].centre[k] = gradient[i].axis[k] = 0.0
+                leaving[i].centre[k] = leaving[i].axis[k] = 0.0
+        total, lowest = 0.0, math.inf
+        arrival = (0.0, 0.0, 0.0)
+        i = 0
+        while i < count - 1:
+            j = _next_place(places, wraps, i, skips)
+            straight, e1, e2 = _add_part(places[i], places[j], leaving[i], gradient[j])
+            total += straight
+            for part in range(i, j):
+                lengths[part] += straight / (j - i)
+            for k in range(3):
+                gradient[i].centre[k] += leaving[i].centre[k]
+                gradient[i].axis[k] += leaving[i].axis[k]
+            r = places[i].radius
+            if r > 0.0:
+                wrap = _turn_between(arrival, places[i], e1, wraps[i])
+                total += r * wrap
+                lengths[i] += 0.5 * r * wrap
+                lengths[i - 1] += 0.5 * r * wrap
+                if math.isfinite(wrap):
+                    wraps[i] = wrap
+                lowest = min(lowest, wraps[i])
+            arrival = e2
+            i = j
+        if skips or lowest >= 0.0:
+            return total
+        _find_touched(places, gradient, wraps)
+        skips = True

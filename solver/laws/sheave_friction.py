@@ -37,7 +37,7 @@ from heavylift.numerics.arrays import Floats1, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.lanes import block_shape, subtract_rigid_rows
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.extremes import largest_of, note_value, smallest_of
+from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -120,6 +120,9 @@ SETTLED = 1e-12
 TELLING, LARGEST_ANSWER = 1e-9, 0.9
 """Miss relative to the tension from which on a round says how tensions answer to friction, and what it may say."""
 
+UNTOUCHED = 1.0 - 1e-6
+"""Efficiency of a sheave that the rope does not touch: next to no friction is left, as the law wants it."""
+
 LEAST_WRAP = 1e-3
 """Wrap about a blocked sheave [rad] below which its efficiency stays: some friction is left, as the law wants it."""
 
@@ -179,7 +182,10 @@ class Sheave(Record):
         Its place in all paths, block and lane of its row, place of that in `SheavedRopes.flows`, record column of its
         speed.
     efficiency
-        Smaller over larger tension while the rope runs; of a blocked one that of its wrap.
+        Smaller over larger tension while the rope runs; of a blocked one that of its wrap, and nearly 1 where the rope
+        does not touch.
+    bearing
+        The efficiency of one that turns, while the rope touches it.
     friction
         Coefficient of friction of one that is blocked, or 0.
     """
@@ -190,6 +196,7 @@ class Sheave(Record):
     flow: int
     column: int
     efficiency: float
+    bearing: float
     friction: float
 
 
@@ -255,6 +262,8 @@ class SheavedRopes(Ropes):
         Length of the part behind each place [m].
     tension
         Of the part behind each place, in the middle of the last step [N].
+    part_extremes
+        Of these tensions at the ends of steps.
     slope
         Scratch: of the tension of the part behind each place by that of the first part.
     flows
@@ -266,7 +275,14 @@ class SheavedRopes(Ropes):
         For states, where those of the last step and what contradicts them do not lead to any.
     """
 
-    carried_fields: ClassVar[tuple[str, ...]] = ("state", "wraps", "chain_state", "sheave_state", "tension")
+    carried_fields: ClassVar[tuple[str, ...]] = (
+        "state",
+        "wraps",
+        "chain_state",
+        "sheave_state",
+        "tension",
+        "part_extremes",
+    )
 
     chains: Records[Chain]
     chain_state: Records[ChainState]
@@ -276,6 +292,7 @@ class SheavedRopes(Ropes):
     leaving: Records[PlaceGradient]
     parts: Floats1
     tension: Floats1
+    part_extremes: Records[Extremes]
     slope: Floats1
     flows: Floats1
     by_place: Floats2
@@ -303,9 +320,11 @@ def _find_shares(kind: SheavedRopes, i: int, work: Workspace) -> float:
             p -= 1
             beyond += kind.parts[p]
         kind.sheave_state[s].share = beyond / length
+        wrap = kind.wraps[kind.sheaves[s].place]
         if kind.sheaves[s].friction > 0.0:
-            wrap = max(LEAST_WRAP, kind.wraps[kind.sheaves[s].place])
-            kind.sheaves[s].efficiency = math.exp(-kind.sheaves[s].friction * wrap)
+            kind.sheaves[s].efficiency = math.exp(-kind.sheaves[s].friction * max(LEAST_WRAP, wrap))
+        else:
+            kind.sheaves[s].efficiency = kind.sheaves[s].bearing if wrap >= 0.0 else UNTOUCHED
     return length
 
 
@@ -930,6 +949,8 @@ def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) 
         rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0
         rope.tension = end_tension(kind, i, rope.hauling, rate)
         note_value(rope.extremes, work.control.interval, _end_tensions(kind, i, rope.tension))
+        for p in range(kind.table[i].first, kind.table[i].first + kind.table[i].places - 1):
+            note_value(kind.part_extremes[p], work.control.interval, kind.tension[p])
         _show_parts(kind, i)
         watch_stretch(kind, i, work)
 
@@ -939,13 +960,14 @@ def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) 
 def record_sheaved_ropes(
     kind: SheavedRopes, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
-    """As a rope, with tensions of the parts, and speed and state of each sheave."""
+    """As a rope, with tensions of the parts and their extremes, and speed and state of each sheave."""
     for i in range(kind.table.shape[0]):
         rope, chain, column = kind.state[i], kind.chains[i], kind.table[i].column
         length = _find_shares(kind, i, work)
         compare_length(kind, i, length)
         first, parts = kind.table[i].first, kind.table[i].places - 1
-        largest = 0.0
+        largest, interval = 0.0, work.control.interval
+        behind = column + 6 + parts + 2 * chain.count
         if rope.fresh:  # what friction does is not known before the first step
             hauling = winch_state(kind, i, time)[1]
             largest = end_tension(kind, i, hauling, path_rate(kind, i, work))
@@ -955,6 +977,8 @@ def record_sheaved_ropes(
             tension = largest if rope.fresh else kind.tension[first + part]
             largest = max(largest, tension)
             row[column + 6 + part] = tension
+            row[behind + part] = largest_of(kind.part_extremes[first + part], interval, tension)
+            row[behind + parts + part] = smallest_of(kind.part_extremes[first + part], interval, tension)
         if rope.fresh:
             show_pulls(kind, i, largest)
         else:
@@ -966,8 +990,8 @@ def record_sheaved_ropes(
         row[column + 1] = length
         row[column + 2] = rope.rest
         row[column + 3] = rope.drift
-        row[column + 4] = largest_of(rope.extremes, work.control.interval, largest)
-        row[column + 5] = smallest_of(rope.extremes, work.control.interval, largest)
+        row[column + 4] = largest_of(rope.extremes, interval, largest)
+        row[column + 5] = smallest_of(rope.extremes, interval, largest)
         work.sums.drive_work += rope.winch_work
         work.sums.dissipated += rope.loss
         for s in range(chain.first, chain.first + chain.count):

@@ -39,6 +39,8 @@ class LawBlock:
         compliance says only that the row is not rigid.
     rows
         How many, on the same bodies.
+    vectors
+        Of each row the vector whose component it is, see `heavylift.solver.rows.structure.Row`; none if empty.
     """
 
     name: str
@@ -47,6 +49,7 @@ class LawBlock:
     compliance: float = 1.0
     relaxation: float = 0.0
     rows: int = 1
+    vectors: tuple[int, ...] = ()
 
     @property
     def block_count(self) -> int:
@@ -99,11 +102,12 @@ def extend_system(
     made = pack_rows(counts, sides, scales, inverse_mass, monitor, owners)
     if joints is not None:
         width, blocks_before = min(joints.lanes, made.lanes), len(joints.attachments) // 2
-        for name in ("compliance", "relaxation", "stiffness", "rigid"):
+        for name in ("compliance", "relaxation", "stiffness", "rigid", "vector"):
             made.rows[name][:blocks_before, :width] = joints.rows[name][:blocks_before, :width]
     for start, block in zip(starts, blocks, strict=True):
         made.rows[start].compliance[: block.rows] = block.compliance
         made.rows[start].relaxation[: block.rows] = block.relaxation
+        made.rows[start].vector[: len(block.vectors)] = block.vectors
     return made._replace(laws=laws)
 
 

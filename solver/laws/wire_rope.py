@@ -173,8 +173,10 @@ class Rope:
                 expected="a winch by 'speeds' or 'lengths', or no 'efficiency'",
             )
 
-    def check_start(self, places: Sequence[NDArray[np.float64]]) -> None:
+    def check_start(self, places: Sequence[NDArray[np.float64]], *, at_rest: bool) -> None:
         """Refuse a rope that is much shorter than its path through some places in the world [m], or has none.
+
+        In a scene that comes to rest before time starts, how short it is shows there.
 
         Raises
         ------
@@ -189,12 +191,13 @@ class Rope:
                 raise InputError(
                     "all its points coincide", key="path", expected="a path with a length, or 'length'"
                 )
-        elif (strain := path / self.length - 1.0) > LARGEST_STRAIN:
+        elif not at_rest and (strain := path / self.length - 1.0) > LARGEST_STRAIN:
             raise InputError(
                 f"{self.length:.6g} m is shorter than the path of at least {path:.6g} m by "
                 f"{path - self.length:.6g} m, a strain of {100.0 * strain:.3g} % at the start",
                 key="length",
-                expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, or none for a rope as drawn",
+                expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, none for a rope as drawn, or"
+                " start 'equilibrium', which finds where it hangs",
             )
 
 

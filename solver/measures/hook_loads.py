@@ -10,7 +10,10 @@ time between two of them, the acceleration at the end is the line through the la
 
     a_k = (u_k - u_(k-1)) / ((h_k + h_(k-1)) / 2)        z'' = a_k + h_k (a_k - a_(k-1)) / h_(k-1)
 
-but a_k alone where its slope changes its sign with every step. Both are of second order where the motion is resolved.
+but a_k alone where its slope changes its sign with every step, and in the second step behind a jump, which spreads over
+two slopes. It is of second order where the motion is resolved. What is cut to less than `SHORTEST`
+of the step before, as where a phase of an operation ends, is no step: height differences over it are rounding. It is
+taken with the next one, and the acceleration stays.
 
 It acts on nothing. The ropes leave their forces at the end of every step (`heavylift.solver.laws.pulls`).
 """
@@ -49,6 +52,13 @@ from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 
 __all__ = ["HookLoad", "HookLoadEntry", "HookLoads", "HookState", "pack"]
+
+SHORTEST = 0.1
+"""Part of the step before, below which a step is taken with the next one."""
+
+JUMP, ALIKE = 0.1, 1.5
+"""Of the slope of a step: that before it, below which it begins with a jump, and that behind it, which a smooth motion
+that turns there has twice as large."""
 
 SEEN = (
     ChannelKind(
@@ -118,8 +128,10 @@ class HookState(Record):
         At the end of the last step [m]; mean of the last step, at first that of the start [m/s].
     length
         Of the last step [s].
-    change, slope
-        Acceleration between the last two steps [m/s^2], and its slope [m/s^3].
+    waiting
+        Length of what was too short to be a step [s].
+    change, slope, slope_before
+        Acceleration between the last two steps [m/s^2], its slope, and that of the step before [m/s^3].
     acceleration
         At the end of the last step [m/s^2].
     """
@@ -128,8 +140,10 @@ class HookState(Record):
     height: float
     speed: float
     length: float
+    waiting: float
     change: float
     slope: float
+    slope_before: float
     acceleration: float
 
 
@@ -241,9 +255,14 @@ def _look(kind: HookLoads, i: int, standing: bool) -> None:
 
 
 @kernel(internal=True)
-def _follow(kind: HookLoads, i: int, height: float, h: float) -> None:
-    """Acceleration at the end of a step of the length h [s] that ends at a height [m]."""
+def _follow(kind: HookLoads, i: int, height: float, h: float, next_step: float) -> None:
+    """Acceleration at the end of a step of the length h [s] that ends at a height [m]; the next one is known, too."""
     state = kind.state[i]
+    h += state.waiting
+    if h < SHORTEST * (state.length if state.steps > 0 else next_step):
+        state.waiting = h
+        return
+    state.waiting = 0.0
     speed = (height - state.height) / h
     if state.steps == 0:  # that of the start is one of an instant
         change = 2.0 * (speed - state.speed) / h
@@ -252,7 +271,11 @@ def _follow(kind: HookLoads, i: int, height: float, h: float) -> None:
         change = (speed - state.speed) / (0.5 * (h + state.length))
         slope = (change - state.change) / (state.length if state.steps > 1 else 0.75 * state.length)
         turns = state.steps > 1 and slope * state.slope < 0.0
-        state.acceleration = change if turns else change + h * slope
+        # a jump is in two slopes on end, as steep as each other, and in none before
+        jumped = abs(state.slope_before) < JUMP * abs(state.slope) and abs(slope) < ALIKE * abs(state.slope)
+        jumped = jumped and state.steps > 1
+        state.acceleration = change if turns or jumped else change + h * slope
+        state.slope_before = state.slope if state.steps > 1 else slope
         state.slope = slope
     state.height, state.speed, state.length, state.change = height, speed, h, change
     state.steps = min(2, state.steps + 1)
@@ -264,7 +287,7 @@ def watch_hook_loads(kind: HookLoads, bodies: Bodies, work: Workspace) -> None:
     """Accelerations, and extremes at the ends of steps."""
     for i in range(kind.table.shape[0]):
         height = _upwards(kind, work.markers[kind.table[i].centre].point)
-        _follow(kind, i, height, work.control.last_step)
+        _follow(kind, i, height, work.control.last_step, work.control.next_step)
         _look(kind, i, False)
         for k in range(2):
             note_value(kind.extremes[2 * i + k], work.control.interval, kind.values[k])

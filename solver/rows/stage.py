@@ -42,7 +42,7 @@ from heavylift.solver.interface import (
     watch_joints,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.ringing import steady_force
+from heavylift.solver.ringing import alternating_slope, carried_force, kept_share, steady_force
 from heavylift.solver.rows.impulses import add_impulses, add_reactions
 from heavylift.solver.rows.solver import (
     assemble,
@@ -53,6 +53,8 @@ from heavylift.solver.rows.solver import (
 )
 from heavylift.solver.rows.structure import (
     REGULARISATION,
+    TURNS,
+    Row,
     RowSystem,
 )
 
@@ -291,12 +293,50 @@ def close_row_step(
         for r in range(lanes):
             # of second order in the middle of the step only, and only with the part of the projection
             middle = rate * (2.0 * row.half_impulse[r] + row.impulse[r])
-            slope = per_spacing * (middle - row.last_reaction[r])
-            row.reaction[r] = steady_force(middle, slope, row.slope[r], row.slope_before[r], step, spacing)
+            row.solution[r] = per_spacing * (middle - row.last_reaction[r])
             row.last_reaction[r] = middle
+        for vector in range(TURNS + 1):
+            _find_reactions(row, lanes, float(vector), step, spacing)
+        for r in range(lanes):
             row.slope_before[r] = row.slope[r]
-            row.slope[r] = slope
+            row.slope[r] = row.solution[r]
     watch_joints(joints, work, system)
+
+
+@kernel(internal=True)
+def _find_reactions(row: Row, lanes: int, vector: float, step: float, spacing: float) -> None:
+    """Reactions at the end of the step of the rows of a vector, or of those alone; `solution` has their slopes."""
+    if vector == 0.0:
+        for r in range(lanes):
+            if row.vector[r] == 0.0:
+                slope, before, long_before = row.solution[r], row.slope[r], row.slope_before[r]
+                row.reaction[r] = steady_force(
+                    row.last_reaction[r], slope, before, long_before, step, spacing
+                )
+        return
+    now = before = long_before = square = 0.0
+    for r in range(lanes):
+        if row.vector[r] == vector:
+            turn = row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r]
+            square += turn * turn
+            now += turn * row.solution[r]
+            before += turn * row.slope[r]
+            long_before += turn * row.slope_before[r]
+    # along the direction in which they change by turns
+    along = alternating_slope(now, before, long_before) / square if square > 0.0 else 0.0
+    both = steady = steady_before = 0.0
+    for r in range(lanes):
+        if row.vector[r] == vector:
+            part = along * (row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r])
+            rest, rest_before = row.solution[r] - part, row.slope[r] + part
+            both += rest * rest_before
+            steady += rest * rest
+            steady_before += rest_before * rest_before
+    share = kept_share(both, steady, steady_before)
+    for r in range(lanes):
+        if row.vector[r] == vector:
+            part = along * (row.solution[r] - 2.0 * row.slope[r] + row.slope_before[r])
+            row.reaction[r] = carried_force(row.last_reaction[r], row.solution[r], part, share, step, spacing)
 
 
 @implement(respond, RowSystem)

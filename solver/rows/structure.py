@@ -28,8 +28,10 @@ from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import LaneRecords, Lanes, Record, Records, known_lanes, lane_records, records
 
 __all__ = [
+    "MOVES",
     "REGULARISATION",
     "SHAPES",
+    "TURNS",
     "Attachment",
     "RowArrays",
     "RowSystem",
@@ -42,6 +44,9 @@ REGULARISATION = 1e-7
 
 ABSENT = 1e20
 """Softness relative to the characteristic inverse mass that takes a row out of the system."""
+
+MOVES, TURNS = 1, 2
+"""Vectors of a block: its force and its moment, whose components the rows of a joint are."""
 
 HUB_ATTACHMENTS = 12
 """Joints on one rigid body from which on it stays in the system as a node."""
@@ -72,6 +77,8 @@ class Row(Record):
         Right-hand side, then change of the impulse; of a hub its velocities.
     rigid
         What makes the violation of a rigid row 1 where a run has failed, 0 for others.
+    vector
+        `MOVES` or `TURNS` of rows that are components of these vectors, along whatever axes; 0 of a row alone.
     hold
         Softness in the projection.
     """
@@ -92,6 +99,7 @@ class Row(Record):
     slope_before: Lanes
     solution: Lanes
     rigid: Lanes
+    vector: Lanes
     hold: Lanes
 
 

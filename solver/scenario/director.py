@@ -56,7 +56,9 @@ from heavylift.solver.scenario.interface import direct, keep_state, take_back
 from heavylift.solver.scenario.moves import MoveRow, plan_move, plan_speed
 from heavylift.solver.scene.speed_profiles import FOREVER
 from heavylift.solver.transport.path_ways import way_on_pieces
-from heavylift.solver.water.hulls.kind import TankData, TankLevel
+from heavylift.solver.transport.transporters import GroupData, GroupState, VehicleData, VehicleState
+from heavylift.solver.water.hulls.kind import PumpData, PumpRow, TankData, TankLevel
+from heavylift.solver.water.hulls.tanks import pumped_behind
 
 __all__ = [
     "ACTION",
@@ -67,6 +69,10 @@ __all__ = [
     "DRIVE",
     "DRIVE_BREAKS",
     "ENDED",
+    "FAIL",
+    "FAILS_LEVELLING",
+    "FAILS_MOVER",
+    "FAILS_PUMP",
     "FOLLOW",
     "FUNCTIONS",
     "GO_BY",
@@ -112,7 +118,7 @@ FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
 """Of signals, by their numbers. `arrived`: time since the last of some movers came to rest where it was told to go;
 `told`: whether someone outside said "continue" since the phase began that waits for it."""
 SUM, NORM, LARGEST, SMALLEST, ARRIVED, CONTINUED = range(6)
-SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE, RELEASE_JOINT = range(11)
+SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE, RELEASE_JOINT, FAIL = range(12)
 """Actions."""
 BEGUN, ACTION, DONE, LIMIT_WARNING, LIMIT_STOP, TIMED_OUT, ROPE_USED_UP, NOT_CONNECTED, TOLD = range(9)
 """Events of the log."""
@@ -120,6 +126,8 @@ WORDS = ("continue", "hold", "stop")
 """What can be told from outside, by number."""
 PLAIN_ROPE, RUBBING_ROPE, HELD_ROPE, TANK, DRIVE, PATH = range(6)
 """Sorts of movers."""
+FAILS_MOVER, FAILS_PUMP, FAILS_LEVELLING = range(3)
+"""What fails, or works again: a mover, a pump that a controller tells, the levelling of a transporter."""
 
 DRIVE_BREAKS = 12
 """Of the profile of a drive that is told what to do, at least."""
@@ -212,9 +220,10 @@ class ActionEntry(Record):
     acceleration, jerk
         Limits; 0 is none.
     other
-        Mover that is followed, signal that a way is reckoned from, number of a group, or block of a joint; -1 is none.
+        Mover that is followed, signal that a way is reckoned from, number of a group, block of a joint, or number of a
+        pump or transporter; -1 is none.
     factor
-        Ratio to what is followed, way per difference of the signal, or dead band.
+        Ratio to what is followed, way per difference of the signal, dead band, or what fails.
     """
 
     action: int
@@ -348,6 +357,10 @@ class Director(Arrays):
         Theirs, which actions change, and which are carried for that.
     tanks, levels
         Of the hulls.
+    pumps, pump_rows
+        Of the hulls: those that fail are carried.
+    vehicles, groups, group_state, vehicle_state
+        Of the transporters, whose levelling may fail.
     profiles
         Of the drives; carried.
     paths, path_pieces, path_legs, path_plan
@@ -384,6 +397,7 @@ class Director(Arrays):
         "held_winches",
         "controls",
         "levels",
+        "pumps",
         "profiles",
         "path_pieces",
     )
@@ -410,6 +424,12 @@ class Director(Arrays):
     control_state: Records[ControlState]
     tanks: Records[TankData]
     levels: Records[TankLevel]
+    pumps: Records[PumpData]
+    pump_rows: Records[PumpRow]
+    vehicles: Records[VehicleData]
+    groups: Records[GroupData]
+    group_state: Records[GroupState]
+    vehicle_state: Records[VehicleState]
     profiles: Floats1
     paths: Records[PathPieces]
     path_pieces: Floats2
@@ -522,6 +542,12 @@ def _measure(
         kind.trial[s] = math.sqrt(found) if function == NORM else found
 
 
+@kernel(inline=True, internal=True)
+def _is_time(kind: Director, signal: int) -> bool:
+    """Whether a signal is a time, which goes on as long as the step is."""
+    return signal < 0 or kind.signals[signal].function == ARRIVED
+
+
 @kernel(internal=True)
 def _end_of_phase(kind: Director, track: int, start: float, end: float) -> float:
     """When the phase ends [s], not before the start of the step; infinite if its conditions do not hold at the end."""
@@ -545,11 +571,11 @@ def _end_of_phase(kind: Director, track: int, start: float, end: float) -> float
         before = _margin(condition.below, condition.value, before)
         now = _margin(condition.below, condition.value, now)
         ready = math.inf
-        if now >= 0.0:
+        if now >= -(SHORTEST * (end - start) if _is_time(kind, condition.signal) else 0.0):
             since = timer.since
             if math.isnan(since):
                 since = start
-                if before < 0.0:
+                if before < 0.0:  # a time that rounding has put behind the end of the step is at its end
                     since = start + (end - start) * before / (before - now)
             timer.trial = since
             ready = since + condition.hold
@@ -871,6 +897,46 @@ def _let_joint_go(kind: Director, block: int) -> float:
 
 
 @kernel(internal=True)
+def _fail_mover(kind: Director, mover: int, time: float) -> None:
+    """What drives it is off: its brake holds it where it is, and what follows it, and it does not arrive anywhere."""
+    said = kind.movers[mover]
+    kind.mover_state[mover].leader = -1
+    if said.sort == HELD_ROPE:
+        control = kind.controls[said.number]
+        control.mode, control.speed = PLANNED, math.inf
+    _go_on(kind, mover, time, 0.0, 0.0, 0.0)
+    kind.mover_state[mover].arrives = math.inf
+    for m in range(kind.mover_state.shape[0]):
+        if kind.mover_state[m].leader == mover:
+            kind.mover_state[m].arrives = math.inf
+
+
+@kernel(internal=True)
+def _fail(kind: Director, action: ActionEntry, time: float) -> float:
+    """Something fails, or works again from now on: it stands until it is told something."""
+    failed, number = action.value > 0.0, action.other
+    if action.factor == FAILS_MOVER:
+        if failed:
+            _fail_mover(kind, action.mover, time)
+        return action.value
+    if action.factor == FAILS_PUMP:
+        pump = kind.pumps[number]
+        row = kind.pump_rows[pump.first]
+        _, _, pumped = pumped_behind(row, pump.lag, time)
+        row.time, row.pumped = time, pumped
+        row.flow = row.command = 0.0
+        pump.failed = failed
+        return action.value
+    kind.vehicle_state[number].failed = failed
+    vehicle = kind.vehicles[number]
+    for g in range(vehicle.first_group, vehicle.first_group + vehicle.groups):
+        state = kind.group_state[g]
+        state.levelled += state.pumping * (time - state.since)
+        state.since, state.pumping = time, 0.0
+    return action.value
+
+
+@kernel(internal=True)
 def _hold(kind: Director, said: Mover, time: float, slack: float) -> float:
     """A rope holds from now on; its unstretched length [m], negative if it would be too short for its path."""
     ropes = _ropes_of(kind, said.sort)
@@ -905,6 +971,8 @@ def _act(
     """Do something; a value for the log, negative for a connection that is too short."""
     if action.action == RELEASE_JOINT:
         return _let_joint_go(kind, action.other)
+    if action.action == FAIL:
+        return _fail(kind, action, time)
     if action.action not in (RELEASE, CONNECT):
         if action.action == GO_BY and action.other >= 0:
             _measure(kind, forces, bodies, joints, systems, work, time)

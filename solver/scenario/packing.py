@@ -27,6 +27,10 @@ from heavylift.solver.scenario.director import (
     CONNECT,
     DRIVE,
     DRIVE_BREAKS,
+    FAIL,
+    FAILS_LEVELLING,
+    FAILS_MOVER,
+    FAILS_PUMP,
     FOLLOW,
     FUNCTIONS,
     GO_BY,
@@ -64,17 +68,20 @@ from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.scenario import (
     AXES,
+    MOVERS,
     MOVES,
     Action,
     Connect,
     DriveSpeed,
     DriveTo,
+    Fail,
     Movable,
     Note,
     PathGoOn,
     PathSpeed,
     Release,
     ReleaseJoint,
+    Restore,
     Scenario,
     Signal,
     TankRate,
@@ -89,10 +96,18 @@ from heavylift.solver.scene.scenario import (
     acted_on,
     check_scenario,
     drives_of,
+    helpers_of,
     releases_of,
 )
 from heavylift.solver.transport.paths import Paths
-from heavylift.solver.water.hulls.kind import Hulls, TankData, TankLevel
+from heavylift.solver.transport.transporters import (
+    GroupData,
+    GroupState,
+    Transporters,
+    VehicleData,
+    VehicleState,
+)
+from heavylift.solver.water.hulls.kind import Hulls, PumpData, PumpRow, TankData, TankLevel
 
 __all__ = ["pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
 
@@ -126,13 +141,14 @@ def with_drives(scene: Any) -> Any:
         vehicles=vehicles,
         capacities=capacities,
         releases=releases_of(scene.joints, scene.forces),
+        helpers=helpers_of(
+            () if scene.sea is None else scene.sea.pumps,
+            () if scene.sea is None else scene.sea.controllers,
+            scene.transporters,
+        ),
     )
     check_scenario(scene.scenario, movable)
-    told = {
-        action.drive.rpartition(".")[::2]
-        for action in scene.scenario.actions
-        if isinstance(action, (DriveSpeed, DriveTo)) and "." in action.drive
-    }
+    told = {name.rpartition(".")[::2] for name in _told_drives(scene.scenario) if "." in name}
     standing = Profile(times=np.zeros(1), speeds=np.zeros(1))
 
     def ready(body: Any) -> Any:
@@ -163,7 +179,7 @@ def reserve_tables(
     """
     scenario, columns = scene.scenario, _first_columns(channels)
     winches = {columns[name] for name in _told_winches(scene) if name in columns}
-    drives = {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}
+    drives = _told_drives(scenario)
     joints = {columns[name] for name in drives if name in columns}
     frames: dict[int, set[int]] = {
         columns[name.rpartition(".")[0]]: set() for name in drives if name.rpartition(".")[0] in columns
@@ -173,6 +189,7 @@ def reserve_tables(
         if owner in columns:
             frames[columns[owner]].add(AXES.index(axis))
     pumped = {action.tank for action in scenario.actions if isinstance(action, TankRate)}
+    pumped |= _failing(scenario, "tank")
     bodies = []
     for kind in kinds[0]:
         made = kind
@@ -208,8 +225,20 @@ def _told_winches(scene: Any) -> set[str]:
     """Names of ropes whose winches are told what to do, or follow one that is."""
     kinds = (*MOVES, WinchFollow, WinchTension, WinchLevel, WinchBrake)
     told = {action.rope for action in scene.scenario.actions if isinstance(action, kinds)}
+    told |= _failing(scene.scenario, "winch")
     told |= {action.leader for action in scene.scenario.actions if isinstance(action, WinchFollow)}
     return told | {name for name, leader in _followers(scene).items() if leader in told}
+
+
+def _failing(scenario: Scenario, sort: str) -> set[str]:
+    """Names of what fails, of a sort."""
+    return {a.machine for a in scenario.actions if isinstance(a, Fail) and a.sort == sort}
+
+
+def _told_drives(scenario: Scenario) -> set[str]:
+    """Names of drives that are told what to do, or fail."""
+    told = {a.drive for a in scenario.actions if isinstance(a, (DriveSpeed, DriveTo))}
+    return told | _failing(scenario, "drive")
 
 
 def _followers(scene: Any) -> dict[str, str]:
@@ -355,7 +384,7 @@ def share_profiles(
     kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scenario: Scenario
 ) -> tuple[tuple[tuple[Any, ...], tuple[Any, ...]], NDArray[np.float64]]:
     """Kinds whose drives are told what to do keep their profiles in one array, which the scenario changes."""
-    if not any(isinstance(action, (DriveSpeed, DriveTo)) for action in scenario.actions):
+    if not _told_drives(scenario):
         return kinds, np.zeros(0)
     fields = [
         (0, i, "constants")
@@ -426,7 +455,10 @@ def pack_scenario(
         movers.add(name, TANK, i, told=True)
     drives = (
         dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
-            action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))
+            acted_on(action)
+            for action in scenario.actions
+            if isinstance(action, (DriveSpeed, DriveTo))
+            or (isinstance(action, Fail) and action.sort == "drive")
         )
     )
     for name in drives:
@@ -442,7 +474,10 @@ def pack_scenario(
             states[movers.numbers[name]].ratio = ratios[name]
     weight = _Weights(scene)
     blocks = _joint_blocks(kinds[1], columns, scenario)
-    tables = _Tables(scenario, movers.numbers | blocks, known, weight)
+    rolling = next((kind for kind in kinds[1] if isinstance(kind, Transporters)), None)
+    helpers = {("pump", pump.name): i for i, pump in enumerate(() if scene.sea is None else scene.sea.pumps)}
+    helpers |= {("levelling", one.name): i for i, one in enumerate(scene.transporters)}
+    tables = _Tables(scenario, movers.numbers | blocks, known, weight, helpers)
     system = next((one for one in kinds[2] if isinstance(one, RowSystem)), None)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
@@ -473,6 +508,12 @@ def pack_scenario(
         control_state=held.control_state,
         tanks=records(TankData, 0) if hulls is None else hulls.tanks,
         levels=records(TankLevel, 0) if hulls is None else hulls.tank_levels,
+        pumps=records(PumpData, 0) if hulls is None else hulls.pumps,
+        pump_rows=records(PumpRow, 0) if hulls is None else hulls.pump_rows,
+        vehicles=records(VehicleData, 0) if rolling is None else rolling.vehicles,
+        groups=records(GroupData, 0) if rolling is None else rolling.groups,
+        group_state=records(GroupState, 0) if rolling is None else rolling.group_state,
+        vehicle_state=records(VehicleState, 0) if rolling is None else rolling.vehicle_state,
         profiles=profiles,
         paths=_table(
             PathPieces, [] if paths is None else [(path.first_piece, path.pieces) for path in paths.table]
@@ -596,7 +637,12 @@ class _Tables:
     """Rows of all tables of what was said."""
 
     def __init__(
-        self, scenario: Scenario, numbers: Mapping[str, int], known: Mapping[str, Channel], weights: _Weights
+        self,
+        scenario: Scenario,
+        numbers: Mapping[str, int],
+        known: Mapping[str, Channel],
+        weights: _Weights,
+        helpers: Mapping[tuple[str, str], int],
     ) -> None:
         self.tracks: list[tuple[int, int]] = []
         self.phases: list[tuple[Any, ...]] = []
@@ -620,7 +666,7 @@ class _Tables:
                 timeout = phase.timeout or math.inf
                 end = (len(self.limits), len(phase.limits), phase.ends_with == "any", timeout)
                 self.phases.append((*begin, *end))
-                self.actions += [_action(action, numbers, place) for action in phase.actions]
+                self.actions += [_action(action, numbers, place, helpers) for action in phase.actions]
                 for one in phase.until:
                     number = -1 if one.signal is None else place[one.signal]
                     self.conditions.append(
@@ -692,7 +738,10 @@ def _columns(term: Term, signal: Signal, known: Mapping[str, Channel]) -> list[t
 
 
 def _action(
-    action: Action, numbers: Mapping[str, int], signals: Mapping[Signal, int]
+    action: Action,
+    numbers: Mapping[str, int],
+    signals: Mapping[Signal, int],
+    helpers: Mapping[tuple[str, str], int],
 ) -> tuple[int, int, float, float, float, float, float, int, float]:
     """Entry of an action."""
     code, mover, value, speed, ramp, acceleration, jerk, other, factor = (
@@ -706,7 +755,14 @@ def _action(
         -1,
         0.0,
     )
-    if not isinstance(action, Note):
+    if isinstance(action, (Fail, Restore)):
+        code, value = FAIL, float(isinstance(action, Fail))
+        if action.sort in MOVERS:
+            mover, factor = numbers[action.machine], float(FAILS_MOVER)
+        else:
+            other = helpers[action.sort, action.machine]
+            factor = float(FAILS_PUMP if action.sort == "pump" else FAILS_LEVELLING)
+    elif not isinstance(action, Note):
         mover = numbers[acted_on(action)]
     if isinstance(action, (*MOVES, DriveSpeed, DriveTo, PathSpeed)):
         speed, ramp, acceleration, jerk = action.speed, action.ramp, action.acceleration, action.jerk

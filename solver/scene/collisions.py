@@ -77,7 +77,7 @@ class Collision(CollisionPlace):
         ChannelKind(
             "gap",
             "length",
-            "smallest distance of the surfaces, negative inside; no more than what the search looks for",
+            "smallest distance of the surfaces, negative inside; no number out of reach unless somebody asks for it",
         ),
         ChannelKind("contacts", "number", "number of contacts"),
         ChannelKind("patches", "number", "number of patches of contacts"),
@@ -106,9 +106,7 @@ class Collision(CollisionPlace):
             unit="N s",
         ),
         *interval_extremes("normal_force", "force"),
-        interval_extremes(
-            "gap", "length", "at the ends of the steps in which it was near enough to be searched"
-        )[1],
+        interval_extremes("gap", "length", "at the ends of all steps in which it was known")[1],
     )
     """What it records, in the order of its columns."""
     CONTACT_CHANNELS: ClassVar = (
@@ -136,5 +134,7 @@ class Collision(CollisionPlace):
     recorded: Annotated[int, Interval(ge=0, le=1000)] = 8
     """Contacts recorded one by one, those with the largest forces."""
     clearance: bool = False
-    """Record the distance of the surfaces in `gap` while they are far apart too; it costs a search for each record.
-    Otherwise the gap there is only the reach of the search, a few ways of a step."""
+    """Record the distance of the surfaces in `gap`, and its smallest value over all steps in `gap_min`, while they are
+    far apart too; it costs a search for each record, and for each step in which they may have come nearer. So it is
+    anyway where a phase waits for it, or criteria, checks, references or the report name it. Otherwise both are no
+    number beyond the reach of the search, a few ways of a step."""

@@ -130,8 +130,9 @@ SHEAVE_CHANNELS = (
         " first end",
         None,
     ),
+    *interval_extremes("segment_tension", "force", components=None),
 )
-"""Of wire ropes, behind those of all ropes."""
+"""Of wire ropes over places with an efficiency, behind those of all ropes."""
 CONTROL_CHANNELS = (
     ChannelKind(
         "paid_out",

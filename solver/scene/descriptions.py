@@ -39,6 +39,7 @@ from typing import (
 
 import numpy as np
 
+from heavylift.numerics.hints import unaliased
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import (
     Absent,
@@ -396,6 +397,7 @@ def _find_fields(described: type) -> tuple[DescribedField, ...]:
     for name, hint in hints.items():
         annotated = get_origin(hint) is Annotated
         inner, marks = (get_args(hint)[0], get_args(hint)[1:]) if annotated else (hint, ())
+        inner = unaliased(inner)
         kinds = [mark for mark in marks if isinstance(mark, Meaning)]
         if len(kinds) != 1 and (kinds or not all(map(_speaks_for_itself, _leaves(inner)))):
             raise TypeError(f"{_place(described)}.{name}: {hint}, expected an annotation with its quantity")
@@ -407,6 +409,7 @@ def _find_fields(described: type) -> tuple[DescribedField, ...]:
 
 def _leaves(hint: Any) -> list[Any]:
     """Types that a list or a choice of types is made of."""
+    hint = unaliased(hint)
     if get_origin(hint) in {tuple, Union, types.UnionType}:
         inner = [part for part in get_args(hint) if part not in {..., type(None)}]
         return [leaf for part in inner for leaf in _leaves(part)]

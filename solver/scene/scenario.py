@@ -456,6 +456,57 @@ class PathGoOn:
 
 
 @dataclass(frozen=True)
+class Fail:
+    """What drives something fails, at once: it stands where it is, held by its brake.
+
+    Attributes
+    ----------
+    machine
+        Name of the rope of a winch, of a drive, a tank, a pump or a transporter.
+    sort
+        What of it: its winch, its drive, the pump of the tank, the pump, the levelling of the transporter.
+    """
+
+    machine: str
+    sort: Literal["winch", "drive", "tank", "pump", "levelling"]
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"failure of {_MACHINES[self.sort]} {self.machine!r}"
+
+
+@dataclass(frozen=True)
+class Restore:
+    """What has failed works again: it stands until it is told something, or its controller looks.
+
+    Attributes
+    ----------
+    machine, sort
+        As of `Fail`.
+    """
+
+    machine: str
+    sort: Literal["winch", "drive", "tank", "pump", "levelling"]
+
+    @property
+    def text(self) -> str:
+        """Words for it."""
+        return f"{_MACHINES[self.sort]} {self.machine!r} works again"
+
+
+_MACHINES = {
+    "winch": "the winch of",
+    "drive": "drive",
+    "tank": "the pump of tank",
+    "pump": "pump",
+    "levelling": "the levelling of",
+}
+MOVERS = frozenset({"winch", "drive", "tank"})
+"""What of these can be told something by a scenario."""
+
+
+@dataclass(frozen=True)
 class Release:
     """A rope lets go: from now on it does nothing, and what it had stored is lost."""
 
@@ -517,7 +568,7 @@ RopeAction: TypeAlias = (
 )
 DriveAction: TypeAlias = DriveSpeed | DriveTo
 PathAction: TypeAlias = PathSpeed | PathGoOn
-Action: TypeAlias = RopeAction | ReleaseJoint | TankRate | DriveAction | PathAction | Note
+Action: TypeAlias = RopeAction | ReleaseJoint | TankRate | DriveAction | PathAction | Fail | Restore | Note
 MOVES = (WinchSpeed, WinchLength, WinchHaul)
 """What a winch is told that it does by itself."""
 
@@ -654,6 +705,8 @@ class Movable:
         Masses of full tanks [kg], as far as they are known.
     releases
         Joints by name, and why they cannot be released: in words, empty if they can.
+    helpers
+        Pumps and levelled transporters by name, and why they cannot fail: in words, empty if they can.
     """
 
     ropes: Mapping[str, Any]
@@ -664,6 +717,25 @@ class Movable:
     vehicles: Mapping[str, Any] = field(default_factory=dict)
     capacities: Mapping[str, float] = field(default_factory=dict)
     releases: Mapping[str, str] = field(default_factory=dict)
+    helpers: Mapping[str, str] = field(default_factory=dict)
+
+
+def helpers_of(
+    pumps: Iterable[Any], controllers: Iterable[Any], transporters: Iterable[Any]
+) -> dict[str, str]:
+    """Pumps and levelled transporters by name, and why one cannot fail; empty if it can.
+
+    Parameters
+    ----------
+    pumps, controllers, transporters
+        Of a scene or a case.
+    """
+    told = {name for one in controllers for name in one.pumps}
+    found = {
+        pump.name: "" if pump.name in told else "follows its own plan, and no controller tells it"
+        for pump in pumps
+    }
+    return found | {one.name: "" for one in transporters if one.levelling is not None}
 
 
 def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bool]:
@@ -745,6 +817,7 @@ class _Checker:
         """Speeds at most of winches that keep a level, beside that."""
         self.lengths: dict[str, float] = {}
         self.arriving: set[str] = set()
+        self.failed: set[str] = set()
 
     def rope(self, name: str, key: str) -> Any:
         """A rope of type wire."""
@@ -766,6 +839,16 @@ class _Checker:
                 key=key,
                 expected="actions of one track for one thing",
             )
+        if isinstance(action, (Fail, Restore)):
+            self._machine(action, f"{key}.{'fail' if isinstance(action, Fail) else 'restore'}")
+            return
+        for name in (acted_on(action), getattr(action, "leader", "")):
+            if name in self.failed and not isinstance(action, (Release, Connect)):
+                raise InputError(
+                    f"what drives {name!r} has failed then",
+                    key=key,
+                    expected="'restore' before, or another one",
+                )
         if isinstance(action, TankRate):
             _known("tank", action.tank, self.movable.tanks, f"{key}.tank")
             if action.tank in self.movable.pumped:
@@ -816,6 +899,40 @@ class _Checker:
             self._control(action, rope, key)
         else:
             self._move(action, rope, key)
+
+    def _machine(self, action: Fail | Restore, key: str) -> None:
+        """Something that works and fails, or has failed and works again."""
+        name = action.machine
+        if action.sort == "winch":
+            self._has_one_winch(self.rope(name, key), key)
+        elif action.sort == "drive":
+            if _known("drive", name, self.movable.drives, key) is True:
+                raise InputError(
+                    f"harmonics are added to {name!r}", key=key, expected="a drive without 'harmonics'"
+                )
+        elif action.sort == "tank":
+            _known("tank", name, self.movable.tanks, key)
+            if name in self.movable.pumped:
+                raise InputError(
+                    f"the pump {self.movable.pumped[name]!r} fills or empties {name!r}",
+                    key=key,
+                    expected=f"that pump, {self.movable.pumped[name]!r}",
+                )
+        else:
+            reason = _known("pump or levelled transporter", name, self.movable.helpers, key)
+            if reason:
+                raise InputError(f"{name!r} {reason}", key=key, expected="a pump of a controller")
+        fails = isinstance(action, Fail)
+        if fails == (name in self.failed):
+            problem = "has failed already" if fails else "has not failed"
+            raise InputError(f"{name!r} {problem} then", key=key, expected="'fail' first, then 'restore'")
+        (self.failed.add if fails else self.failed.discard)(name)
+        if fails:
+            for known in (self.followed, self.levels, self.lengths):
+                known.pop(name, None)
+            self.planned[name], self.largest[name] = 0.0, (0.0, 0.0)
+            followers = [one for one, leader in self.followed.items() if leader == name]
+            self.arriving -= {name, *followers}
 
     @staticmethod
     def _has_one_winch(rope: Any, key: str) -> None:
@@ -1023,7 +1140,7 @@ class _Checker:
 
 def acted_on(action: Action) -> str:
     """Name of what an action is for; empty of a note."""
-    words = (getattr(action, key, "") for key in ("rope", "joint", "tank", "drive", "path"))
+    words = (getattr(action, key, "") for key in ("rope", "joint", "tank", "drive", "path", "machine"))
     return str(next(filter(None, words), ""))
 
 

@@ -78,8 +78,8 @@ class Sensor(OnBody):
     SENTENCES: ClassVar = {
         "name": "Name; its channels are ``NAME.position`` and ``NAME.velocity``; checks may ask for the stress at it.",
         "body": "Body that carries it.",
-        "point": "Point in the coordinates of the geometry [m]; of a flexible body the nearest node, of a frame or "
-        "shell any point of its mesh.",
+        "point": "Point in the coordinates of the geometry [m]; of a flexible body, frame or shell any point of "
+        "its mesh.",
     }
 
 
@@ -103,6 +103,8 @@ class Scene:
     collisions: tuple[Collision, ...] = ()
     sea: Sea | None = None
     scenario: Scenario | None = None
+    at_rest: bool = False
+    """It begins where it comes to rest: how far ropes stretch is not known before."""
 
     @property
     def touches(self) -> bool:

@@ -34,6 +34,7 @@ __all__ = [
     "Memory",
     "Radiation",
     "Restored",
+    "RestoringOfSurface",
     "Sea",
     "Tank",
     "Tide",
@@ -103,6 +104,10 @@ class LinearRestoring:
     def waterplane(self) -> NDArray[np.float64]:
         """A, Sx, Sy, Ixx, Iyy, Ixy: area and moments in the axes of the body."""
         return np.array([self.area, *self.first_moments, *self.second_moments], dtype=np.float64)
+
+
+class RestoringOfSurface(LinearRestoring):
+    """The same, taken from the surface of a hull: its numbers say what the surface does."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -199,8 +199,9 @@ class Levelling:
 
     speed: Annotated[float, Positive("velocity")]
     """At which a pump lifts the bogies of a group at most [m/s]: its flow over the area of all their cylinders."""
-    time_constant: Annotated[float, Positive("time")] = 5.0
-    """In which a tilt is to fall to ``1/e`` [s]; it is faster as the vehicle leans more than its groups."""
+    time_constant: Annotated[float, Positive("time")] = 10.0
+    """In which a tilt is to fall to ``1/e`` [s]; it is faster as the vehicle leans more than its groups. Too short a
+    one drives the vehicle, which is refused."""
     period: Annotated[float, Positive("time")] = 0.1
     """Between two looks [s], at the ends of steps; speeds stay in between."""
     dead_angle: Annotated[float, Quantity("angle", minimum=0.0, closed=True)] = 0.0

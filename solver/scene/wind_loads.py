@@ -13,6 +13,7 @@ the relative velocity and act at the centre of pressure, so that roll and pitch 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from numbers import Real
@@ -182,8 +183,15 @@ def check_heading(angle: float) -> None:
         If it is.
     """
     if abs(angle) > FULL_TURN:
+        degrees = float(np.degrees(angle))
+        if abs(degrees - round(degrees, 3)) <= 1e-9 * abs(degrees):  # said in degrees
+            raise InputError(
+                f"{degrees:.9g} deg is more than a turn",
+                expected=f'-360 to 360 deg; the same way is "{degrees % 360.0:.9g} deg"',
+            )
         raise InputError(
-            f"{angle:g} rad is more than a turn", expected=f'-2 pi to 2 pi rad; in degrees "{angle:g} deg"'
+            f"{angle:g} rad is more than a turn",
+            expected=f'-2 pi to 2 pi rad; in degrees "{math.fmod(angle, 360.0):g} deg"',
         )
 
 

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -120,10 +121,13 @@ def diagnose(rows: StartRows) -> Diagnosis:
     count = len(rows.layout.body_names)
     free = np.bincount(rows.owner[rows.free], minlength=count)
     width = np.bincount(rows.owner, minlength=count)
-    graph = body_graph(count, sides, (width != 6) | ((free != 6) & (free != 0)))
+    sides, more = _touched(scaled, sides)
+    graph = body_graph(count, sides, (width != 6) | ((free != 6) & (free != 0)), more)
     moving = set(np.flatnonzero(free).tolist())
 
     places = rows.survey()[0]
+    held = _held_frames(rows, places, moving)
+    graph = _tied(graph, held)
     ranks = [rank_of(*_core_part(scaled, core), scaled.tolerance) for core in graph.cores]
     names = rows.layout.body_names
     rank, loose = sum(ranks), 0
@@ -151,11 +155,11 @@ def diagnose(rows: StartRows) -> Diagnosis:
         redundant += _core_redundancy(rows, scaled, near, core, core_rank)
         motions += _core_motions(rows, scaled, lengths, core, core_rank)
     for bodies in graph.floating:
-        held = [names[body] for body in bodies if body in moving]
-        if len(held) == 1:
-            motions.append(f"no joint holds {held[0]!r}")
-        elif held:
-            motions.append(f"{quoted(held)} hang together, and no joint holds them to anything else")
+        loose_bodies = [names[body] for body in bodies if body in moving]
+        if len(loose_bodies) == 1:
+            motions.append(f"no joint holds {loose_bodies[0]!r}")
+        elif loose_bodies:
+            motions.append(f"{quoted(loose_bodies)} hang together, and no joint holds them to anything else")
     singular = None if near is None else near.ranks != ranks or near.stuck
     if near is not None and near.stuck:
         motions.append("in this position only: at second sight the joints allow less motion than that")
@@ -167,6 +171,21 @@ def diagnose(rows: StartRows) -> Diagnosis:
         free_motions=tuple(motions),
         singular=singular,
     )
+
+
+def _held_frames(rows: StartRows, places: NDArray[np.float64], moving: set[int]) -> set[int]:
+    """Bodies that can only deform: their frames are fixed or driven."""
+    free = set(rows.free.tolist())
+    return {body for body in moving if int(places[body, 0]) not in free}
+
+
+def _tied(graph: BodyGraph, held: set[int]) -> BodyGraph:
+    """The same graph, with bodies whose frames are fixed or driven as part of the ground."""
+    cores = tuple(
+        replace(core, grounded=core.grounded or bool(held & set(core.bodies))) for core in graph.cores
+    )
+    floating = tuple(bodies for bodies in graph.floating if not held & set(bodies))
+    return replace(graph, cores=cores, floating=floating)
 
 
 def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
@@ -215,6 +234,26 @@ def _scaled(rows: StartRows) -> tuple[_Scaled, NDArray[np.float64]]:
     return _Scaled(unit, rows.block[rows.rigid], owner[rows.free], tolerance), lengths
 
 
+def _touched(
+    scaled: _Scaled, sides: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], list[tuple[int, int, int]]]:
+    """Bodies of each block on which its rows act in this position, and of those on more than two the other pairs.
+
+    A block may name bodies that its rows do not touch, as decks on which a vehicle does not stand yet.
+    """
+    sides, more = sides.copy(), []
+    for block in np.unique(scaled.block):
+        rows = scaled.rows([block])
+        entries = scaled.matrix.indices[scaled.matrix.indptr[rows[0]] : scaled.matrix.indptr[rows[-1] + 1]]
+        found = np.unique(scaled.owner[entries]).tolist()
+        if set(found) == {int(side) for side in sides[block]} - {-1}:
+            continue
+        sides[block] = (*found[:2], -1, -1)[:2]
+        if len(found) > 2:
+            more += [(a, b, int(block)) for a, b in pairwise((*found[1:], found[0]))]
+    return sides, more
+
+
 def _core_part(scaled: _Scaled, core: Core) -> tuple[Any, NDArray[np.int64]]:
     """Rows of a core and the body of each of its columns."""
     blocks = [block for pair in core.pairs for block in pair.blocks]
@@ -252,18 +291,19 @@ def _nearby(
     increment = np.zeros(len(rows.inertia))
     increment[rows.free] = NEARBY * step * lengths
     before = rows.snapshot()
-    place = rows.survey()[0]
+    places = [kind.poses() for kind in rows.layout.bodies]
     rows.move(increment)
     closed = close_positions(rows)
-    moved = rows.survey()[0]
+    moved = np.zeros(len(rows.inertia))
+    for kind, place in zip(rows.layout.bodies, places, strict=True):
+        kind.put_increment(place, kind.poses(), moved)
     there = _scaled(rows)[0]
     near = [rank_of(*_core_part(there, core), there.tolerance) for core in graph.cores]
-    went = np.abs(moved[:, 1:] - place[:, 1:]).max()
+    went = np.abs(moved[rows.free] / lengths).max()  # frames and modes, in lengths of a body
     rows.restore(before)
     rows.start()
     rows.fill()
-    wanted = np.abs(increment).max()
-    return _Nearby(there, near if closed else ranks, closed and bool(went < 0.05 * wanted))
+    return _Nearby(there, near if closed else ranks, closed and bool(went < 0.05 * NEARBY))
 
 
 def _core_redundancy(
@@ -323,7 +363,8 @@ def _core_motions(
     count = part.shape[1] - rank - (0 if core.grounded else 6)
     if count <= 0:
         return []
-    head = f"{quoted(names)} in loops have {plural(count, 'motion')} of their own"
+    inside = " in loops" if core.loops else ""  # bodies with modes are looked at with all that hangs on them
+    head = f"{quoted(names)}{inside} have {plural(count, 'motion')} of their own"
     if part.shape[1] > DENSE or count > NAMED:
         return [head]
     null = null_spaces(part.toarray(), scaled.tolerance)[1] * lengths[scaled.columns(core.bodies), None]
@@ -340,10 +381,13 @@ def _core_motions(
     ]
     if count > 1:
         return [f"{head}, in which {quoted([rows.layout.body_names[body] for body in moving])} move"]
-    words = [
-        f"{rows.layout.body_names[body]!r} {move_words(places[body], full[int(places[body, 0]) :][:6, 0])}"
-        for body in moving[:4]
-    ]
+    words = []
+    for body in moving[:4]:
+        motion = full[int(places[body, 0]) :][:6, 0]
+        still = np.abs(motion).max() <= 1e-6 * np.abs(full).max()
+        words.append(
+            f"{rows.layout.body_names[body]!r} {'deforms' if still else move_words(places[body], motion)}"
+        )
     return [f"{head}: " + ", ".join(words) + (" and so on" if len(moving) > 4 else "")]
 
 
@@ -354,10 +398,9 @@ def _without_common(
     motions: NDArray[np.float64],
     count: int,
 ) -> NDArray[np.float64]:
-    """Take the motion of a group as a whole out: the first body stands still."""
-    first = rows.owner == bodies[0]
-    u, sigma, vt = np.linalg.svd(motions[first])
-    del u
+    """Take the motion of a group as a whole out: the frame of the first body stands still."""
+    first = int(places[bodies[0], 0])
+    _, sigma, vt = np.linalg.svd(motions[first : first + 6])
     rank = int(np.count_nonzero(sigma > 1e-9 * sigma.max()))
     return (motions @ vt[rank:].T)[:, :count]
 
@@ -530,7 +573,12 @@ class BodyGraph:
     floating: tuple[tuple[int, ...], ...]
 
 
-def body_graph(count: int, sides: NDArray[np.int64], whole: NDArray[np.bool_]) -> BodyGraph:
+def body_graph(
+    count: int,
+    sides: NDArray[np.int64],
+    whole: NDArray[np.bool_],
+    more: Sequence[tuple[int, int, int]] = (),
+) -> BodyGraph:
     """Take a scene apart.
 
     Parameters
@@ -541,9 +589,12 @@ def body_graph(count: int, sides: NDArray[np.int64], whole: NDArray[np.bool_]) -
         Bodies of each block that counts, -1 for the ground; shape (blocks, 2).
     whole
         Bodies that must not be cut off at a bridge, because they are not rigid and free; shape (count,).
+    more
+        Other pairs of bodies of blocks on more than two, with the number of the block.
     """
     between: dict[tuple[int, int], list[int]] = {}
-    for block, (a, b) in enumerate(sides):
+    pairs = [(a, b, block) for block, (a, b) in enumerate(sides)]
+    for a, b, block in (*pairs, *more):
         u, v = sorted((count if a < 0 else int(a), count if b < 0 else int(b)))
         if u != v:
             between.setdefault((u, v), []).append(block)

@@ -71,6 +71,9 @@ FARTHEST_CORNER = 1e6
 NOTHING = 1e-9
 """Stiffness relative to the largest which is a rounded zero."""
 
+CIRCULATORY = 1e-8
+"""Asymmetry of a stiffness, relative to its largest entry, that is one."""
+
 AIMED = 1e-12
 """Part of the work of the forces along a step that ends the rounds."""
 
@@ -179,7 +182,7 @@ class _Search:
                 if self.stable is not False:
                     return
                 if pushes == PUSHES:
-                    raise self._failure(place.force)
+                    raise self._unstable(direction)
                 pushes += 1
                 self.residual = np.inf
                 self.damping = max(self.damping, 0.1 * self.natural)
@@ -324,7 +327,14 @@ class _Search:
         return x
 
     def _softest(self, K: Any, G: Any) -> tuple[float | None, NDArray[np.float64]]:
-        """Smallest eigenvalue of the stiffness along what the joints allow [1/s2], and its direction."""
+        """Smallest eigenvalue of the stiffness along what the joints allow [1/s2], and its direction.
+
+        Notes
+        -----
+        Drag and forces that turn with a body have no potential, and no symmetric stiffness. Its symmetric part says
+        only when a position is certainly stable; else the eigenvalue of the stiffness with the smallest real part
+        tells whether something leaves it (H. Ziegler, Principles of Structural Stability, 1968).
+        """
         count = K.shape[0]
         shift = 1e-6 * self.natural
         if count > DENSE and _is_positive(K, G, shift):
@@ -340,16 +350,40 @@ class _Search:
                 return 0.0, np.zeros(count)
             reduced = basis.T @ (K @ basis)
             values, vectors = np.linalg.eigh(0.5 * (reduced + reduced.T))
+            if values[0] < -shift and _is_circulatory(reduced):
+                values, vectors = np.linalg.eig(reduced)
+                first = int(np.argmin(values.real))
+                direction = vectors[:, first].real
+                return float(values[first].real), basis @ (direction / np.linalg.norm(direction))
             return float(values[0]), basis @ vectors[:, 0]
-        from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+        from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
         start = np.random.default_rng(1).normal(size=count)
         inverse = LinearOperator((count, count), matvec=_solver(K, G, shift), dtype=np.float64)
+        circulatory = _is_circulatory(K)
         try:  # of the inverse: a negative eigenvalue stands at the lower end, however small it is
+            if circulatory:
+                values, vectors = eigs(inverse, k=1, which="SR", tol=1e-1, v0=start, maxiter=50)
+                direction = vectors[:, 0].real
+                return (0.0 if values[0].real >= 0.0 else -np.inf), direction / np.linalg.norm(direction)
             _, vectors = eigsh(inverse, k=1, which="SA", tol=1e-1, v0=start, maxiter=50)
             return -np.inf, vectors[:, 0]
         except ArpackNoConvergence:
-            return -np.inf, inverse @ start
+            return (None if circulatory else -np.inf), inverse @ start
+
+    def _unstable(self, direction: NDArray[np.float64]) -> InputError:
+        """What leaves all positions of balance that were found."""
+        rows = self.rows
+        full = np.zeros(len(rows.inertia))
+        full[rows.free] = direction  # per root of the mass: squares are energies
+        worst = int(np.argmax(np.bincount(rows.owner, weights=full**2)))
+        return InputError(
+            f"no stable equilibrium found after {self.iterations} iterations: all loads are carried, but"
+            f" {rows.layout.body_names[worst]!r} leaves each position of balance once it is pushed",
+            source="simulation",
+            key="start",
+            expected="joints, springs or ropes that hold it, or a start nearer to a stable equilibrium",
+        )
 
     def _failure(self, force: NDArray[np.float64]) -> InputError:
         """Where a force is left over, and in which direction."""
@@ -415,6 +449,11 @@ def _end_of_slope(
         high = low + 1.0
     a, b = left(low), left(high)
     return float(low + (high - low) * a / (a - b)) if a > b else 1.0
+
+
+def _is_circulatory(K: Any) -> bool:
+    """Whether a stiffness is farther from a symmetric one than difference quotients make it."""
+    return bool(abs(K - K.T).max() > CIRCULATORY * abs(K).max())
 
 
 def _is_positive(K: Any, G: Any, shift: float) -> bool:

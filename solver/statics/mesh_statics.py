@@ -156,15 +156,17 @@ def _finish(search: _Search, motions: FreeMotions) -> Equilibrium:
         nodes = np.unique(matrices.all_places // matrices.lanes)
         moved = max(moved, float(np.linalg.norm(change[nodes], axis=1).max(initial=0.0)))
     way = search.way if search.way.startswith(",") else f", {search.way}" if search.way else ""
+    loaded = bool(system.external_force().any())
+    residual = progress.residual if loaded else 0.0
     text = (
         f"equilibrium in {plural(progress.steps, 'step')}, {plural(progress.iterations, 'iteration')}{way}: largest"
-        f" displacement {moved:.4g} m, {progress.residual:.1e} of the loads is left"
+        f" displacement {moved:.4g} m, " + (f"{residual:.1e} of the loads is left" if loaded else "no loads")
     )
-    if progress.rounded:
+    if progress.rounded and loaded:
         text += ", which is rounding of stiff forces that are far larger"
     if motions.count:
         text += f"; beside their weight nothing holds this: {motions.text}"
-    return Equilibrium(progress.residual, progress.iterations, moved, True, text)
+    return Equilibrium(residual, progress.iterations, moved, True, text)
 
 
 def _failure(progress: Progress, motions: FreeMotions) -> InputError:

@@ -30,6 +30,7 @@ __all__ = [
     "NOISE",
     "ROUNDED",
     "STEADY",
+    "STILL",
     "Progress",
     "correct",
     "large",
@@ -140,6 +141,9 @@ def correct(
     multipliers, mass = progress.multipliers.copy(), problem.mass.diagonal()
     went = np.zeros(problem.count)
     last, best, grown, size, floor, damping = np.inf, np.inf, 0, np.inf, 0.0, 0.0
+    good: tuple[Any, NDArray[np.float64], float] | None = (
+        None  # a balance, and whether more helps is to be seen
+    )
     for iteration in range(patience + 1):
         now = measure(problem, factor, multipliers)
         force = now.force - anchor * mass * went
@@ -150,11 +154,18 @@ def correct(
         still = size <= STILL and residual <= ROUNDED
         enough = max(tolerance, min(floor, NOISE))
         balanced = residual <= POLISHED or (residual <= enough and residual > 0.3 * last)
-        still = still or (residual <= floor and size <= STEADY * progress.promised)
+        still = still or (residual <= floor and size <= max(STEADY * progress.promised, STILL))
         if now.gap_size <= CLOSED and (balanced or still or (tolerance > BALANCED and residual <= tolerance)):
             progress.multipliers, progress.factor = multipliers, factor
             progress.rounded = ROUNDED < residual <= floor
             return True
+        if good is not None and residual >= good[2]:  # along what nothing holds steps lead nowhere
+            problem.restore(good[0])
+            progress.multipliers, progress.factor, progress.residual = good[1], factor, good[2]
+            progress.rounded = good[2] > ROUNDED
+            return True
+        if residual <= enough and now.gap_size <= CLOSED:
+            good = problem.snapshot(), multipliers, residual
         grown = grown + 1 if residual > last else 0
         if iteration == patience or grown > GROWTHS or (iteration > 4 and residual > 1e6 * best):
             return False

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from heavylift.solver.statics.newton import Progress, correct, push, stiffness
+from heavylift.solver.statics.newton import STILL, Progress, correct, push, stiffness
 from heavylift.solver.statics.problem import StaticProblem, measure
 
 __all__ = ["settle"]
@@ -64,7 +64,7 @@ def _sink(problem: StaticProblem, progress: Progress, factor: float) -> bool:
     pull = now.force / problem.mass.diagonal() / problem.scale
     shift = stiffness(problem, progress)[2]
     hold = max(float(np.abs(pull).max(initial=0.0)) / FIRST_MOVE, shift)
-    way, moved, pushes, shrink, arrived = 0.0, np.inf, 0, 0.2, True
+    way, moved, pushes, shrink, arrived, enough = 0.0, np.inf, 0, 0.2, True, LOOSE
     for _ in range(STEPS):
         if moved <= SLOW and pushes < PUSHES and push(problem, progress, PUSH * (pushes + 1)):
             pushes += 1
@@ -74,12 +74,18 @@ def _sink(problem: StaticProblem, progress: Progress, factor: float) -> bool:
                 return True
             problem.restore(before[0])
             progress.multipliers = before[1]
+        used = progress.iterations
         arrived = correct(
-            problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=LOOSE, patience=10
+            problem, progress, factor, anchor=hold, farthest=FARTHEST, tolerance=enough, patience=10
         )
+        if arrived and progress.iterations == used:  # nothing was done
+            enough *= 0.1
         if arrived:
             progress.steps += 1
             moved = progress.promised
+            if hold <= shift and moved <= STILL:  # held by next to nothing, and it does not move
+                progress.rounded = True
+                return True
             way += moved
             hold = max(hold * (shrink if moved < 0.5 else 0.5), shift)
             shrink = 0.5 * (shrink + 0.2)

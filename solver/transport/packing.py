@@ -16,11 +16,13 @@ from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.rows.structure import MOVES
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.joined import joined_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
 from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, grid_heights, wheel_heights
+from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
 from heavylift.solver.transport.path_packing import PathPacking, steering_at_start
 from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
 from heavylift.solver.transport.transporters import (
@@ -273,7 +275,11 @@ def pack_transporters(
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, *on_path))
-            blocks.append(LawBlock(transporter.name, tuple(ends), scale, compliance=0.0, rows=3))
+            blocks.append(
+                LawBlock(
+                    transporter.name, tuple(ends), scale, compliance=0.0, rows=3, vectors=(MOVES, MOVES, 0)
+                )
+            )
             free_block += blocks[-1].block_count
         else:
             paths.skip(len(places.points))
@@ -424,7 +430,7 @@ class Places:
     def pack(
         self, book: MarkerBook, point: NDArray[np.float64]
     ) -> tuple[int, int, int, int, tuple[float, ...]]:
-        """Markers of a place of the body [m]: itself, or the node of a mesh on which it hangs, and the axes of its arm.
+        """Markers of a place of the body [m]: itself, or that of a mesh on which it hangs, and the axes of its arm.
 
         Raises
         ------
@@ -435,9 +441,12 @@ class Places:
         if not isinstance(self.body, FlexibleBody):
             return book.point(name, point, FORCES), *none, (0.0, 0.0, 0.0)
         nodes = self.body.reduced.nodes
-        node = nodes[self.body.reduced.nearest_node(point)]
-        arm = np.asarray(point, dtype=np.float64) - node
-        near = np.sort(np.linalg.norm(nodes - node, axis=1))[: AROUND + 1][-1]
+        found, weights = self.body.reduced.locate(
+            point, source=self.transporter.name, key="groups", within=np.inf
+        )
+        place = weights @ nodes[found]
+        arm = np.asarray(point, dtype=np.float64) - place
+        near = np.sort(np.linalg.norm(nodes - place, axis=1))[: AROUND + 1][-1]
         if np.linalg.norm(self.axes[:2] @ arm) > max(near, NEAR * float(np.ptp(nodes, axis=0).max())):
             raise InputError(
                 f"place {np.round(point, 6).tolist()} m of a bogie is {np.linalg.norm(self.axes[:2] @ arm):.4g} m "
@@ -447,9 +456,9 @@ class Places:
                 expected="places below the body, in the coordinates of its geometry (are the units right?)",
             )
         if self._arms is None and np.any(arm):
-            x, y, z = (book.direction(name, axis, FORCES, at=node) for axis in np.eye(3))
+            x, y, z = (book.direction(name, axis, FORCES, at=place) for axis in np.eye(3))
             self._arms = x, y, z
-        return book.point(name, node, FORCES), *(self._arms or none), tuple(map(float, arm))
+        return book.point(name, place, FORCES), *(self._arms or none), tuple(map(float, arm))
 
     def on_decks(self, number: int, decks: Sequence[Deck], steering: float) -> tuple[int, float, list[float]]:
         """Deck under a bogie, what it lifts its wheel [m], and its station and offset on every deck [m]."""
@@ -618,19 +627,55 @@ def _start_loads(party: Sequence[Places], gravity: NDArray[np.float64]) -> list[
         )
     if not accepted:
         refuse_unstable(_on_tyres(stand, party, told))
+        if any(places.transporter.levelling is not None for places in party):
+            refuse_growing_levelling(stand, _levelled(stand, party, told))
     return np.split(told, parts)
+
+
+def _oil_stiffness(party: Sequence[Places], loads: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of oil or gas of each group, a bogie of it, at the start [N/m]."""
+    groups = [group for places in party for group in places.transporter.groups]
+    return np.array(
+        [
+            0.0 if group.constant_force else (group.oil_stiffness or GAS_EXPONENT * load / group.gas_length)
+            for group, load in zip(groups, loads, strict=True)
+        ]
+    )
+
+
+def _levelled(stand: Stand, party: Sequence[Places], loads: NDArray[np.float64]) -> LevelledBogies:
+    """Bogies of transporters that carry one thing, and how they are levelled; looks of all are as far apart as any."""
+    vehicles = [places.transporter for places in party]
+    of_bogies = np.repeat(np.arange(len(party)), [len(places.points) for places in party])
+    group = np.repeat(np.arange(len(stand.counts)), stand.counts)
+    first = party[0]
+    flat = [(places.world - party[0].world[0]) @ first.level.T for places in party]
+    middles = [np.array([place[own == k].mean(axis=0) for k in np.unique(own)]) for place, own in
+               zip(flat, (group[of_bogies == v] for v in range(len(party))), strict=True)]  # fmt: skip
+    offset = stand.places[0] - middles[0][0]
+    arms = np.vstack([middle - place.mean(axis=0) for middle, place in zip(middles, flat, strict=True)])
+    said = [vehicle.levelling for vehicle in vehicles]
+    rates = [0.0 if levelling is None else 1.0 / levelling.time_constant for levelling in said]
+    return LevelledBogies(
+        places=(np.vstack(flat) + offset)[:, :2],
+        group=group,
+        tyre=np.array([vehicle.tyre_stiffness for vehicle in vehicles])[of_bogies],
+        rubber=np.array([vehicle.tyre_damping for vehicle in vehicles])[of_bogies],
+        pipe=np.array([vehicle.line_damping for vehicle in vehicles])[of_bogies],
+        oil=_oil_stiffness(party, loads),
+        ahead=arms[:, 0],
+        aside=arms[:, 1],
+        rate=np.repeat(rates, [len(vehicle.groups) for vehicle in vehicles]),
+        period=max(levelling.period for levelling in said if levelling is not None),
+        held=any(len(vehicle.legs) > 0 for vehicle in vehicles),
+    )
 
 
 def _on_tyres(stand: Stand, party: Sequence[Places], loads: NDArray[np.float64]) -> Stand:
     """A body on its groups with the stiffness of oil or gas and tyres in a row."""
     groups = [(group, places.transporter) for places in party for group in places.transporter.groups]
     tyre = np.array([transporter.tyre_stiffness for _, transporter in groups])
-    oil = np.array(
-        [
-            0.0 if group.constant_force else (group.oil_stiffness or GAS_EXPONENT * load / group.gas_length)
-            for (group, _), load in zip(groups, loads, strict=True)
-        ]
-    )
+    oil = _oil_stiffness(party, loads)
     return replace(stand, stiffness=oil * tyre / (oil + tyre))
 
 

@@ -487,7 +487,7 @@ def _push(kind: Paths, p: int, way: float, system: RowArrays) -> None:
         u, v, _ = rolling_at(kind, path, middle, i)
         size = math.hypot(u, v)
         if moves:
-            needed += bogie.mean * bogie.road / state.moved
+            needed += bogie.mean * bogie.climbed / state.moved
             rolls = drive.resistance * (bogie.mean + path.weight) * size
             needed += rolls
             state.loss += rolls * state.moved

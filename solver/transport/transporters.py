@@ -401,9 +401,10 @@ class VehicleData(Record):
 
 
 class VehicleState(Record):
-    """Looks of levelling so far; extremes of the loads and strokes of a transporter."""
+    """Looks of levelling so far, whether it has failed; extremes of the loads and strokes of a transporter."""
 
     looks: int
+    failed: bool
     loads_high: Extremes
     loads_low: Extremes
     strokes_high: Extremes
@@ -573,8 +574,8 @@ class BogieState(Record):
         By which the road lifts it over height zero of its deck [m].
     middle, growth, extra
         r in the middle of the step [m] and its rate, as predicted; rate by which it grows beside that [m/s].
-    road
-        By how much the road lifts it in the step [m].
+    road, climbed
+        By how much the road lifts it in the step [m], and what it climbs as it rolls: decks may move themselves.
     load, mean, slope, load_p
         On the road at the end and in the mean of a step, without its own weight [N]; derivatives of the latter by a
         rate by which every r of its group grows [N s/m], and by the force of its cylinder.
@@ -599,6 +600,7 @@ class BogieState(Record):
     growth: float
     extra: float
     road: float
+    climbed: float
     load: float
     mean: float
     slope: float
@@ -931,6 +933,8 @@ def _level(kind: Transporters, v: int, time: float, work: Workspace) -> None:
     if not vehicle.levels or kind.group_state[first].fresh or count < state.looks:
         return
     state.looks = count + 1
+    if state.failed:
+        return
     roll, pitch = _tilt(vehicle, work)
     roll, pitch = roll - vehicle.roll, pitch - vehicle.pitch
     roll = roll if abs(roll) > vehicle.dead else 0.0
@@ -1046,7 +1050,7 @@ def _stand(
 @kernel(internal=True)
 def _roll(
     kind: Transporters, work: Workspace, i: int, vehicle: VehicleData, time: float, h: float
-) -> tuple[int, float, float, float, float, float, float]:
+) -> tuple[int, float, float, float, float, float, float, float]:
     """Uppermost decks under a wheel at both ends of a step, from its middle along the velocities there.
 
     Parameters
@@ -1066,11 +1070,15 @@ def _roll(
     moved, station, offset
         Way along, on a grid in any direction, and place at the end, on that deck; or on the one on which it stood
         before [m].
+    climbed
+        By how much it rises over these decks because it rolls [m]: what they rise or sink themselves is none of it.
     """
     p, v = place(work, kind.bogies[i].place), place_rate(work, kind.bogies[i].place)
     first, found = -1, -1
     before, after = NO_ROAD, NO_ROAD
     rises = moved = station = offset = 0.0
+    climb_before = climb_after = 0.0
+    end_before, start_after = NO_ROAD, NO_ROAD
     with_grids = kind.grids.shape[0] > 0
     for d in range(kind.decks.shape[0]):
         deck, own = kind.decks[d], d == kind.bogie_state[i].deck
@@ -1097,15 +1105,44 @@ def _roll(
             way = math.hypot(x1 - x0, y1 - y0)
         else:
             h0, h1, way = _height(kind, d, vehicle, x0, y0), _height(kind, d, vehicle, x1, y1), x1 - x0
-        lift = h0 - (z - 0.5 * h * up)
-        if h0 > NO_ROAD and (first < 0 or lift > before):
-            first, before = d, lift
-        lift = h1 - (z + 0.5 * h * up)
-        if h1 > NO_ROAD and (found < 0 or lift > after):
-            found, after, rises, moved, station, offset = d, lift, up, way, x1, y1
+        start = h0 - (z - 0.5 * h * up) if h0 > NO_ROAD else NO_ROAD
+        end = h1 - (z + 0.5 * h * up) if h1 > NO_ROAD else NO_ROAD
+        if h0 > NO_ROAD and (first < 0 or start > before):
+            first, before, end_before, climb_before = d, start, end, h1 - h0
+        if h1 > NO_ROAD and (found < 0 or end > after):
+            found, after, start_after, climb_after = d, end, start, h1 - h0
+            rises, moved, station, offset = up, way, x1, y1
     before = before if first >= 0 else 0.0
     after = after if found >= 0 else 0.0
-    return found, before, after, rises, moved, station, offset
+    climbed = climb_after
+    if first < 0 or found < 0:
+        climbed = 0.0
+    elif first != found:
+        climbed = _climbed_over(before, end_before, climb_before, start_after, after, climb_after)
+    return found, before, after, rises, moved, station, offset, climbed
+
+
+@kernel(inline=True, internal=True)
+def _climbed_over(
+    before: float,
+    end_before: float,
+    climb_before: float,
+    start_after: float,
+    after: float,
+    climb_after: float,
+) -> float:
+    """What a wheel climbs that goes from one deck over to another one within a step [m].
+
+    It is on the first one as long as that lifts it higher, by the lifts at both ends of the step of both; `NO_ROAD`
+    where a deck has begun or ended meanwhile.
+    """
+    if end_before > NO_ROAD and start_after > NO_ROAD:
+        over, under = before - start_after, after - end_before
+        share = over / (over + under) if over + under > 0.0 else 0.5
+        return share * climb_before + (1.0 - share) * climb_after
+    if end_before > NO_ROAD:  # up the edge with which the other one begins
+        return climb_before + after - end_before
+    return climb_after if start_after > NO_ROAD else 0.0
 
 
 @kernel(internal=True)
@@ -1169,7 +1206,7 @@ def _look_ahead(kind: Transporters, g: int, time: float, h: float, work: Workspa
     start = state.road = state.body_rate = 0.0
     for i in range(group.first, group.first + group.count):
         bogie = kind.bogie_state[i]
-        deck, r0, r1, up, moved, x1, y1 = _roll(kind, work, i, vehicle, time, h)
+        deck, r0, r1, up, moved, x1, y1, bogie.climbed = _roll(kind, work, i, vehicle, time, h)
         if deck < 0:
             _stop(kind, g, i, LEFT, x1, y1, work)
             continue

@@ -71,6 +71,7 @@ def test_the_readme_names_every_code():
                 "a phase takes too long": Outcome.TIMED_OUT,
                 "phases are left": Outcome.PHASES_LEFT,
                 "off the road": Outcome.OFF_ROAD,
+                "modes left": Outcome.MODES_LEFT,
             },
         ),
     ],

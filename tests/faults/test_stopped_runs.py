@@ -335,7 +335,7 @@ def test_a_report_that_cannot_be_made_does_not_hide_how_the_run_ended(heavylift,
         self.outcome, self.message = Outcome.NOT_FINITE, "not finite at t = 0 s, body 'beam'"
         return np.empty(0), np.empty((0, self.column_count))
 
-    def refused(*_arguments):
+    def refused(*_arguments, **_more):
         raise InputError("no picture of this")
 
     monkeypatch.setattr(Simulation, "advance", nothing)

@@ -11,6 +11,7 @@ from heavylift.modal.bases import (
     eigenmode_basis,
     moment_matching,
     patch_loads,
+    place_loads,
     point_loads,
     static_vectors,
 )
@@ -178,3 +179,22 @@ def test_bases_add_up():
     total = Basis(np.ones((6, 2)), ("a", "b")) + Basis(np.zeros((6, 1)), ("c",))
     assert total.vectors.shape == (6, 3)
     assert total.labels == ("a", "b", "c")
+
+
+def test_a_load_between_nodes_is_that_of_its_point(beam_of_any_faces):
+    """Shares of every kind of element have the resultant of the force, and its moment about the origin."""
+    model = beam_of_any_faces
+    points = np.array([[0.333, 0.02, 0.03], [0.71, 0.1, 0.011], [1.0, 0.047, 0.06]])
+    loads = place_loads(model, points)
+    assert loads.forces.shape == (3 * model.node_count, 9)
+    assert loads.labels[3] == "point (710, 100, 11) mm x"
+    for column, force in enumerate(loads.forces.T.reshape(9, -1, 3)):
+        point, axis = points[column // 3], np.eye(3)[column % 3]
+        np.testing.assert_allclose(force.sum(axis=0), axis, atol=1e-12)
+        np.testing.assert_allclose(
+            np.cross(model.nodes, force).sum(axis=0), np.cross(point, axis), atol=1e-10
+        )
+    twice = place_loads(model, [points[0], points[0]], "z")
+    assert twice.forces.shape[1] == 1
+    with pytest.raises(InputError, match=r"points\.1: point \(500, 50, 90\) mm is not on the body"):
+        place_loads(model, [points[0], [0.5, 0.05, 0.09]])

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
-from heavylift.modal.bases import eigenmode_basis, moment_matching, point_loads, static_vectors
+from heavylift.modal.bases import craig_bampton, eigenmode_basis, moment_matching, point_loads, static_vectors
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility, apply_mass, rigid_motions
 from heavylift.modal.reduction import mean_axis, reduce_body, ritz_vectors
@@ -15,6 +18,11 @@ from heavylift.numerics.outcome import InputError
 @pytest.fixture
 def clamp(any_beam):
     return any_beam.node_groups["clamp"]
+
+
+@pytest.fixture
+def clamp_of_bricks(brick_beam):
+    return brick_beam.node_groups["clamp"]
 
 
 def test_eigenmodes_stay_eigenmodes(any_beam, clamp):
@@ -127,6 +135,44 @@ def test_mean_axis_keeps_strains(any_beam):
     part = np.linalg.lstsq(motions, difference, rcond=None)[0]
     np.testing.assert_allclose(motions @ part, difference, atol=1e-12)
     assert np.abs(motions.T @ apply_mass(any_beam.mass, moved)).max() < 1e-10
+
+
+@pytest.mark.parametrize("mean", [False, True])
+@pytest.mark.parametrize("faces", [("clamp", "tip"), ("tip",)])
+def test_a_free_body_loses_six_rigid_motions_whatever_its_interface(any_beam, faces, mean):
+    interface = np.unique(np.concatenate([any_beam.node_groups[face] for face in faces]))
+    basis = craig_bampton(any_beam, interface, 5)
+    K = basis.vectors.T @ (any_beam.stiffness @ basis.vectors)
+    M = basis.vectors.T @ apply_mass(any_beam.mass, basis.vectors)
+    exact = eigh(0.5 * (K + K.T), 0.5 * (M + M.T), eigvals_only=True)[6:]  # of the untouched set of vectors
+    body = reduce_body(any_beam, basis.vectors, basis.labels, mean_axis=mean)
+    assert body.mode_count == len(basis.labels) - 6 == len(exact)
+    assert len(body.dropped) == 6
+    assert body.orthogonality < 1e-12
+    np.testing.assert_allclose(body.eigenvalues, exact, rtol=1e-7, atol=1e-12 * exact[-1])
+
+
+def test_nearly_dependent_vectors_make_no_mode_of_rounding(brick_beam, clamp_of_bricks):
+    """The chain of differences shrinks by 30 with each vector: one by one they look new for longer than they are."""
+    shapes = eigenmodes(brick_beam, 3, fixed_nodes=clamp_of_bricks).shapes
+    generator = np.random.default_rng(5)
+    chain = [shapes[:, 0]]
+    for k in range(1, 8):
+        chain.append(chain[-1] + 30.0**-k * shapes @ generator.standard_normal(3))
+    vectors = np.column_stack(chain)
+    labels = [f"v{k}" for k in range(8)]
+    body = reduce_body(brick_beam, vectors, labels, fixed_nodes=clamp_of_bricks, mean_axis=False)
+    exact = eigenmodes(brick_beam, 3, fixed_nodes=clamp_of_bricks).eigenvalues
+    assert body.mode_count == 3
+    np.testing.assert_allclose(body.eigenvalues, exact, rtol=1e-4)
+
+
+def test_shapes_without_unit_mass_are_refused(any_beam, clamp, mixed):
+    body = reduce_body(any_beam, mixed.vectors, mixed.labels, fixed_nodes=clamp, mean_axis=False)
+    with pytest.raises(InputError, match=r"modal mass differs from the identity by 0\.888"):
+        replace(body, orthogonality=0.888)
+    with pytest.raises(InputError, match="modal mass"):
+        replace(body, orthogonality=np.nan)
 
 
 def test_rigid_motions_are_dropped_with_a_record(brick_beam):

@@ -58,6 +58,9 @@ class Package:
         self.caches = folder / "caches"
         numerics = folder / "heavylift" / "numerics"
         numerics.mkdir(parents=True)
+        (folder / "heavylift" / "__init__.py").write_text(
+            ""
+        )  # else an installed package would be found first
         for module in (jit, sources):
             shutil.copy(str(module.__file__), numerics)
         (folder / "program.py").write_text(PROGRAM)

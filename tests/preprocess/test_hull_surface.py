@@ -151,3 +151,82 @@ def test_what_is_no_hull():
         box().points, np.vstack([box().triangles, [[0, 1, 6]]]), name="barge"
     )  # a plate inside
     assert "leaks: 3 open edges" in error_of(inner)
+
+
+# ---- parts that overlap, lie in each other, or only touch ----
+
+
+def boxes(*parts):
+    """Closed boxes of some sizes at some places, in one surface."""
+    points, triangles = [], []
+    for size, at in parts:
+        one = box_surface(size)
+        triangles.append(one.triangles + sum(map(len, points)))
+        points.append(one.points + np.array(at, dtype=float))
+    return TriangleSurface(np.vstack(points), np.vstack(triangles), name="barge")
+
+
+OVERLAPPING = {
+    "ends": (((20, 4, 4), (0, 0, 0)), ((20, 4, 4), (10, 0, 0)), 160.0),
+    "cross_of_equal_height": (((20, 4, 4), (0, 0, 0)), ((4, 20, 4), (0, 0, 0)), 64.0),
+    "corner": (((20, 4, 4), (0, 0, 0)), ((20, 4, 4), (15, 2, 1)), 5 * 2 * 3.0),
+    "inside": (((20, 4, 4), (0, 0, 0)), ((10, 2, 2), (1, 0, 0.5)), 40.0),
+    "inside_at_the_wall": (((20, 4, 4), (0, 0, 0)), ((10, 4, 2), (5, 0, -1)), 80.0),
+    "twice_the_same": (((20, 4, 4), (0, 0, 0)), ((20, 4, 4), (1e-3, 0, 0)), 320.0),
+    "layer": (((20, 4, 4), (0, 0, 0)), ((20, 4, 4), (19.9, 0, 0)), 1.6),
+}
+
+
+@pytest.mark.parametrize("name", OVERLAPPING)
+@pytest.mark.parametrize("turned", [0.0, 0.3])
+def test_space_that_parts_share_is_measured(name, turned):
+    """By hand: the box that two boxes share; in boxes along the axes and turned against them."""
+    from heavylift.preprocess.surfaces.twice_inside import twice_inside
+
+    *parts, shared = OVERLAPPING[name]
+    whole = boxes(*parts)
+    c, s = np.cos(turned), np.sin(turned)
+    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ np.array(
+        [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]
+    )
+    surface = TriangleSurface(whole.points @ R.T, whole.triangles, name="barge")
+    assert twice_inside(surface).volume == pytest.approx(shared, rel=0.1, abs=0.3)
+    assert "parts overlap or lie in each other" in error_of(surface)
+
+
+TOUCHING = {
+    "ends": [((20, 4, 4), (0, 0, 0)), ((20, 3, 3), (20, 0, 0.5))],
+    "compartments": [((10, 4, 4), (0, 4 * j, 0)) for j in (0, 1.5)] + [((10, 10, 4), (10, 3, 0))],
+    "catamaran": [((20, 2, 3), (0, 5, 0)), ((20, 2, 3), (0, -5, 0)), ((20, 12, 1), (0, 0, 2))],
+    "along_an_edge": [((10, 4, 4), (0, 0, 0)), ((10, 4, 4), (0, 4, 4))],
+    "apart": [((10, 4, 4), (0, 0, 0)), ((10, 4, 4), (0, 14, 0))],
+    "rounded_numbers": [((20, 4, 4), (0, 0, 0)), ((20, 4, 4), (19.999, 0, 0))],
+}
+
+
+@pytest.mark.parametrize("name", TOUCHING)
+def test_parts_that_touch_are_a_hull(name):
+    hull = check_hull(boxes(*TOUCHING[name]))
+    assert hull.volume == pytest.approx(sum(np.prod(size) for size, _ in TOUCHING[name]), rel=1e-9)
+
+
+def test_rounds_that_touch_with_other_facets_are_a_hull():
+    """A smaller round on the lid of another one, whose facets do not meet."""
+    outer = cylinder_surface(10.0, 4.0)
+    above = TriangleSurface(outer.points * [0.5, 0.5, 1.0] + [0.1, 0.0, 4.0], outer.triangles)
+    whole = TriangleSurface(
+        np.vstack([outer.points, above.points]),
+        np.vstack([outer.triangles, above.triangles + len(outer.points)]),
+        name="barge",
+    )
+    assert check_hull(whole).volume == pytest.approx(1.25 * closed_volume(outer))
+
+
+def test_what_is_above_an_open_deck_is_not_counted():
+    """A wet hull without its lid, with two houses on the deck that overlap each other: dry, and not in the way."""
+    from heavylift.preprocess.surfaces.twice_inside import twice_inside
+
+    houses = boxes(((4, 4, 4), (0, 0, 5)), ((4, 4, 4), (2, 0, 5)))
+    assert twice_inside(houses).volume == pytest.approx(32.0, rel=0.1)
+    assert twice_inside(houses, below=3.0).volume == pytest.approx(0.0, abs=1e-9)
+    assert check_hull(lidless(), open_deck=2.0).volume == pytest.approx(VOLUME)

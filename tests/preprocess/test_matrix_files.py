@@ -194,3 +194,44 @@ def test_units_that_do_not_fit_are_refused(tmp_path, bar):
     written(tmp_path, bar)
     with pytest.raises(InputError, match="no material is like that"):
         read(tmp_path, stiffness_factor=1.0, mass_factor=1e9)
+
+
+def of_instances(folder, bar, count=1, reference_point=False):
+    """Deck of parts and instances, and files of Abaqus, whose lines know numbers alone."""
+    K, M, nodes, cells = bar
+    text = "*Part, name=P\n*Node\n" + "".join(
+        f"{k + 1}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(nodes)
+    )
+    text += "*Element, type=C3D8\n"
+    text += "".join(f"{e + 1}, " + ", ".join(str(k + 1) for k in cell) + "\n" for e, cell in enumerate(cells))
+    text += "*End Part\n*Assembly, name=A\n"
+    text += "".join(
+        f"*Instance, name=P-{k + 1}, part=P\n{100.0 * k}, 0., 0.\n*End Instance\n" for k in range(count)
+    )
+    text += "*Node\n1, 7., 7., 7.\n" if reference_point else ""
+    (folder / "m.inp").write_text(text + "*End Assembly\n")
+    for name, matrix in (("K.mtx", K), ("M.mtx", M)):
+        lines = [
+            f"{i // 3 + 1},{i % 3 + 1}, {j // 3 + 1},{j % 3 + 1}, {matrix[i, j]:.16e}\n"
+            for i in range(len(K))
+            for j in range(i + 1)
+        ]
+        (folder / name).write_text("".join(lines))
+    return read_matrices(read_deck(folder / "m.inp"), folder / "K.mtx", folder / "M.mtx", **UNITS)
+
+
+def test_matrices_of_an_instance_find_its_nodes(tmp_path, bar):
+    """Also beside a reference point of the assembly with the same number, which no element has."""
+    K, _, nodes, _ = bar
+    for reference_point in (False, True):
+        model = of_instances(tmp_path, bar, reference_point=reference_point)
+        np.testing.assert_allclose(model.nodes, 1e-3 * nodes, rtol=1e-12)
+        np.testing.assert_allclose(model.stiffness.toarray(), 1e3 * K, atol=1e-9 * np.abs(K).max() * 1e3)
+        assert model.total_mass == pytest.approx(40e-3 * 5e-3 * 4e-3 * 7850.0, rel=1e-10)
+
+
+def test_numbers_that_several_instances_have_are_refused(tmp_path, bar):
+    with pytest.raises(
+        InputError, match=r"K\.mtx: line 1: node 1 is one of several: P-1\.1, P-2\.1; expected"
+    ):
+        of_instances(tmp_path, bar, count=2)

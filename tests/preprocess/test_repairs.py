@@ -17,7 +17,7 @@ from heavylift.preprocess.hydrodynamics.database import (
     mass_scales,
 )
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf, write_netcdf
-from heavylift.preprocess.hydrodynamics.repairs import Repair, passive_damping, repaired
+from heavylift.preprocess.hydrodynamics.repairs import Repair, passive_damping, refuse_between, repaired
 from heavylift.preprocess.hydrodynamics.wamit_files import read_wamit
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -296,3 +296,16 @@ def test_repairs_that_are_none(key, value):
     """What is not a number compares with nothing: every frequency would be kept, every deviation tolerated."""
     with pytest.raises(InputError, match=f"Repair: {key}: "):
         Repair(**{key: value})
+
+
+@pytest.mark.parametrize(("wanted", "at"), [(1.0, 1.0), (1.004, 1.0), (0.6996, 0.7)])
+def test_a_frequency_is_meant_by_a_number_near_to_it(wanted: float, at: float) -> None:
+    refuse_between(wanted, np.arange(0.5, 1.55, 0.1))
+    assert abs(wanted - at) < 0.01
+
+
+@pytest.mark.parametrize("wanted", [1.04, 1.05, 0.95, 0.45, 1.6])
+def test_a_frequency_between_others_does_not_take_its_neighbours_along(wanted: float) -> None:
+    """Steps of 0.1 rad/s: 1.04 is none of them, and 1.0 is good."""
+    with pytest.raises(InputError, match=r"leave_out: .* is none of the frequencies; .*the nearest are"):
+        refuse_between(wanted, np.arange(0.5, 1.55, 0.1))

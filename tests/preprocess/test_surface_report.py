@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface, sphere_surface
-from heavylift.preprocess.surfaces.report import check_magnitudes, report_surface, unique_edges
+from heavylift.preprocess.surfaces.report import (
+    check_against_body,
+    check_magnitudes,
+    report_surface,
+    unique_edges,
+)
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, clean
 
 
@@ -128,3 +133,21 @@ def test_ground_and_small_parts_are_no_cause():
     assert check_magnitudes("ground", plane_surface(4e4), "bunny", scaled(0.01)) is None
     assert check_magnitudes("ship", scaled(10.0), "bolt", scaled(0.05)) is None
     assert check_magnitudes("a", plane_surface(1e5), "b", plane_surface(1.0)) is None
+
+
+def test_a_surface_in_millimetres_does_not_fit_the_inertia_of_its_body():
+    """A box of 2 x 3 x 6 m has a radius of gyration of sqrt((9 + 36) / 12) = 1.94 m about x."""
+    box = box_surface((2.0, 3.0, 6.0))
+    gyration = float(np.sqrt((3.0**2 + 6.0**2) / 12.0))
+    assert check_against_body("skin", box, "block", gyration) is None
+    large = TriangleSurface(1e3 * box.points, box.triangles)
+    text = check_against_body("skin", large, "block", gyration)
+    assert "skin measures 6000 m" in text
+    assert "block is 1.936 m" in text
+    assert "then it would measure 6 m" in text
+
+
+def test_a_point_mass_and_a_compact_load_under_a_wide_deck_are_no_cause():
+    wide = box_surface((60.0, 40.0, 0.1))
+    assert check_against_body("deck", wide, "ballast", 0.0) is None
+    assert check_against_body("deck", wide, "ballast", 0.5) is None

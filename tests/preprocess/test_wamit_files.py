@@ -267,6 +267,8 @@ def listing(truth, *, depth="60.0000", extra="", turn=0.0, zero_period=True):
         "                               N=  1     crane.gdf                      ",
         "   Period       Time           RAD      DIFF  (max iterations)          ",
         "   -1.0000    09:05:20          -1                                      ",
+        "    0.0000    09:05:21          -1                                      ",
+        *(f"{2 * np.pi / w:10.4f}    09:06:0{i}          -1      -1" for i, w in enumerate(OMEGA)),
         f" Gravity:     {GRAVITY:.5f}                Length scale:        {LENGTH:.5f}",
         f" Water depth:        {depth}{extra}",
         " BODY PARAMETERS:",
@@ -409,3 +411,150 @@ def test_what_capytaine_exports_for_wamit(tmp_path):
         # it numbers (motion, force) where WAMIT has (force, motion): the same but for the error of the panels
         values = np.swapaxes(getattr(expected, name), -1, -2)
         np.testing.assert_allclose(getattr(found, name), values, atol=2e-6 * np.abs(values).max())
+
+
+# ---- files that were cut, joined, or are of other bodies ----
+
+
+@pytest.fixture
+def whole(tmp_path, truth):
+    """All numeric files and a listing, with the database that each gives."""
+    write_numeric(tmp_path / "two", truth)
+    write_drift(tmp_path / "two.9", np.random.default_rng(2).normal(size=(3, 3, 12)) * 1e4)
+    (tmp_path / "two.out").write_text(listing(truth))
+    return tmp_path
+
+
+def read_either(folder, ending):
+    if ending == ".out":
+        return read_wamit_out(folder / "two.out", density=DENSITY)
+    return read(folder / "two")
+
+
+def equal(one, other):
+    for name in ("omega", "headings", "added_mass", "damping", "added_mass_infinite", "excitation", "drift", "volumes",
+                 "hydrostatic_stiffness"):  # fmt: skip
+        a, b = getattr(one, name), getattr(other, name)
+        if (a is None) != (b is None) or (a is not None and not np.array_equal(a, b)):
+            return False
+    return True
+
+
+@pytest.mark.parametrize("ending", [".1", ".3", ".hst", ".9", ".out"])
+def test_a_file_that_is_cut_anywhere_is_refused_or_told_or_the_same(whole, ending):
+    """No cut, within a row or after one, gives other numbers without a word."""
+    file = whole / f"two{ending}"
+    text, before = file.read_text(), read_either(whole, ending)
+    rng = np.random.default_rng(5)
+    ends = np.flatnonzero(np.array(list(text)) == "\n")
+    cuts = {
+        *rng.integers(1, len(text), 25).tolist(),
+        *rng.choice(ends, 15).tolist(),
+        *(rng.choice(ends, 15) + 1).tolist(),
+    }
+    cuts |= set(range(len(text) - 14, len(text) - 1, 3))
+    refused = 0
+    for cut in sorted(int(one) for one in cuts):
+        for tail in ("", "\n"):
+            file.write_text(text[:cut] + tail)
+            try:
+                after = read_either(whole, ending)
+            except InputError:
+                refused += 1
+                continue
+            assert equal(after, before) or set(after.repairs) - set(before.repairs), (
+                cut,
+                text[cut - 40 : cut],
+            )
+    assert refused > len(cuts)
+
+
+@pytest.mark.parametrize("ending", [".1", ".3", ".hst", ".9", ".out"])
+def test_two_runs_in_a_file(whole, truth, ending):
+    """The same twice is the same; another run behind it is refused, also with periods that are rounded otherwise."""
+    file = whole / f"two{ending}"
+    text, before = file.read_text(), read_either(whole, ending)
+    file.write_text(text + text)
+    if ending == ".out":
+        with pytest.raises(InputError, match="two listings in one file"):
+            read_either(whole, ending)
+        return
+    assert equal(read_either(whole, ending), before)
+    rows = [line.split() for line in text.splitlines()]
+    place = {".1": 3, ".3": 5, ".hst": 2, ".9": 6}[ending]
+    size = {".3": 3, ".9": 4}.get(ending, place)
+    for row in rows:
+        for k in {place, size}:
+            row[k] = f"{1.2 * float(row[k]):.9E}"
+        if ending == ".3":
+            row[6] = f"{1.2 * float(row[6]):.9E}"
+    file.write_text(text + "\n".join(" ".join(row) for row in rows) + "\n")
+    with pytest.raises(
+        InputError, match=r"line \d+: .* where the same coefficient was .* two runs in one file"
+    ):
+        read_either(whole, ending)
+    if ending == ".1":
+        for row in rows:
+            row[0] = f"{float(row[0]) * (1.0 + 2e-6):.9E}"
+        finite = [" ".join(row) for row in rows if float(row[0]) > 0.0]
+        file.write_text(text + "\n".join(finite) + "\n")
+        with pytest.raises(InputError, match="as good as the same"):
+            read_either(whole, ending)
+
+
+def test_rows_that_cannot_be(whole):
+    base = whole / "two"
+    texts = {ending: (whole / f"two{ending}").read_text() for ending in (".1", ".3", ".hst")}
+
+    def changed(ending, line, column, value):
+        rows = [one.split() for one in texts[ending].splitlines()]
+        rows[line][column : column + 1] = [value] if value else []
+        (whole / f"two{ending}").write_text("\n".join(" ".join(row) for row in rows) + "\n")
+        with pytest.raises(InputError) as caught:
+            read(base)
+        (whole / f"two{ending}").write_text(texts[ending])
+        return str(caught.value)
+
+    last = texts[".1"].count("\n") - 1
+    assert "no damping at a finite period" in changed(".1", last, 4, "")
+    assert "mode 1.5" in changed(".1", last, 1, "1.5")
+    assert "mode 0" in changed(".3", 5, 2, "0")
+    assert "modulus" in changed(".3", 5, 6, "1.0E-09")
+    assert "a symmetric table" in changed(".hst", 6 * 2 + 4, 2, "9.9E+09")  # C(3,5)
+
+
+def test_a_body_without_numbers_is_refused(tmp_path, truth):
+    """Of two bodies the file has the second alone."""
+    write_numeric(tmp_path / "two", truth, skip={"-1.0", "0.0"})
+    for ending in (".1", ".3"):
+        file = tmp_path / f"two{ending}"
+        column = {".1": (1, 2), ".3": (2, 2)}[ending]
+        rows = [line.split() for line in file.read_text().splitlines()]
+        file.write_text("\n".join(" ".join(r) for r in rows if min(int(r[c]) for c in column) > 6) + "\n")
+    with pytest.raises(InputError, match=r"no added mass of 'crane', coordinates 1 to 6"):
+        read(tmp_path / "two")
+
+
+def test_exciting_forces_without_radiation_are_told(tmp_path, truth, monkeypatch):
+    """The radiation lacks a period that the forces have, as if it were cut between two of them."""
+    from heavylift.preprocess.hydrodynamics import repairs
+
+    monkeypatch.setattr(repairs, "FEWEST", 1)
+    write_numeric(tmp_path / "two", truth)
+    file = tmp_path / "two.1"
+    longest = f"{2.0 * np.pi / OMEGA[0]:.9E}"
+    file.write_text("\n".join(line for line in file.read_text().splitlines() if longest not in line) + "\n")
+    told = read(tmp_path / "two").repairs
+    assert any(
+        "exciting forces at 1 frequencies without radiation (0.15 to 0.15 rad/s)" in one for one in told
+    )
+
+
+@pytest.mark.parametrize("stated", ["1.00000", "1.02500"])
+def test_a_listing_in_other_units_of_density_has_the_density_of_the_sea(tmp_path, truth, stated):
+    """Its numbers have no dimension; WAMIT writes 1 where nobody gave it a density, and tonnes are tonnes."""
+    path = tmp_path / "two.out"
+    path.write_text(listing(truth))
+    before = read_wamit_out(path, density=DENSITY)
+    path.write_text(listing(truth, extra=f"        Water density:    {stated}"))
+    assert equal(read_wamit_out(path, density=DENSITY), before)

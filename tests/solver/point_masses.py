@@ -73,6 +73,7 @@ class Cloud:
             labels,
             np.zeros(self.mode_count),
             0.0,
+            continuum=False,
         )
 
     def deformed(self, q: Array) -> Array:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from point_masses import make_cloud
 from scipy.sparse import csr_array
 from start_scenes import DOWN, bricard, joint, linkage, parallelograms, rod, rows_of
 
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene.scene import Scene
+from heavylift.solver.scene.connections import JointFrame
+from heavylift.solver.scene.scene import Fixed, FlexibleBody, Free, RigidBody, Scene
 from heavylift.solver.start.diagnosis import Diagnosis, block_rank, body_graph, diagnose
 
 
@@ -103,6 +105,29 @@ def test_duplicated_joint_on_bodies_in_flight() -> None:
     assert "'weld'" in result.redundant[0]
     assert "3 rows too many" in result.redundant[0]
     assert result.free_motions == ("'a' and 'b' hang together, and no joint holds them to anything else",)
+
+
+@pytest.mark.parametrize("motion", [Fixed(), Free()])
+@pytest.mark.parametrize(("kind", "rows"), [(FixedJoint, 6), (Ball, 3)])
+def test_weight_on_a_body_with_modes(motion: Fixed | Free, kind: type, rows: int) -> None:
+    """As many motions as modes and velocities less the rows; those of a group in flight as a whole are not its own."""
+    cloud = make_cloud(modes=8)
+    node = np.argmax(cloud.nodes[:, 0])
+    bar = FlexibleBody("bar", cloud.reduced(), motion=motion)
+    weight = RigidBody("weight", 2.0, 0.01 * np.eye(3), position=cloud.nodes[node])
+    frames = {"frame_a": JointFrame(cloud.nodes[node]), "frame_b": JointFrame(np.zeros(3))}
+    result = found(
+        Scene((bar, weight), (DOWN,), (), (kind(name="bolt", body_a="bar", body_b="weight", **frames),))
+    )
+    own = 8 + 6 - rows
+    in_flight = isinstance(motion, Free)
+    assert result.degrees_of_freedom == own + 6 * in_flight
+    assert result.redundant == ()
+    expected = (f"'bar' and 'weight' have {own} motions of their own, in which 'bar' and 'weight' move",)
+    if in_flight:
+        expected += ("'bar' and 'weight' hang together, and no joint holds them to anything else",)
+    assert result.free_motions == expected
+    assert result.singular is False
 
 
 def test_block_rank_agrees_with_the_singular_values() -> None:

@@ -218,6 +218,10 @@ def test_extremes_are_those_of_all_steps_between_records():
             ends = [dense[name][25 * k + 25] for k in range(12)]
             missed += int(np.any(np.array(wanted) != ends))
     assert missed == 18
+    for rope, group in (("rub_rope", "parts"), ("lines", "of_lines")):
+        for side, which, extreme in (("max", "largest", np.max), ("min", "smallest", np.min)):
+            of_parts = extreme(sparse[f"{rope}.segment_tension_{side}"], axis=1)
+            np.testing.assert_array_equal(of_parts, sparse[f"{group}.{which}_tension_{side}"])
 
 
 def test_measures_change_nothing():

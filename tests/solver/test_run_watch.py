@@ -106,3 +106,18 @@ def test_a_continuation_judges_the_same() -> None:
     second.add(rows[2:])
     assert second.state == pytest.approx(whole.state)
     assert second.verdict == whole.verdict
+
+
+def test_a_kept_balance_does_not_save_what_no_body_can_do() -> None:
+    """An unstable blade takes all of its energy from its drive: 1 kg with 1e30 J would outrun light."""
+    rows = records(kinetic=[0.0, 10.0, 1e30], drive_work=[0.0, 10.0, 1e30], error=[0.0, 0.0, 1e21])
+    watch = watched(rows, mass=1.0)
+    assert watch.drift < 1e-8
+    outcome, message = watch.verdict
+    assert outcome is Outcome.ENERGY_NOT_KEPT
+    assert "1e+30 J of kinetic energy" in message
+    other = RunWatch(CHANNELS, mass=1.0)
+    other.state = watch.state
+    assert other.verdict == (outcome, message)
+    orbit = records(kinetic=[0.0, 0.5 * 3e4**2], drive_work=[0.0, 0.5 * 3e4**2], error=[0.0, 0.0])
+    assert watched(orbit, mass=1.0).verdict[0] is Outcome.COMPLETED

@@ -13,8 +13,10 @@ from start_scenes import DOWN, G, linkage, parallelograms, place, quaternion, ro
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.forces.point import PointForce
-from heavylift.solver.forces.spring import Spring
+from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.joints.ball import Ball
+from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.joints.slider import Slider
 from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.scene import Fixed, FlexibleBody, RigidBody, Scene
@@ -260,3 +262,40 @@ def test_what_only_watches_acts_between_no_bodies() -> None:
     watching = [kind.__new__(kind) for kind in (UniformGravity, HookLoads, Leads, Lugs, RopeGroups)]
     assert not act_between(watching)
     assert act_between([*watching, Springs.__new__(Springs)])
+
+
+def follower(spin_stiffness: float) -> Scene:
+    """A carriage on a spring along y, on it a rotor on a spring about z, pushed along its own x with 200 N.
+
+    With the travel y and the angle a: ``100 y = 200 sin a`` and ``spin_stiffness a = 0``.
+    """
+    along = JointFrame(np.zeros(3), np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]).T)
+    start = np.array([0.0, 0.3, 0.0])
+    bodies = (
+        RigidBody("carriage", 2.0, np.eye(3), position=start),
+        RigidBody(
+            "rotor", 1.0, np.eye(3), position=start, orientation=quaternion(Rotation.from_euler("z", 0.4))
+        ),
+    )
+    return Scene(
+        bodies,
+        (
+            PointForce("push", "rotor", np.zeros(3), force=np.array([200.0, 0.0, 0.0]), frame="body"),
+            JointSpring(name="rail_spring", joint="rail", stiffness=100.0),
+            JointSpring(name="pin_spring", joint="pin", stiffness=spin_stiffness),
+        ),
+        joints=(
+            Slider(name="rail", body_a=GROUND, body_b="carriage", frame_a=along, frame_b=along),
+            Hinge(name="pin", body_a="carriage", body_b="rotor"),
+        ),
+    )
+
+
+@pytest.mark.parametrize("spin_stiffness", [10.0, 1000.0])
+def test_a_force_that_turns_with_its_body_is_no_mechanism(spin_stiffness: float) -> None:
+    """``[[100, -200], [0, c]]`` has the eigenvalues 100 and c; its symmetric part is not positive for c < 100."""
+    rows = rows_of(follower(spin_stiffness))
+    found = find_equilibrium(rows)
+    assert found.residual < 1e-8
+    assert found.stable is True
+    assert place(rows, "carriage") == pytest.approx(np.zeros(3), abs=1e-8)

@@ -92,6 +92,8 @@ def measure_strain_energy(kinds: Meshes, body: int, strain: Floats1) -> None:
 def measure_drift(kinds: Meshes, body: int, first: Floats1, second: Floats1) -> None:
     """Largest difference [1] of two vectors of strains into `drift`, its element of the body into `drift_element`.
 
+    The largest strain of the second one goes into `strained`.
+
     Curvatures count with half the height of the section.
     """
 

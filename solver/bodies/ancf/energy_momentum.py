@@ -66,6 +66,15 @@ STALLED = 0.3
 MOST_ROUNDS = 60
 NOT_CONVERGED, STRAINS_LOST = int(Outcome.NOT_CONVERGED), int(Outcome.STRAINS_LOST)
 
+LARGEST_SHARE = 0.05
+"""Drift of carried strains over the largest strain of the body lately from which they are given up."""
+
+LEAST_DRIFT = 1e-4
+"""Drift in units of the allowed one that is none, however small the strains are."""
+
+FORGOTTEN = 1.0 / 256.0
+"""Part of the largest strain that is forgotten in a step: what vibrates passes through none."""
+
 LOST = 1.0
 """Distance of carried strains from those of the shape with which they have nothing to do with it any more."""
 
@@ -142,9 +151,14 @@ def _watch_drift(kind: Meshes, body: int, time: float, step: float, work: Worksp
         return
     find_drift(kind, body, step)
     kind.body[body].change = 0.0
-    drift = kind.body[body].drift
+    drift, allowed = kind.body[body].drift, kind.body[body].drift_tolerance
     kind.body[body].largest_drift = max(drift, kind.body[body].largest_drift)
-    if kind.table[body].scheme == AUTO and not drift <= kind.body[body].drift_tolerance:
+    level = max(kind.body[body].strained, (1.0 - FORGOTTEN) * kind.body[body].strain_level)
+    kind.body[body].strain_level = level
+    if drift > LEAST_DRIFT * allowed:  # then there are strains, too
+        kind.body[body].largest_share = max(kind.body[body].largest_share, drift / max(level, drift))
+        allowed = min(allowed, max(LARGEST_SHARE * level, LEAST_DRIFT * allowed))
+    if kind.table[body].scheme == AUTO and not drift <= allowed:
         kind.body[body].changed_over = True
         kind.body[body].change_time = time
         kind.body[body].change = -1.0

@@ -164,7 +164,7 @@ def measure_frame_drift(kind: FrameMeshes, body: int, first: Floats1, second: Fl
     constants = kind.constants
     exact = _is_exact(kind, body)
     start = kind.table[body].first_element
-    drift, worst = 0.0, 0
+    drift, strained, worst = 0.0, 0.0, 0
     for number in range(kind.table[body].element_count):
         e = start + number
         data, place = kind.elements[e].data, kind.elements[e].strain
@@ -173,11 +173,14 @@ def measure_frame_drift(kind: FrameMeshes, body: int, first: Floats1, second: Fl
             count += BENDING_POINTS if frame_data(constants, data).curved else 3 * BENDING_POINTS
         for i in range(count):
             distance = abs(first[place + i] - second[place + i])
+            strain = abs(second[place + i])
             if i >= AXIAL_POINTS:
                 distance *= frame_data(constants, data).height
+                strain *= frame_data(constants, data).height
+            strained = max(strained, strain)
             if not distance <= drift and not math.isnan(drift):  # a lost number is a drift, and stays one
                 drift, worst = distance, number
-    kind.body[body].drift = drift
+    kind.body[body].drift, kind.body[body].strained = drift, strained
     kind.body[body].drift_element = worst
 
 

@@ -167,6 +167,8 @@ class MeshNumbers(Record, whole_lines=True):
     drift_tolerance, drift, drift_element, largest_drift
         Largest distance of carried strains from those of the shape: allowed, of the last check with the element where
         it is, so far [1].
+    strained, strain_level, largest_share
+        Largest strain of the shape at the last check, lately, and the largest part of it that a drift has been [1].
     changed_over, change_time
         Whether the energy-momentum scheme has taken over, and when [s].
     external_work, dissipated_work
@@ -215,6 +217,9 @@ class MeshNumbers(Record, whole_lines=True):
     change_time: float
     change_before: float
     largest_drift: float
+    strained: float
+    strain_level: float
+    largest_share: float
     last_step: float
     ringing: float
     motion: float

@@ -151,7 +151,7 @@ def measure_shell_energy(kind: ShellMeshes, body: int, strain: Floats1) -> None:
 def measure_shell_drift(kind: ShellMeshes, body: int, first: Floats1, second: Floats1) -> None:
     """Differences per length squared of the mesh lines they belong to, which makes them strains."""
     count = shell_tables(kind.constants, kind.table[body].constants).count
-    begin, largest, found, lost = kind.table[body].first_element, -1.0, 0, 0.0
+    begin, largest, found, lost, strained = kind.table[body].first_element, -1.0, 0, 0.0, 0.0
     for element in range(begin, begin + kind.table[body].element_count):
         before = largest
         for line in range(count):
@@ -163,10 +163,12 @@ def measure_shell_drift(kind: ShellMeshes, body: int, first: Floats1, second: Fl
                 d2 = abs(first[at + 8 + g] - second[at + 8 + g]) / yy
                 d3 = abs(first[at + 16 + g] - second[at + 16 + g])
                 largest = max(largest, d1, d2, d3 / math.sqrt(xx * yy))
+                s1, s2, s3 = abs(second[at + g]), abs(second[at + 8 + g]), abs(second[at + 16 + g])
+                strained = max(strained, s1 / xx, s2 / yy, s3 / math.sqrt(xx * yy))
                 lost += 0.0 * (d1 + d2 + d3)  # NaN, which `max` passes over
         if largest > before:
             found = element - begin
-    kind.body[body].drift = max(largest, 0.0) + lost
+    kind.body[body].drift, kind.body[body].strained = max(largest, 0.0) + lost, strained
     kind.body[body].drift_element = found
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.modal.invariants import ShapeIntegrals
-from heavylift.modal.reduced import ReducedBody
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
@@ -18,7 +17,7 @@ from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, Free
 
-__all__ = ["pack_floating_frames", "pack_shape"]
+__all__ = ["frame_inertia", "pack_floating_frames", "pack_shape"]
 
 
 SMALLEST_FRAME_SHARE = 0.1
@@ -132,7 +131,7 @@ def pack_floating_frames(
             kind.damping[modes] = 2.0 * body.damping_ratio * critical
         dof += 6 + counts[row]
         column += 13 + 2 * counts[row] + (0 if isinstance(body.motion, Free) else 6)
-    shapes_of = [_marker_shapes(body.reduced) for body in bodies]
+    shapes_of = [_marker_shapes(body) for body in bodies]
     marker_index = pack_markers(markers, shapes_of, constants)
     sensor_index = pack_markers(sensors, shapes_of, constants)
     flat = aligned(sum(map(len, constants)))
@@ -186,15 +185,8 @@ def _central_inertia(integrals: ShapeIntegrals) -> tuple[NDArray[np.float64], ND
     return moments, axes
 
 
-def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
-    """Refuse modes that leave a free frame next to no inertia of its own.
-
-    Notes
-    -----
-    With ``C = [S; I_tf]`` the share is the smallest eigenvalue of ``M_rr - C C^T`` relative to ``M_rr``,
-    which depends neither on units nor on the place of the frame: 1 for mean-axis modes. Tumbling bodies
-    of point masses stayed in balance above 0.2 and blew up below 0.05, at every step tried.
-    """
+def frame_inertia(integrals: ShapeIntegrals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mass matrix of the frame, (6, 6), and its coupling ``[S; I_tf]`` with the modes, (6, nf); undeformed."""
     Ibar, I = integrals.position_mode, integrals.inertia_kl
     C = np.vstack(
         [
@@ -210,6 +202,19 @@ def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
     s1, s2, s3 = integrals.first_moment
     M[3:, :3] = [[0.0, -s3, s2], [s3, 0.0, -s1], [-s2, s1, 0.0]]
     M[:3, 3:] = M[3:, :3].T
+    return M, C
+
+
+def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
+    """Refuse modes that leave a free frame next to no inertia of its own.
+
+    Notes
+    -----
+    With ``C = [S; I_tf]`` the share is the smallest eigenvalue of ``M_rr - C C^T`` relative to ``M_rr``,
+    which depends neither on units nor on the place of the frame: 1 for mean-axis modes. Tumbling bodies
+    of point masses stayed in balance above 0.2 and blew up below 0.05, at every step tried.
+    """
+    M, C = frame_inertia(integrals)
     shared = np.linalg.solve(np.linalg.cholesky(M), C)
     share = 1.0 - float(np.linalg.norm(shared, 2)) ** 2 if C.size else 1.0
     if share < SMALLEST_FRAME_SHARE:
@@ -221,11 +226,12 @@ def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
         )
 
 
-def _marker_shapes(reduced: ReducedBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def _marker_shapes(body: FlexibleBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Return a function from a body-frame point to (undeformed position, 3 nf mode shape entries)."""
+    reduced = body.reduced
 
     def shapes(point: NDArray[np.float64]) -> NDArray[np.float64]:
-        node = reduced.nearest_node(point)
-        return np.concatenate([reduced.nodes[node], reduced.mode_shapes[:, node, :].T.ravel()])
+        nodes, weights = reduced.locate(point, source=body.name)
+        return np.concatenate([weights @ reduced.nodes[nodes], reduced.shapes_at(nodes, weights).T.ravel()])
 
     return shapes

@@ -1,8 +1,8 @@
 """Floating-frame bodies at a stage: markers, gathered forces, factor and solution, for integrators and the record.
 
-Markers are points and directions. A point is the nearest node of the finite-element model and moves with its
-displacement. A direction turns with the frame only: a joint on a flexible body follows the displacement of its node,
-but not the rotation of the surface there relative to the frame.
+Markers are points and directions. A point moves with the displacement of the finite-element model there, which the
+shape functions of an element make from those of its nodes. A direction turns with the frame only, so joints that hold
+directions are refused where modes turn them (`heavylift.solver.bodies.floating_frame.turned`).
 """
 
 from __future__ import annotations

@@ -225,7 +225,9 @@ def _book_impact(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -
     if state.new:
         contacts.control.impact = True
         state.recent_impacts += 1
-        state.impacts += 1
+        # what closes by less than is known of its gap has come to rest on what bears already, and hits nothing
+        if -state.rate * contacts.control.nominal_step > gap_tolerance(contacts, c, 0.0):
+            state.impacts += 1
         state.impact_impulse += impulse[0]
 
 

@@ -1,4 +1,8 @@
-"""Clearance of surfaces that are out of reach of each other, for the record: only where it is asked for."""
+"""Clearance of surfaces that are out of reach of each other: only of pairs of which somebody asks for it.
+
+A record measures it. At the end of a step it is measured where it could be below what is known since the last record:
+points move no farther than the way of both surfaces, and that is taken from the distance that was found last.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +18,11 @@ from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import ContactRows
-from heavylift.solver.contact.triangles.interface import record_clearance
-from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
+from heavylift.solver.contact.triangles.interface import record_clearance, watch_clearance
+from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts, placed_pose
 from heavylift.solver.contact.triangles.slots import surface_count
 from heavylift.solver.contact.triangles.touch import relative_pose
+from heavylift.solver.extremes import note_value
 from heavylift.solver.kinds import implement
 
 __all__ = ["Clearances", "make_clearances"]
@@ -33,14 +38,15 @@ class Clearances(Arrays):
     ----------
     wanted
         1 for each pair whose clearance is recorded, shape (np,).
-    last
-        Clearance of each pair when it was measured last [m].
+    last, moved
+        Clearance of each pair when it was measured last, infinite before; way of its surfaces since then [m].
     stack, found, pose
         Scratch.
     """
 
     wanted: Ints1
     last: Floats1
+    moved: Floats1
     stack: Records[WaitingNodes]
     found: Floats1
     pose: RelativePose
@@ -54,6 +60,7 @@ def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> list[Cle
         Clearances(
             wanted=np.array(wanted, dtype=np.int64),
             last=np.full(len(wanted), math.inf),
+            moved=np.zeros(len(wanted)),
             stack=records(WaitingNodes, clearance_stack_size(surfaces)),
             found=np.zeros(6),
             pose=RelativePose.one(),
@@ -87,3 +94,35 @@ def record_mesh_clearance(
         clearances.stack,
         clearances.found,
     )
+    clearances.moved[pair] = 0.0
+
+
+@implement(watch_clearance, Clearances)
+@kernel(internal=True)
+def watch_mesh_clearance(
+    clearances: Clearances, meshes: SurfacePairs, contacts: ContactRows, pair: int, interval: int
+) -> None:
+    """At the end of a step that stands, before its poses are taken over."""
+    if clearances.wanted[pair] == 0:
+        return
+    one = meshes.pairs[pair]
+    clearances.moved[pair] += (
+        contacts.poses[one.poses[0]].step_shift + contacts.poses[one.poses[1]].step_shift
+    )
+    if one.gap < one.reach:  # its contacts know it
+        return
+    gaps = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0).gaps
+    nearest = clearances.last[pair] - clearances.moved[pair]
+    if gaps.interval == interval and clearances.last[pair] < math.inf and nearest >= gaps.lowest:
+        return
+    found = clearance(
+        meshes.surfaces,
+        one.surfaces[0],
+        one.surfaces[1],
+        meshes.relative[pair],
+        clearances.last[pair] + clearances.moved[pair],
+        clearances.stack,
+        clearances.found,
+    )
+    note_value(gaps, interval, found)
+    clearances.last[pair], clearances.moved[pair] = found, 0.0

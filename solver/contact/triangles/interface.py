@@ -16,6 +16,7 @@ __all__ = [
     "record_pairs",
     "search_surfaces",
     "touch_triangles",
+    "watch_clearance",
     "watch_pairs",
 ]
 
@@ -61,6 +62,13 @@ def place_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
 @optional()
 def watch_pairs(meshes: Colliding, contacts: ContactRows, interval: int) -> None:
     """When a step stands: extremes of the forces and gaps of pairs in an interval between records."""
+
+
+@optional()
+def watch_clearance(
+    clearances: Clearing, meshes: SurfacePairs, contacts: ContactRows, pair: int, interval: int
+) -> None:
+    """Smallest distance of a pair in an interval between records, where it is more than the search reaches."""
 
 
 @optional("record")

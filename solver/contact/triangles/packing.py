@@ -191,7 +191,7 @@ def pack_collisions(
         slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
         kept=records(ContactState, places),
-        clearances=Clearing(make_clearances(packed, [one.clearance for one in scene.collisions])),
+        clearances=Clearing(make_clearances(packed, _asked_for(scene))),
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
@@ -204,6 +204,16 @@ def pack_collisions(
         sides=[side for side in sides if side.width],
         widest=max(6, int(sides["width"].max())),
     )
+
+
+def _asked_for(scene: Scene) -> list[bool]:
+    """Whether somebody asks for the gap of each collision: the user, or a phase that waits for it."""
+    signals = () if scene.scenario is None else scene.scenario.signals
+    waited = {term.channel for signal in signals for term in signal.terms}
+    return [
+        one.clearance or not waited.isdisjoint((f"{one.name}.gap", f"{one.name}.gap_min"))
+        for one in scene.collisions
+    ]
 
 
 def _pack_facets(

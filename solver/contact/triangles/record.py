@@ -12,7 +12,12 @@ from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
-from heavylift.solver.contact.triangles.interface import record_clearance, record_pairs, watch_pairs
+from heavylift.solver.contact.triangles.interface import (
+    record_clearance,
+    record_pairs,
+    watch_clearance,
+    watch_pairs,
+)
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts
 from heavylift.solver.contact.triangles.slots import count_members, surface_count
 from heavylift.solver.extremes import largest_of, note_value, smallest_of
@@ -61,7 +66,7 @@ collision_columns, contact_columns = record_at(CollisionColumns), record_at(Cont
 @implement(watch_pairs, SurfacePairs)
 @kernel(internal=True)
 def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int) -> None:
-    """Sums as in a record, and jumps; a gap is known where there are contacts."""
+    """Sums as in a record, and jumps; a gap is known where there are contacts, or where somebody asks for it."""
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
         one.force, one.gap = 0.0, one.reach
@@ -80,6 +85,7 @@ def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int)
             note_value(gone.forces, interval, one.force)
         if one.gap < one.reach:
             note_value(gone.gaps, interval, one.gap)
+        watch_clearance(meshes.clearances, meshes, contacts, pair, interval)
 
 
 @implement(record_pairs, SurfacePairs)
@@ -99,7 +105,7 @@ def record_mesh_pairs(
 def _record_sums(
     meshes: SurfacePairs, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
 ) -> None:
-    """What all contacts of a pair do together; its gap is the reach of the search while nothing is nearer."""
+    """What all contacts of a pair do together; its gap is no number while nothing is within reach and nobody asks."""
     gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
     for k in range(CONTACTS_AT):
         row[at + k] = 0.0
@@ -135,11 +141,14 @@ def _record_sums(
             sums.force[k] += state.force[k]
             sums.point[k] += force * state.touched[k]
     work.sums.dissipated += sums.dissipated
+    if sums.gap >= meshes.pairs[pair].reach:
+        sums.gap = math.nan
     record_clearance(meshes.clearances, meshes, contacts, pair, row, at)
     interval = work.control.interval
     sums.normal_force_max = largest_of(gone.forces, interval, sums.normal_force)
     sums.normal_force_min = smallest_of(gone.forces, interval, sums.normal_force)
-    sums.gap_min = smallest_of(gone.gaps, interval, sums.gap)
+    least = smallest_of(gone.gaps, interval, math.inf if math.isnan(sums.gap) else sums.gap)
+    sums.gap_min = least if least < math.inf else math.nan
     if sums.normal_force > 0.0:
         for k in range(3):
             sums.point[k] /= sums.normal_force

@@ -7,16 +7,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.words import check_word
 from heavylift.solver.interface import Bodies
 from heavylift.solver.scene.ballast import check_ballast
 from heavylift.solver.scene.sea import Excitation, Memory
-from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.sea import FloatingBody, Radiation, Sea, Water
@@ -24,7 +21,6 @@ if TYPE_CHECKING:
 __all__ = [
     "check_places",
     "check_sea",
-    "check_volume",
     "check_water",
     "left_because",
 ]
@@ -35,9 +31,6 @@ PLACE_SHARE, PLACE_TOLERANCE = 0.05, 0.5
 
 YAW_TOLERANCE = np.radians(5.0)
 """How far they may be turned against each other."""
-
-VOLUME_TOLERANCE = 0.1
-"""Of the volume of a database, that a hull may displace more or less with its reference point where that is there."""
 
 
 def check_sea(sea: Sea) -> None:
@@ -116,48 +109,6 @@ def check_places(radiation: Radiation, hulls: Sequence[FloatingBody]) -> None:
                 key="hulls",
                 expected="hulls along the axes of the database that they share",
             )
-
-
-def check_volume(
-    radiation: Radiation,
-    row: int,
-    body: FloatingBody,
-    points: NDArray[np.float64],
-    triangles: NDArray[np.int64],
-    to_body: NDArray[np.float64],
-    reference: NDArray[np.float64],
-) -> None:
-    """Upright, with its reference point where the database has it, a hull displaces what the database says.
-
-    Parameters
-    ----------
-    radiation, row, body
-        Database, place of the hull in it, the hull.
-    points, triangles
-        Surface in principal axes through the centre of mass [m].
-    to_body
-        Rotation from these axes to those of the body, shape (3, 3).
-    reference
-        Reference point in principal axes [m].
-
-    Raises
-    ------
-    InputError
-        If not: the reference point is another one, or the database is of another draught.
-    """
-    database = radiation.database
-    if database.volumes is None:
-        return
-    out, height = records(Clip, 1), float(database.reference_points[row, 2] - (to_body @ reference)[2])
-    clip_surface_now(points, triangles, np.ravel(to_body), height, np.zeros_like(points), out)
-    wanted = float(database.volumes[row])
-    if abs(out[0].volume - wanted) > VOLUME_TOLERANCE * wanted:
-        raise InputError(
-            f"{body.name!r} displaces {out[0].volume:.5g} m3 with its reference point at the height of the database",
-            source=database.source,
-            key="reference",
-            expected=f"about {wanted:.5g} m3: the reference point and draught of the database",
-        )
 
 
 # ---- during a run ----

@@ -346,7 +346,10 @@ def _look(kind: Controllers, c: int, time: float) -> None:
     data = kind.table[c]
     _want(kind, c, time)
     for p in range(data.pumps):
-        kind.fixed[p] = 0.0
+        served = data.first_pump + p
+        failed = kind.hulls.pumps[kind.served[served].pump].failed
+        kind.fixed[p] = 1.0 if failed else 0.0
+        kind.flow[p] = -_plan_at(kind, served, time) if failed else 0.0
     for _ in range(data.pumps + 1):
         _share_out(kind, c)
         changed = False
@@ -369,6 +372,8 @@ def _look(kind: Controllers, c: int, time: float) -> None:
         number = kind.served[served].pump
         command = share * (_plan_at(kind, served, time) + kind.flow[p])
         flow, _, pumped = pump_at(kind.hulls, number, time)
+        if kind.hulls.pumps[number].failed:
+            flow = command = 0.0
         row = kind.hulls.pump_rows[kind.hulls.pumps[number].first]
         row.flow = flow if kind.hulls.pumps[number].lag > 0.0 else command
         row.time, row.command, row.pumped = time, command, pumped

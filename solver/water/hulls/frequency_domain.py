@@ -10,6 +10,7 @@ Structures* (1990), chapter 3.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,10 +29,18 @@ __all__ = [
     "linear_hulls",
     "motion_operators",
     "natural_modes",
+    "resonant_frequencies",
     "response_statistics",
     "rigid_body_mass",
     "static_stiffness",
 ]
+
+
+NO_STIFFNESS = 1e-9
+"""Of the largest eigenvalue: a mode with less is none."""
+
+PIECES = 40
+"""Between two frequencies of a database, in which modes are looked for where they have no order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +248,7 @@ def motion_operators(
     hulls
         Group.
     headings
-        Directions of propagation relative to the hulls [rad], shape (nh,).
+        Directions of propagation relative to the hulls [rad], shape (nh,); none of a database of radiation alone.
     omega
         Frequencies [rad/s] within the database, by default its own; coefficients between them by cubic splines.
 
@@ -263,7 +272,9 @@ def motion_operators(
         - 1j * w[:, None, None] * (B + hulls.damping)
         + hulls.stiffness
     )
-    X = np.stack([_group_excitation(database, w, float(one)) for one in beta], axis=2)  # (nw, n, nh)
+    X = np.zeros((len(w), n, len(beta)), dtype=np.complex128)
+    for h, one in enumerate(beta):
+        X[:, :, h] = _group_excitation(database, w, float(one))
     scale = 1.0 / np.sqrt(np.diag(hulls.mass))
     G = hulls.constraint_jacobian * scale
     rows = np.linalg.norm(G, axis=1)
@@ -302,30 +313,74 @@ def natural_modes(hulls: LinearHulls, *, iterations: int = 50) -> list[NaturalMo
     -----
     ``C x = omega^2 (M + A(omega)) x`` in the null space of the joints; the mode is followed by its order while its
     frequency is put into A until it changes by less than 1e-10. Beyond the frequencies of the database the added mass
-    of the nearest is held.
+    of the nearest is held. Where M + A is indefinite, see `resonant_frequencies`, modes have no order: they are the
+    frequencies at which an eigenvalue of C - omega^2 (M + A) falls through zero.
     """
-    from scipy.linalg import eigh, null_space
+    from scipy.linalg import eigh
 
     database = hulls.database
-    n = 6 * database.body_count
-    scale = 1.0 / np.sqrt(np.diag(hulls.mass))
-    free = np.eye(n) if not len(hulls.constraint_jacobian) else null_space(hulls.constraint_jacobian * scale)
+    scale, free = _free_coordinates(hulls)
     low, high = database.omega[0], database.omega[-1]
-
-    def reduced(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-        symmetric = 0.5 * (matrix + matrix.T)
-        return np.asarray(free.T @ (scale[:, None] * symmetric * scale) @ free)
-
-    C = reduced(hulls.stiffness)
+    C = _reduced(hulls.stiffness, scale, free)
 
     def solve(w: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         A = _over_frequency(database, database.added_mass, np.array([min(max(w, low), high)]))[0]
-        values, vectors = eigh(C, reduced(hulls.mass + A))
+        values, vectors = eigh(C, _reduced(hulls.mass + A, scale, free))
         return values, vectors
 
+    try:
+        resonant = len(resonant_frequencies(hulls)) > 0
+        found = [] if resonant else _followed_modes(solve, math.sqrt(low * high), iterations)
+    except np.linalg.LinAlgError:  # not positive definite between the frequencies of the database
+        resonant = True
+    if resonant:
+        found = _crossed_modes(hulls, C, scale, free)
     modes = []
-    start = solve(math.sqrt(low * high))[0]
-    threshold = 1e-9 * float(np.max(np.abs(start)))
+    for w, vector in found:
+        weighed = free @ vector
+        largest = int(np.argmax(np.abs(weighed)))
+        shape = scale * weighed
+        if w > 0.0:
+            modes.append(NaturalMode(2.0 * math.pi / w, np.asarray(shape / shape[largest]), largest))
+    return sorted(modes, key=lambda mode: -mode.period)
+
+
+def resonant_frequencies(hulls: LinearHulls) -> NDArray[np.float64]:
+    """Frequencies of the database [rad/s] at which mass and added mass together are not positive definite.
+
+    Water between hulls, or within one, resonates there: its added mass is negative and larger than the mass.
+    """
+    scale, free = _free_coordinates(hulls)
+    A = 0.5 * (hulls.database.added_mass + np.swapaxes(hulls.database.added_mass, 1, 2))
+    lowest = [np.linalg.eigvalsh(_reduced(hulls.mass + one, scale, free))[0] for one in A]
+    return hulls.database.omega[np.array(lowest) <= 0.0]
+
+
+def _free_coordinates(hulls: LinearHulls) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Scales of the coordinates by their masses, shape (n,), and what joints leave free of them, shape (n, m)."""
+    from scipy.linalg import null_space
+
+    scale = 1.0 / np.sqrt(np.diag(hulls.mass))
+    if not len(hulls.constraint_jacobian):
+        return scale, np.eye(len(scale))
+    return scale, np.asarray(null_space(hulls.constraint_jacobian * scale))
+
+
+def _reduced(
+    matrix: NDArray[np.float64], scale: NDArray[np.float64], free: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Symmetric part of a matrix in the scaled coordinates that are free."""
+    symmetric = 0.5 * (matrix + matrix.T)
+    return np.asarray(free.T @ (scale[:, None] * symmetric * scale) @ free)
+
+
+def _followed_modes(
+    solve: Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]], begin: float, iterations: int
+) -> list[tuple[float, NDArray[np.float64]]]:
+    """Frequencies [rad/s] and vectors of modes that are followed by their order."""
+    found = []
+    start = solve(begin)[0]
+    threshold = NO_STIFFNESS * float(np.max(np.abs(start)))
     for k in np.flatnonzero(start > threshold):
         w = math.sqrt(start[k])
         for iteration in range(iterations):
@@ -334,12 +389,52 @@ def natural_modes(hulls: LinearHulls, *, iterations: int = 50) -> list[NaturalMo
             if abs(after - w) < 1e-10 * after:
                 break
             w = after if iteration < 10 else 0.5 * (w + after)  # damped where plain iteration swings
-        weighed = free @ vectors[:, k]
-        largest = int(np.argmax(np.abs(weighed)))
-        shape = scale * weighed
-        if w > 0.0:
-            modes.append(NaturalMode(2.0 * math.pi / w, np.asarray(shape / shape[largest]), largest))
-    return sorted(modes, key=lambda mode: -mode.period)
+        found.append((w, vectors[:, k]))
+    return found
+
+
+def _crossed_modes(
+    hulls: LinearHulls, C: NDArray[np.float64], scale: NDArray[np.float64], free: NDArray[np.float64]
+) -> list[tuple[float, NDArray[np.float64]]]:
+    """The same where M + A may be indefinite: where an eigenvalue of C - omega^2 (M + A) falls through zero.
+
+    Where one rises through zero, omega^2 A falls so fast that a free oscillation would have negative energy: such
+    roots are no modes of the hulls.
+    """
+    database = hulls.database
+    low, high = float(database.omega[0]), float(database.omega[-1])
+
+    def dynamic(w: float) -> NDArray[np.float64]:
+        A = _over_frequency(database, database.added_mass, np.array([min(max(w, low), high)]))[0]
+        return C - w * w * _reduced(hulls.mass + A, scale, free)
+
+    def below(w: float) -> int:
+        return int(np.count_nonzero(np.linalg.eigvalsh(dynamic(w)) < 0.0))
+
+    largest = float(np.abs(np.linalg.eigvalsh(C)).max(initial=0.0))
+    if not largest > 0.0:
+        return []
+    first, last = math.sqrt(NO_STIFFNESS * largest), 2.0 * max(high, math.sqrt(largest))
+    inner = np.linspace(low, high, PIECES * len(database.omega))
+    grid = np.concatenate(
+        [
+            np.geomspace(min(first, 0.5 * low), low, PIECES, endpoint=False),
+            inner,
+            np.geomspace(high, max(last, 2.0 * high), PIECES)[1:],
+        ]
+    )
+    counts = [below(w) for w in grid]
+    found = []
+    for left, right, few, many in zip(grid[:-1], grid[1:], counts[:-1], counts[1:], strict=True):
+        for wanted in range(few + 1, many + 1):
+            a, b = float(left), float(right)
+            while b - a > 1e-12 * b:
+                middle = 0.5 * (a + b)
+                if not a < middle < b:
+                    break
+                a, b = (a, middle) if below(middle) >= wanted else (middle, b)
+            found.append((b, np.linalg.eigh(dynamic(b))[1][:, wanted - 1]))  # the one that falls through zero
+    return found
 
 
 def response_statistics(

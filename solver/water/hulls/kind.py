@@ -246,7 +246,7 @@ class TankRow(Record):
 
 
 class PumpData(Record):
-    """A pump: tanks at its ends, -1 for the sea; rows of its plan; lag [s]; flows at most either way; column."""
+    """A pump: tanks at its ends, -1 for the sea; rows of its plan; lag [s]; flows at most; column; if it failed."""
 
     source: int
     target: int
@@ -256,6 +256,7 @@ class PumpData(Record):
     most: float
     least: float
     column: int
+    failed: bool
 
 
 class PumpRow(Record):

@@ -66,6 +66,7 @@ def joined_database(
     -------
     HydrodynamicDatabase
         Its origin is the reference point of the first body in the water plane, its x axis the heading of that body.
+        Without headings, if one of the databases has no exciting forces.
         Frequencies are those of the first database within the range of all.
 
     Raises
@@ -86,6 +87,10 @@ def joined_database(
             expected="databases over the same frequencies",
         )
     beta = over_full_circle(first).headings
+    if not all(
+        one.database.has_excitation for one in radiation
+    ):  # of what waves do to some of them nothing is known
+        beta = beta[:0]
     n, m = 6 * len(bodies), len(omega)
     c, s = math.cos(headings[0]), math.sin(headings[0])
     places = points - points[0]
@@ -169,6 +174,8 @@ class LinearScene:
         in equilibrium up to round-off and forces that follow a body.
     text
         What was done to find the equilibrium.
+    notes
+        Of hulls that lie there at another draught than in their databases, and are not refused.
     """
 
     bodies: tuple[str, ...]
@@ -181,6 +188,7 @@ class LinearScene:
     row_names: tuple[str, ...]
     asymmetry: float
     text: str
+    notes: tuple[str, ...] = ()
 
 
 def linearise(scene: Scene) -> LinearScene:
@@ -195,7 +203,8 @@ def linearise(scene: Scene) -> LinearScene:
     Raises
     ------
     InputError
-        If no hull has a database, a free body is not rigid, or there is no equilibrium.
+        If no hull has a database, a free body is not rigid, there is no equilibrium, or a database is of another
+        water, hull or draught.
 
     Notes
     -----
@@ -203,18 +212,29 @@ def linearise(scene: Scene) -> LinearScene:
     surfaces and tanks are those at the start of time.
     """
     from heavylift.solver.layout import pack_scene
+    from heavylift.solver.layout_sea import floating_hulls
     from heavylift.solver.start.rows import StartRows
     from heavylift.solver.statics.equilibrium import find_equilibrium
     from heavylift.solver.statics.forces import StaticForces
+    from heavylift.solver.water.hulls.database_fit import check_databases, check_rest
 
     _check(scene)
     assert scene.sea is not None
+    hulls = floating_hulls(scene)
+    check_databases(hulls, scene.sea)
     still = replace(
-        scene, sea=_without_waves(scene.sea), contacts=(), contours=(), surfaces=(), collisions=()
+        scene,
+        sea=_without_waves(scene.sea),
+        contacts=(),
+        contours=(),
+        surfaces=(),
+        collisions=(),
+        at_rest=True,
     )
     layout = pack_scene(still, "dele2", 0.0)
     rows = StartRows(layout)
     text = find_equilibrium(rows).text
+    notes = check_rest(layout.bodies, layout.body_names, hulls, scene.sea)
     forces = StaticForces(rows)
     load, G, _ = forces.evaluate()
     reaction, _ = forces.balance(load, G)
@@ -253,6 +273,7 @@ def linearise(scene: Scene) -> LinearScene:
         row_names=tuple(rows.names[rows.block[row]] for row in kept),
         asymmetry=float(np.abs(scaled - scaled.T).max() / largest),
         text=text,
+        notes=tuple(notes),
     )
 
 

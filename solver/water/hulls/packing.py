@@ -17,8 +17,8 @@ from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.sea import FloatingBody, LinearRestoring, Radiation, Sea, Tank, Water
-from heavylift.solver.water.hulls.checks import check_places, check_volume
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
+from heavylift.solver.water.hulls.database_fit import check_databases
 from heavylift.solver.water.hulls.kind import (
     CLIPPED,
     LINEAR,
@@ -138,9 +138,10 @@ def pack_hulls(
         rows[row].cut_off = body.hull.low_pass
     tank_data, levels, tank_rows = _pack_tanks(tanks, names, rigid.frame, sea.water, columns)
     pumps, pump_rows = _pack_pumps(sea, tanks, columns)
+    notes += check_databases(bodies, sea)
     for entry in sea.radiation:
-        for place, name in enumerate(entry.bodies):
-            _cover(entry, place, names.index(name), bodies, rows, surfaces, rigid.frame)
+        for name in entry.bodies:
+            _cover(rows[names.index(name)], surfaces)
 
     added_mass, radiation, excitation, part_state = pack_parts(bodies, sea, step, notes)
     kind = Hulls(
@@ -181,24 +182,13 @@ def pack_hulls(
     return kind.sharing_state()
 
 
-def _cover(
-    radiation: Radiation,
-    place: int,
-    row: int,
-    bodies: Sequence[FloatingBody],
-    rows: Records[HullData],
-    surfaces: _Surfaces,
-    frame: Records[RigidFrame],
-) -> None:
-    """What a hull displaces must fit its database, at the reference point and as long as it floats."""
-    hull = rows[row]
+def _cover(hull: HullData, surfaces: _Surfaces) -> None:
+    """A database holds as long as its hull floats."""
     hull.radiates = True
     if hull.restoring != CLIPPED:
         return
     points = surfaces.all_points[hull.first_point : hull.last_point]
     triangles = surfaces.all_triangles[hull.first_triangle : hull.last_triangle]
-    axes = rotation_matrix(frame[row].axes)
-    check_volume(radiation, place, bodies[row], points, triangles, axes, hull.reference)
     out, deep = records(Clip, 1), -2.0 * float(np.abs(points).max())
     clip_surface_now(points, triangles, np.eye(3).ravel(), deep * 2.0, np.zeros_like(points), out)
     hull.least_volume = LEAST_SHARE * out[0].volume
@@ -320,7 +310,7 @@ def _pack_pumps(
         plan = pump.plan()[: 1 if pump.name in told else None]
         ends = places.get(pump.source, -1), places.get(pump.target, -1)
         least = -pump.rate if pump.reversible else 0.0
-        pumps.append((*ends, len(rows), len(plan), pump.lag, pump.rate, least, columns[pump.name]))
+        pumps.append((*ends, len(rows), len(plan), pump.lag, pump.rate, least, columns[pump.name], False))
         rows += [tuple(line) for line in plan.tolist()]
     return records(PumpData, pumps), records(PumpRow, rows)
 
@@ -375,7 +365,7 @@ def pack_parts(
     Raises
     ------
     InputError
-        If a database belongs to other water, or does not cover the waves.
+        If a database does not cover the waves.
     """
     names = [body.name for body in bodies]
     added_mass = np.zeros((6 * len(names), 6 * len(names)))
@@ -383,8 +373,6 @@ def pack_parts(
     excitations: list[Any] = []
     for radiation in sea.radiation:
         first = names.index(radiation.bodies[0])
-        _check_water(radiation, sea)
-        check_places(radiation, bodies[first : first + len(radiation.bodies)])
         at = slice(6 * first, 6 * (first + len(radiation.bodies)))
         added_mass[at, at] = _consistent_added_mass(radiation.database)
         if radiation.memory != "none":
@@ -463,22 +451,6 @@ def _excitation(
         sea.waves, radiation.database, yaws=places[:, 2], ramp=sea.ramp, with_drift=radiation.drift
     )
     return SummedPart(number, np.zeros((len(hulls), 3)), summed)
-
-
-def _check_water(radiation: Radiation, sea: Sea) -> None:
-    """A database was computed for a water, which must be that of the scene."""
-    database, water = radiation.database, sea.water
-    same = np.isclose(database.density, water.density, rtol=0.01) and np.isclose(
-        database.gravity, water.gravity, rtol=5e-3
-    )
-    depths = 1.0 / np.array([database.depth, water.depth])
-    if not (same and abs(depths[0] - depths[1]) <= 0.05 * max(depths)):
-        raise InputError(
-            f"density {database.density:g} kg/m3, gravity {database.gravity:g} m/s2, depth {database.depth:g} m",
-            source=database.source,
-            key="density, gravity, depth",
-            expected=f"those of the sea: {water.density:g}, {water.gravity:g}, {water.depth:g}",
-        )
 
 
 def check_series(bodies: Iterable[Any]) -> None:

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import add, cross, dot, rotate, vector
-from heavylift.solver.water.hulls.kind import Hulls
+from heavylift.solver.water.hulls.kind import Hulls, PumpRow
 
 __all__ = [
     "add_ballast_work",
     "fill_tanks",
     "overfilled",
     "pump_at",
+    "pumped_behind",
     "put_level",
     "put_tank_velocity",
     "tank_mass",
@@ -47,8 +48,13 @@ def pump_at(kind: Hulls, pump: int, time: float) -> tuple[float, float, float]:
             low = middle
         else:
             high = middle
-    row = rows[low]
-    span, lag = time - row.time, data.lag
+    return pumped_behind(rows[low], data.lag, time)
+
+
+@kernel(internal=True)
+def pumped_behind(row: PumpRow, lag: float, time: float) -> tuple[float, float, float]:
+    """Of one row, at a time behind it."""
+    span = time - row.time
     left = row.flow - row.command
     decay, slowed = 0.0, 0.0
     if lag > 0.0:

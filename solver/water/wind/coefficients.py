@@ -88,7 +88,9 @@ class CoefficientLoad(FluidLoad):
             )
         if max(map(abs, said.angles)) > FULL_TURN + 1e-9:
             raise InputError(
-                f"{max(said.angles):g} rad", key="angles", expected='a full turn at most; degrees as "30 deg"'
+                f"{max(said.angles, key=abs):.6g} rad, {math.degrees(max(said.angles, key=abs)):.6g} deg",
+                key="angles",
+                expected='a full turn at most; degrees as "30 deg"',
             )
 
 

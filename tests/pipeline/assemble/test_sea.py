@@ -485,3 +485,39 @@ def test_a_moored_barge_in_wind_waves_and_current_runs(folder):
     text = (report.folder.root / "report" / "report.md").read_text()
     assert "Hs = 1.5 m" in text
     assert run_case(case).stage("simulate").skipped
+
+
+def test_a_file_in_the_other_first_column_is_told_how_it_is_read(tmp_path, monkeypatch):
+    """HAMS writes frequencies [rad/s] where WAMIT writes periods: numbers of a floating sphere in its way."""
+    from types import SimpleNamespace
+
+    from heavylift.pipeline.assemble import hulls
+    from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
+    from heavylift.preprocess.hydrodynamics.repairs import Repair
+
+    known = read_netcdf(Path(__file__).parents[3] / "cases" / "sphere_decay" / "sphere.nc")
+    rows = [
+        f"{w:.6e} {i + 1} {j + 1} {A[i, j] / known.density:.6e} {B[i, j] / (known.density * w):.6e}"
+        for w, A, B in zip(known.omega, known.added_mass, known.damping, strict=True)
+        for i in range(6)
+        for j in range(6)
+        if A[i, j] or B[i, j]
+    ]
+    (tmp_path / "s.1").write_text("\n".join(rows) + "\n")
+    water = SimpleNamespace(density=known.density, gravity=known.gravity, depth=known.depth)
+    monkeypatch.setattr(hulls, "water_of", lambda _case: water)
+    keys = {
+        "file": "s.1",
+        "file_format": "wamit",
+        "hulls": ("ball",),
+        "length_scale": None,
+        "symmetric": None,
+    }
+    keys |= {"reference_points": known.reference_points.tolist(), "repair": Repair(), "first_column": None}
+    case = SimpleNamespace(folder=tmp_path)
+    with pytest.raises(InputError, match="read as periods") as caught:
+        hulls.read_database_source(case, SimpleNamespace(**keys))
+    assert "'first_column = \"frequency\"', with which the file is sound" in caught.value.expected
+    found = hulls._read(case, SimpleNamespace(**{**keys, "first_column": "frequency"}))
+    np.testing.assert_allclose(found.omega, known.omega, rtol=1e-5)
+    np.testing.assert_allclose(found.added_mass[:, 2, 2], known.added_mass[:, 2, 2], rtol=1e-5)

@@ -13,6 +13,7 @@ from heavylift.pipeline import load_case
 from heavylift.pipeline.case.channel_kinds import COLLISION_CONTACT, all_channels, channel_components
 from heavylift.pipeline.case.places import places
 from heavylift.pipeline.case.tables import declared
+from heavylift.pipeline.results.provenance import simulate_digest
 from heavylift.solver.scene.contacts import ThesisLaw
 
 COLLISION = {
@@ -187,3 +188,30 @@ def test_surfaces_and_collisions_repeat_and_only_those_of_the_ground_move(tmp_pa
     assert list(case.collided) == ["touch0", "touch1", "touch2"]
     with pytest.raises(InputError, match=r"repeat\.0\.collisions\.0: law = 'rgid' \(i = 0\)"):
         load_case(tmp_path, ["repeat.0.collisions.0.law=rgid"])
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("", set()),
+        (
+            '[[criteria]]\nname = "near"\ntype = "clearance"\ndistance = "landing.gap"\nminimum = "1 m"\n',
+            {"landing"},
+        ),
+        ('[[check]]\nid = "near"\nquantity = "channel.bump_2.gap_min.min"\nminimum = "1 m"\n', {"bump_2"}),
+        ('[report]\nchannels = ["*.gap", "tank.position"]\n', None),
+        ('[report]\nchannels = ["landing.contact_1.gap", "bump_1.force"]\n', set()),
+        (
+            '[scenario]\nphases = [{ name = "wait", until = { quantity = "soft.gap", above = 0 } }]\n',
+            {"soft"},
+        ),
+    ],
+)
+def test_a_gap_that_a_table_names_is_measured(folder, text, asked):
+    """By a criterion, a check, the report or a phase; and the results of a run that did not are others."""
+    file = folder / "case.toml"
+    plain = simulate_digest(load_case(folder))
+    file.write_text(f"{file.read_text()}\n{text}")
+    case = load_case(folder)
+    assert case.measured_gaps == (set(case.collided) if asked is None else asked)
+    assert (simulate_digest(case) == plain) == (asked == set())

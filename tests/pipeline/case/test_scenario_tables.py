@@ -18,7 +18,9 @@ from heavylift.solver.scene.scenario import (
     Connect,
     DriveSpeed,
     DriveTo,
+    Fail,
     Release,
+    Restore,
     Signal,
     Term,
     WinchBrake,
@@ -132,6 +134,10 @@ def until(folder: Path, condition: str, actions: str = "") -> Condition:
         ('{ drive = "mast", position = "90 deg", speed = 0.1 }', [DriveTo("mast", pytest.approx(1.5707963268), 0.1)]),
         ('{ drive = "trolley.x", distance = "5 m", speed = "10 m/min" }', [DriveTo("trolley.x", 5.0, pytest.approx(1 / 6), 0.0, True)]),
         ('{ drive = "trolley.angle", speed = "1 rpm" }', [DriveSpeed("trolley.angle", pytest.approx(0.10471975512))]),
+        (
+            '{ fail = ["hook_*", "mast"] }, { restore = "hook_2" }',
+            [Fail("hook_1_rope", "winch"), Fail("hook_2_rope", "winch"), Fail("mast", "drive"), Restore("hook_2_rope", "winch")],
+        ),
         ('{ release = ["tag", "hook_2_rope"] }, { connect = "tag", slack = 1 }', [Release("tag"), Release("hook_2_rope"), Connect("tag", 1.0)]),
     ],
 )  # fmt: skip

@@ -15,6 +15,7 @@ from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline import load_case
 from heavylift.pipeline.checks import quantities as checks_module
 from heavylift.pipeline.checks.criteria import evaluate_criteria
+from heavylift.pipeline.checks.judge import judge
 from heavylift.pipeline.checks.lift_rules import (
     bending_factor,
     capacity_at,
@@ -26,7 +27,7 @@ from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.report.criteria import (
-    criteria_results,
+    briefly,
     criteria_section,
     used_words,
     write_criteria,
@@ -848,7 +849,9 @@ def test_files_and_section_of_the_report(judged, folder, tmp_path):
     case = load_case(folder)
     out = folder / "out"
     found_results = Quantities(case, out).results
-    found, missing = criteria_results(case, out, found_results)
+    judged_alone = judge(case, out, found_results)
+    found = judged_alone.criteria
+    missing = {name: briefly(error) for name, error in judged_alone.open_criteria.items()}
     assert [row.name for row in found] == ["slings", "crane"]
     assert list(missing) == ["daf"]
     assert str(tmp_path.parent) not in missing["daf"], "reports are read elsewhere"
@@ -871,10 +874,10 @@ def test_files_and_section_of_the_report(judged, folder, tmp_path):
         "tensions_1.png",
     }
     verdict = _verdict(case, [], {}, simulated=True, judged=found, open_criteria=missing)
-    assert (verdict.text, verdict.passed) == ("Failed: 1 of 3 criteria (crane).", False)
+    assert (verdict.text, verdict.passed) == ("Failed: 1 of 3 criteria (crane); not evaluated: daf.", False)
     good = [row for row in found if row.passed]
     assert (
-        "1 of 3 criteria could not"
+        "1 of 3 criteria (daf) could not"
         in _verdict(case, [], {}, simulated=True, judged=good, open_criteria=missing).text
     )
 

@@ -436,3 +436,60 @@ def test_static_shares_of_three_slings(folder):
     assert strict.value == pytest.approx(shares[2], abs=5e-6)
     lines = check_table(verdict)
     assert any(line.split()[0] == "strict" and line.endswith("FAILED  (sling_3)") for line in lines)
+
+
+SWINGS = {"sling_1.tension": 3e4 * np.sin(TIMES) - 1e4}
+"""Between -40 kN and 20 kN."""
+
+
+def test_an_amount_has_no_sign(folder, monkeypatch):
+    """Largest at 4.7 s, where the sine is -1: 40 kN; of the records nearest to it."""
+    monkeypatch.setattr(checks_module, "load_results", lambda *_: results(**SWINGS))
+    text = quoted(id="amount", quantity="channel.sling_1.tension.absolute", maximum="30 kN")
+    text += quoted(id="early", quantity="channel.sling_1.tension.absolute", maximum="30 kN", until="2 s")
+    text += quoted(id="least", quantity="channel.sling_1.tension.absolute", minimum="39 kN")
+    amount, early, least = evaluate_checks(appended(folder, text), folder / "out")
+    assert amount.value == pytest.approx(4e4, rel=1e-3)
+    assert (amount.passed, amount.where) == (False, "at 4.7 s")
+    assert early.value == pytest.approx(3e4 * np.sin(1.6) - 1e4, rel=1e-3)
+    assert (early.passed, least.passed) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("statistic", "limit", "told"),
+    [
+        ("max", {"maximum": "25 kN"}, "the smallest is -399"),
+        ("max", {"maximum": "45 kN"}, ""),
+        ("min", {"minimum": "-45 kN"}, ""),
+        ("min", {"minimum": "-15 kN"}, "the largest is 199"),
+        ("max", {"maximum": "25 kN", "minimum": "-50 kN"}, ""),
+        ("absolute", {"maximum": "25 kN"}, ""),
+        ("max", {"minimum": "10 kN"}, ""),
+    ],
+)
+def test_a_limit_on_one_side_tells_of_the_other(folder, monkeypatch, statistic, limit, told):
+    monkeypatch.setattr(checks_module, "load_results", lambda *_: results(**SWINGS))
+    text = quoted(id="one", quantity=f"channel.sling_1.tension.{statistic}", **limit)
+    (check,) = evaluate_checks(appended(folder, text), folder / "out")
+    assert check.note.startswith(told) if told else not check.note
+    assert ("'absolute' judges both sides" in check.note) == bool(told)
+
+
+def test_a_criterion_judges_amounts_and_tells_of_the_other_side(folder, monkeypatch):
+    from heavylift.pipeline.checks.judge import judge
+
+    monkeypatch.setattr(checks_module, "load_results", lambda *_: results(**SWINGS))
+    text = ""
+    for name, statistic in (("side", "max"), ("amount", "absolute")):
+        keys = {
+            "name": name,
+            "type": "limit",
+            "quantity": f"channel.sling_1.tension.{statistic}",
+            "maximum": "30 kN",
+        }
+        text += "[[criteria]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
+    side, amount = judge(appended(folder, text), folder / "out", checks=False).criteria
+    assert (side.passed, amount.passed) == (True, False)
+    assert "'absolute' judges both sides" in side.note
+    assert amount.value == pytest.approx(4e4, rel=1e-3)
+    assert amount.time == pytest.approx(4.7)

@@ -170,5 +170,5 @@ def test_a_sensor_away_from_a_body_is_refused(case):
             )
         }
     )
-    with pytest.raises(InputError, match="away from the body"):
+    with pytest.raises(InputError, match="is not on the body"):
         Quantities(moved, case.output_folder).number("stress.fibre.xx.end")

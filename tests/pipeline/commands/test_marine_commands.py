@@ -208,6 +208,43 @@ def test_what_is_missing_is_one_message(heavylift, barge: Path, small_case: Path
     assert "no databases" in error
 
 
+MISFITS = {
+    "depth": (["sea.depth=30 m"], "expected those of the sea: 1025, 9.81, 30"),
+    "density": (["sea.density=1000"], "expected those of the sea: 1000"),
+    "reference": (["hulls.barge.reference=[0, 5, 0]"], "its centre of buoyancy at y = -5 m"),
+    "hull": (['surfaces.0.shape.size=["36 m", "97.5 m", "9 m"]'], "turned by 90 degrees"),
+    "draught": (["bodies.barge.mass=9000 t", "lines="], "43% less than the 15795 m3"),
+}
+
+
+@pytest.mark.parametrize("name", MISFITS)
+@pytest.mark.parametrize("command", ["rao", "hydrostatics", "lines", "database", "simulate", "draw"])
+def test_every_command_refuses_a_database_that_does_not_fit(
+    heavylift, barge: Path, command: str, name: str
+) -> None:
+    """A barge of 97.5 x 36 m with a draught of 4.5 m in deep water of 1025 kg/m3: 15,795 m3."""
+    changes, words = MISFITS[name]
+    if command == "lines" and "lines=" in changes:
+        return  # it has none
+    code, _, err = heavylift(command, barge, *(token for change in changes for token in ("--set", change)))
+    assert code == 2
+    assert words in err.splitlines()[-1]
+
+
+def test_what_ballast_is_to_fill_is_told_and_not_refused(heavylift, barge: Path) -> None:
+    """9,000 t, 200 t of cargo and an empty tank, of 16,190 t that the database has: the plan finds the rest."""
+    file = barge / "case.toml"
+    tank = 'name = "wing"\nhull = "barge"\nfloor = [0, 0, -4]\nsize = [60, 30, 8]\nmass = 0\n'
+    plan = f'\n[[tanks]]\n{tank}\n[ballast]\nhull = "barge"\ntanks = ["wing"]\nstages = [{{ name = "a" }}]\n'
+    file.write_text(file.read_text() + plan)
+    code, out, err = heavylift("hydrostatics", barge, "--set", "bodies.barge.mass=9000 t", "--set", "lines=")
+    assert code == 0
+    assert (
+        "43% less than the 15795 m3 of its database (barge.nc); not counted: what [ballast] fills"
+        in out + err
+    )
+
+
 @pytest.mark.slow
 def test_the_database_is_drawn(heavylift, barge: Path) -> None:
     code, out, _ = heavylift("database", barge, "--json")
@@ -458,3 +495,23 @@ def test_operators_and_simulated_seas_agree(heavylift, barge: Path) -> None:
     extremes = table(barge / "out" / "statistics" / "extremes.csv")
     assert [row["seed"] for row in extremes] == ["7", "8", "9"]
     assert len({row["barge.pitch maximum"] for row in extremes}) == 3
+
+
+def test_what_only_watches_hangs_on_no_hull():
+    """Relative motions, angles of ropes and the like have no force; springs and tuggers are called what they are."""
+    from heavylift.pipeline.commands.hydrostatics import _ropes
+    from heavylift.solver.forces.spring import Spring
+    from heavylift.solver.forces.tugger import Tugger
+    from heavylift.solver.measures.relative_motions import RelativeMotion
+    from heavylift.solver.scene.scene import Scene
+
+    ends = {"body_a": "barge", "body_b": "ground"}
+    watches = object.__new__(RelativeMotion)
+    spring, tugger = object.__new__(Spring), object.__new__(Tugger)
+    for one, name in ((watches, "airgap"), (spring, "soft"), (tugger, "tag")):
+        for key, value in {"name": name, **ends}.items():
+            object.__setattr__(one, key, value)
+    scene = object.__new__(Scene)
+    object.__setattr__(scene, "ropes", ())
+    object.__setattr__(scene, "forces", (watches, spring, tugger))
+    assert _ropes(scene, {"barge"}) == ["spring soft", "tugger tag"]

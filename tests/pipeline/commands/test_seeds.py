@@ -10,6 +10,7 @@ import pytest
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.checks.criteria import CriterionResult
+from heavylift.pipeline.checks.judge import Judged
 from heavylift.pipeline.commands import statistics as seeds_module
 from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
 from heavylift.pipeline.commands.statistics import SeedRun, simulate_seeds, told_stops
@@ -72,7 +73,12 @@ def judged(monkeypatch):
         runs = [
             SeedRun(7 + k, Outcome.TIMED_OUT, "too long", None)
             if k in stopped
-            else SeedRun(7 + k, Outcome.COMPLETED, "", [result(value, side=side), result(1.0, where="other")])
+            else SeedRun(
+                7 + k,
+                Outcome.COMPLETED,
+                "",
+                Judged(criteria=(result(value, side=side), result(1.0, where="other"))),
+            )
             for k, value in enumerate(values)
         ]
         monkeypatch.setattr(seeds_module, "simulate_seeds", lambda *_, **__: runs)

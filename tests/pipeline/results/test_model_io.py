@@ -64,6 +64,12 @@ def test_a_reduced_body_comes_back(tmp_path, model):
         if field.name == "integrals":
             for mine, theirs in zip(body.integrals, found.integrals, strict=True):
                 assert np.array_equal(mine, theirs)
+        elif field.name == "mesh":
+            assert body.mesh is not None
+            assert found.mesh is not None
+            assert found.mesh.element_type == body.mesh.element_type
+            assert np.array_equal(found.mesh.nodes, body.nodes)
+            assert np.array_equal(found.mesh.elements, body.mesh.elements)
         elif isinstance(getattr(body, field.name), np.ndarray):
             assert np.array_equal(getattr(found, field.name), getattr(body, field.name))
         else:

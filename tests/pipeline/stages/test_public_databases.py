@@ -199,7 +199,7 @@ def test_heave_decay_is_that_of_the_frequency_domain(name: str, hydro_data: Path
     assert np.diff(crossings)[0] == pytest.approx(natural_period(heave, mass, stiffness), rel=0.02)
 
 
-def test_pictures_of_radiation_alone_and_no_operators(hydro_data: Path, tmp_path: Path) -> None:
+def test_pictures_of_radiation_alone_and_natural_periods(hydro_data: Path, tmp_path: Path) -> None:
     write_case(tmp_path, hydro_data, "oswec")
     document, lines = database_command(tmp_path, log=Log(quiet=True))
     (entry,) = document["databases"]
@@ -207,7 +207,16 @@ def test_pictures_of_radiation_alone_and_no_operators(hydro_data: Path, tmp_path
     assert not [file for file in entry["files"] if "excitation" in file]
     assert [line for line in lines if "repaired: negative damping" in line]
     with pytest.raises(InputError, match=r"oswec\.1: excitation: no exciting forces"):
-        rao_command(tmp_path, log=Log(quiet=True))
+        rao_command(tmp_path, headings=[0.0], log=Log(quiet=True))
+    document, lines = rao_command(tmp_path, log=Log(quiet=True))
+    assert document["headings"] == []
+    assert [Path(file).name for file in document["files"]] == ["rao.json", "matrices.json"]
+    assert "no response operators" in lines[-4]
+    about = CASES["oswec"]
+    heave = numeric_heave(hydro_data / "oswec/oswec.1")
+    expected = natural_period(heave, about["mass"], 9810.0 * about["area"])
+    (found,) = [m["period"] for m in document["natural_modes"] if m["coordinate"] == "hull.heave"]
+    assert found == pytest.approx(expected, rel=1e-3)
 
 
 def test_waves_need_exciting_forces(hydro_data: Path, tmp_path: Path) -> None:

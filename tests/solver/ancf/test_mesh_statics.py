@@ -11,7 +11,8 @@ import pytest
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.laws.wire_rope import SpringRope
+from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.laws.wire_rope import Rope, SpringRope
 from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.mesh_shapes import line, rectangle
@@ -543,3 +544,49 @@ def test_a_mechanism_of_two_meshes_that_sinks_is_named() -> None:
     loose = [replace(body, supports=()) for body in bodies]
     with pytest.raises(InputError, match=r"'left' can .*'right' can"):
         settled(loose, forces, joints)
+
+
+def test_a_beam_that_is_at_rest_already_takes_no_search() -> None:
+    """Nothing is loaded, and nothing holds the rigid tip about the axis of a beam without torsion."""
+    beam = frame(4, FrameSection(1000.0, 1e9, 0.01, 1e-7), {"first": CLAMP})
+    tip = RigidBody("tip", 1.0, np.eye(3), position=np.array([10.0, 0.0, 0.0]))
+    end = JointFrame(np.array([10.0, 0.0, 0.0]))
+    joint = FixedJoint(name="end", body_a=beam.name, body_b="tip", frame_a=end)
+    _, found = settled([beam, tip], forces=(), joints=[joint])
+    assert found.iterations < 20
+    assert found.moved < 1e-9
+    assert "no loads" in found.text
+
+
+def test_a_plate_on_four_slings_of_one_hook() -> None:
+    """Free to turn about the vertical: steps along that lead nowhere. The slings carry the weight, each a quarter."""
+    size, thick, density, reach = (16.0, 8.0), 0.05, 7850.0, 12.0
+    mesh = rectangle(*size, 8, 4)
+    plate = ShellBody(
+        name="plate",
+        nodes=mesh.nodes,
+        slopes=mesh.slopes,
+        elements=mesh.elements,
+        lengths=mesh.lengths,
+        sections=(ShellSection(thick, density, 210e9, 0.3),),
+    )
+    hook = np.array([8.0, 4.0, reach])
+    ropes = tuple(
+        Rope(
+            name=f"sling_{i}",
+            path=(RopePoint(GROUND, hook), RopePoint("plate", np.array([x, y, 0.0]))),
+            axial_stiffness=60e6,
+        )
+        for i, (x, y) in enumerate([(2.0, 2.0), (14.0, 2.0), (2.0, 6.0), (14.0, 6.0)])
+    )
+    layout = pack_scene(Scene(bodies=(plate,), forces=(DOWN,), ropes=ropes))
+    rows = StartRows(layout)
+    found = find_equilibrium(rows)
+    assert found.iterations < 100
+    assert found.residual < 1e-6
+    kind = next(kind for kind in layout.joints if hasattr(kind, "tension_at_rest"))
+    for i in range(4):
+        path = kind.path[kind.table[i].first :][:2]
+        step = path[1].centre - path[0].centre
+        vertical = kind.tension_at_rest(i)[0] * step[2] / np.linalg.norm(step)
+        assert vertical == pytest.approx(-density * thick * size[0] * size[1] * 9.81 / 4.0, rel=1e-4)

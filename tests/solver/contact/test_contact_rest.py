@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.forces.spring import Spring
 from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import GROUND, RopePoint
@@ -59,6 +62,46 @@ def test_a_ball_rests_where_its_contact_carries_it(law: Any, depth: float) -> No
     assert np.ptp(found["energy.balance"][:, 0]) < 1e-6
     assert "at rest with its contacts" in simulation.start_text
     assert simulation.time == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("step", [10.0, 1e-2, 1e-6])
+def test_the_rest_does_not_depend_on_the_step(step: float) -> None:
+    """Nor on how strongly the contact is damped: what creeps has little energy long before it is at rest."""
+    for damping in (1e2, 1e5):
+        simulation = Simulation(ball(LinearLaw(1e6, damping)), step, start="equilibrium")
+        row = simulation.record()
+        place = next(channel.column for channel in simulation.channels if channel.name == "ball.position")
+        assert row[place + 2] == pytest.approx(RADIUS - MASS * G / 1e6, abs=5e-4 * MASS * G / 1e6)
+        assert "open" not in simulation.start_text
+        assert not simulation.warning
+
+
+def test_a_spring_and_a_soft_floor_share_a_load_without_gravity() -> None:
+    """Each bears what its stiffness says, though no weight tells how long a step may be."""
+    spring = Spring(
+        name="spring",
+        body_a=GROUND,
+        point_a=np.array([0.0, 0.0, 1.12]),
+        body_b="ball",
+        point_b=np.zeros(3),
+        stiffness=5e3,
+        length=1.02,
+    )
+    scene = ball(LinearLaw(1e4, 1e2))
+    push = PointForce("push", "ball", np.zeros(3), force=np.array([0.0, 0.0, -300.0]))
+    scene = replace(scene, forces=(push, spring))
+    found, _ = rest(scene, 0.01)
+    # 300 = 5e3 (depth) + 1e4 depth, with the spring unstretched where the ball just touches
+    np.testing.assert_allclose(found["ball.position"][0, 2], RADIUS - 300.0 / 1.5e4, atol=1e-6)
+
+
+def test_friction_that_leaves_the_rest_open_is_told() -> None:
+    """Dropped on a slope with friction, a box comes to lie at another place on every way to it."""
+    tilted = Gravity(G * np.array([np.sin(0.2), 0.0, -np.cos(0.2)]))
+    scene = replace(box_on_plane(RigidLaw()), forces=(tilted,))
+    simulation = Simulation(scene, 1e-3, start="equilibrium")
+    simulation.record()
+    assert "friction leaves the place of rest open: two ways to it put 'box'" in simulation.start_text
 
 
 def test_a_rope_takes_its_share_of_what_lies_on_the_floor() -> None:

@@ -26,7 +26,7 @@ def bouncing(law: Any) -> Scene:
 def landing(law: Any) -> Scene:
     """A cube that falls on a plate, both of triangles."""
     cube = (triangles.body("box", (0.13, 0.07, 0.5 + 0.1)), box_surface(1.0))
-    return triangles.scene([cube], plane_surface(60.0), law=law)
+    return triangles.scene([cube], plane_surface(60.0), law=law, clearance=True)
 
 
 SCENES = {

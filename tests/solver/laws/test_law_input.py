@@ -15,6 +15,7 @@ from heavylift.solver.joints.ball import Ball
 from heavylift.solver.laws.wire_rope import SpringRope
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.connections import GROUND, Limits, RopePoint, Winch
+from heavylift.solver.simulation import Simulation
 
 LOAD = body("block", 1.0, (0, 0, -10.0))
 
@@ -35,6 +36,24 @@ def test_rope_shorter_than_its_path_says_by_how_much() -> None:
         ropes=[wire(eye(GROUND), eye("block"), length=9.0)],
     )
     pack_scene(scene([LOAD], ropes=[wire(eye(GROUND), eye("block"), length=9.9)]))  # 1 % is a stretch
+
+
+def test_a_rope_that_comes_to_rest_first_is_judged_there() -> None:
+    """Drawn with a strain of 11 %, it hangs with ``m g / EA``; one that holds two fixed points apart is too short."""
+    hanging = scene([LOAD], ropes=[wire(eye(GROUND), eye("block"), length=9.0)])
+    simulation = Simulation(hanging, 1e-3, start="equilibrium")
+    row = simulation.record()
+    column = {channel.name: channel.column for channel in simulation.channels}
+    stiffness = hanging.ropes[0].axial_stiffness
+    assert row[column["block.position"] + 2] == pytest.approx(-9.0 * (1.0 + 9.81 / stiffness), rel=1e-9)
+    with pytest.raises(InputError, match=r"shorter than its path of 10 m"):
+        Simulation(hanging, 1e-3)
+    below = wire(eye(GROUND, (0, 0, -20.0)), eye("block"), name="below", length=10.0)
+    pulled = scene([LOAD], ropes=[*hanging.ropes, below])  # 19 m of rope for 20 m
+    with pytest.raises(
+        InputError, match=r"length: .* shorter than the path of .* at rest .* a strain of 5\.26"
+    ):
+        Simulation(pulled, 1e-3, start="equilibrium").record()
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,10 @@ from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.scene.scene import RigidBody
 from heavylift.solver.scene.transport import BogieGroup, HeightGrid, PathLeg
 from heavylift.solver.simulation import Simulation
+from heavylift.solver.stop_message import stop_message
 from heavylift.solver.transport.decks import NO_ROAD, Deck, grid_heights, wheel_heights
 from heavylift.solver.transport.packing import vehicle_tipping
+from heavylift.solver.transport.transporters import WALL
 
 R = 0.37
 
@@ -361,7 +363,12 @@ def test_a_wheel_that_leaves_the_road_is_named_with_time_and_place() -> None:
     assert run.outcome is Outcome.OFF_ROAD
     assert times[-1] == pytest.approx(0.5 + R, abs=0.02)
     assert "bogie 1 has no deck below it, at station 4.3" in run.message
-    assert "'spmt'" in run.message
+    assert "transporter 'spmt'" in run.message
+    # the number is that of a row that was written after the wheel had ended the run
+    run._layout.work.status.outcome, run._layout.work.status.block = int(Outcome.OFF_ROAD), 10**6
+    (suspension,) = (kind for kind in run._layout.joints if "bogie_state" in kind._fields)
+    suspension.bogie_state["failure"][1] = WALL
+    assert "transporter 'spmt': bogie 2 meets a step" in stop_message(run._layout, "t = 1 s")
 
 
 @pytest.mark.parametrize("begin", [0.0, 30.0])

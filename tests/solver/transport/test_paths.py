@@ -219,6 +219,44 @@ def test_a_path_goes_over_from_one_moving_deck_to_another() -> None:
     assert np.abs(np.diff(sideways)).max() < 0.005
 
 
+def test_what_a_deck_does_itself_is_no_work_of_the_drives() -> None:
+    """Onto a deck that heaves by 20 mm: drives give rolling, and the rise of the wheels over edges, not the deck's own.
+
+    Both sides of the sum are of the records: loads, and heights of the road under wheels on one deck. An edge that is
+    higher by d than the deck before is climbed at first with the slope ``sqrt(2 R d - d^2)/(R - d)``.
+    """
+    radius, amplitude = 0.37, 0.02
+    heave = Profile(harmonics=(Harmonic(amplitude=amplitude, frequency=0.3, phase=0.0),))
+    barge = RigidBody("barge", 1e6, np.eye(3) * 1e8, motion=Driven(z=heave))
+    decks = (
+        yard(stations=np.array([-30.0, 5.0]), sides=np.array([-5.0, 5.0])),
+        replace(yard(body="barge", stations=np.array([5.02, 40.0])), name="deck"),
+    )
+    transporter = vehicle(
+        legs=(leg([10, 0], speed=0.1),),
+        drive=Drive(speeds=np.array([0.0, 1.0]), forces=np.array([4e4, 4e4])),
+        bogie_mass=0.0,
+        line_damping=2e4,
+        tyre_damping=1.5e4,
+        wheel_radius=radius,
+    )
+    run, _, found = histories(scene(transporter, decks, bodies=(barge, block())), 1e-2, 102.0)
+    assert run.outcome is Outcome.COMPLETED
+    load, under = found["spmt.wheel_load"], found["spmt.road_under"]
+    way, demand = np.diff(found["spmt.path_way"]), found["spmt.drive_demand"][1:]
+    mean, rise = 0.5 * (load[1:] + load[:-1]), np.diff(under, axis=0)
+    same = np.abs(rise) <= 2.0 * way[:, None]  # else it has gone over, and the heights are of two decks
+    assert (~same).sum() < 40
+    rolling, climbing = 0.02 * mean.sum(axis=1) * way, np.where(same, mean * rise, 0.0).sum(axis=1)
+    assert float(demand @ way) == pytest.approx(float((rolling + climbing).sum()), rel=5e-3)
+    edge = amplitude + 0.5e-3
+    slope = math.sqrt(2.0 * radius * edge - edge**2) / (radius - edge)
+    most = 0.02 * MASS * G + 2.0 * load.max() * slope
+    moving = way > 0.99 * way.max()
+    assert 0.3 * most < demand[moving].max() < 1.1 * most
+    assert demand[moving].min() > -1.1 * most
+
+
 def test_a_vehicle_pushes_its_deck_back() -> None:
     """On a free body that carries the road momentum is kept, whatever path the vehicle takes."""
     barge = RigidBody("barge", 4.0e5, np.diag([5e6, 5e7, 5e7]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +11,11 @@ import pytest
 from vehicles import HEIGHT, MASS, OIL, TYRE, G, block, bump, groups_of, histories, scene, vehicle, yard
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.outcome import InputError
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
+from heavylift.solver.scene.scenario import Condition, Fail, Phase, Restore, Scenario
 from heavylift.solver.scene.scene import RigidBody, Scene
-from heavylift.solver.scene.transport import BogieGroup, Levelling
+from heavylift.solver.scene.transport import BogieGroup, Levelling, PathLeg
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck
 from heavylift.solver.transport.transporters import Transporters, _fit_group, _settle, _weigh
@@ -247,3 +250,118 @@ def test_sums_of_a_group_tell_what_its_bogies_do(pipe) -> None:
         assert np.all((found["end_stroke"] >= -0.3) & (found["end_stroke"] <= 0.3))
     assert evens[:3] == [True] * 3
     assert pipe == 0.0 or not all(evens)  # without pipes all leave the road together
+
+
+def plane_model(tau: float, pipe: float, rubber: float) -> np.ndarray:
+    """Eigenvalues of the pitch of 321.853 t on eight lines of four bogies, front and rear, that turns about the road.
+
+    Pitch, its rate, strokes of the lines, lift of the front; own equations, without looks: pumps follow the tilt.
+    """
+    x = -4.9 + 1.4 * np.arange(8)
+    k, oil, weight = 3e6, 9.7e6, 321853.0 * 9.81
+    J = 2.3e7 + 321853.0 * 6.3**2
+    front = np.where(x > 0.0, 1.0, -1.0)
+    A = np.zeros((11, 11))
+    A[0, 1] = 1.0
+    for i in range(8):
+        row = np.zeros(11)
+        row[2 + i] -= k
+        row[0] -= k * x[i]
+        row[1] -= rubber * x[i]
+        row[2:10] -= oil / 4.0 * (front == front[i])
+        row[10] += oil * front[i]
+        A[2 + i] = row / (pipe + rubber)
+    A[1, 0] += weight * 6.3 / J
+    for i in range(8):
+        load = rubber * A[2 + i]
+        load[2 + i] += k
+        load[0] += k * x[i]
+        load[1] += rubber * x[i]
+        A[1] -= 4.0 * x[i] * load / J
+    A[10, 0] = 2.8 / tau
+    return np.linalg.eigvals(A)
+
+
+def levelled_vehicle(tau: float, *, period: float = 1e-3, **more) -> Scene:
+    """The same vehicle on its path: four groups of eight bogies at the corners."""
+    lines = -4.9 + 1.4 * np.arange(8)
+    groups = tuple(
+        BogieGroup(
+            f"g{front}{left}",
+            np.array([(x, s * y, 0.0) for x in lines if (x > 0.0) == front for y in (3.275, 4.725)]),
+            oil_stiffness=9.7e6,
+        )
+        for front in (True, False)
+        for left, s in ((True, 1.0), (False, -1.0))
+    )
+    body = RigidBody(
+        "block", 321853.0, np.diag([1.6e7, 2.3e7, 2.8e7]), centre_of_mass=np.array([0.0, 0.0, 6.3])
+    )
+    given = {
+        "tyre_damping": 15e3,
+        "line_damping": 20e3,
+        "bogie_mass": 0.0,
+        "legs": (PathLeg(points=np.array([[20.0, 0.0]]), speed=0.1),),
+        "levelling": Levelling(speed=9.5e-3, time_constant=tau, period=period),
+    }
+    return scene(vehicle(groups=groups, **(given | more)), (yard(),), body=body)
+
+
+@pytest.mark.parametrize("tau", [2.0, 5.0, 7.0])
+def test_levelling_that_drives_its_vehicle_is_refused_with_the_rate_of_growth(tau) -> None:
+    """Against a model of its own of the pitch in the plane: +0.047 +- 3.94i 1/s at 5 s."""
+    values = plane_model(tau, 20e3, 15e3)
+    worst = values[np.argmax(values.real)]
+    assert worst.real > 1e-3
+    if tau == 5.0:
+        assert (worst.real, abs(worst.imag)) == pytest.approx((0.047, 3.94), abs=5e-3)
+    with pytest.raises(InputError, match="levelling drives what it is to calm") as caught:
+        Simulation(levelled_vehicle(tau), 1e-2)
+    told = re.search(r"exp\(t (\S+) 1/s\) at (\S+) rad/s", str(caught.value))
+    assert float(told[1]) == pytest.approx(worst.real, rel=0.03, abs=3e-4)
+    assert float(told[2]) == pytest.approx(abs(worst.imag), rel=5e-3)
+    Simulation(levelled_vehicle(tau, accept_unstable=True), 1e-2)
+
+
+def test_levelling_that_calms_its_vehicle_is_not_refused() -> None:
+    """10 s, as the model of its own says; with dampers five times as strong 5 s too."""
+    for tau, stronger in ((10.0, 1.0), (5.0, 5.0)):
+        assert plane_model(tau, stronger * 20e3, stronger * 15e3).real.max() < 1e-9
+        Simulation(levelled_vehicle(tau, tyre_damping=stronger * 15e3, line_damping=stronger * 20e3), 1e-2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("tau", "grows"), [(5.0, True), (12.0, False)])
+def test_the_rate_by_which_levelling_grows_is_that_of_a_run(tau, grows) -> None:
+    """After a push: 40 s of pitch grow or fall as the eigenvalue says."""
+    made = levelled_vehicle(tau, period=0.1, accept_unstable=True)
+    (body,) = made.bodies
+    pushed = replace(made, bodies=(replace(body, angular_velocity=np.array([0.0, 2e-4, 0.0])),))
+    _, times, found = histories(pushed, 1e-2, 80.0, 5)
+    pitch = np.abs(found["spmt.pitch"])
+    first, last = pitch[(times > 20.0) & (times < 30.0)].max(), pitch[(times > 60.0) & (times < 70.0)].max()
+    rate = math.log(last / first) / 40.0
+    expected = plane_model(tau, 20e3, 15e3)
+    swaying = expected[np.abs(expected.imag) > 1.0].real.max()
+    assert rate == pytest.approx(swaying, abs=6e-3)
+    assert (rate > 0.0) == grows
+
+
+def test_levelling_that_fails_leaves_its_groups_where_they_are() -> None:
+    """From when on nothing is lifted, until it works again; then it goes on to what is level."""
+    still = lambda seconds, *actions: Phase(f"p{seconds}", actions, (Condition(None, seconds),))  # noqa: E731
+    phases = (
+        still(10.0),
+        still(5.0, Fail("spmt", "levelling")),
+        still(60.0, Restore("spmt", "levelling")),
+    )
+    made = replace(canted(speed=5e-3), scenario=Scenario(phases))
+    run, times, found = histories(made, 2e-2, 60.0, 5)
+    lifts = found["spmt.levelled"][:, 0]
+    failed = (times > 10.0 + 1e-6) & (times < 15.0 + 1e-6)
+    assert abs(lifts[failed][0]) > 1e-3
+    np.testing.assert_allclose(lifts[failed], lifts[failed][0], atol=1e-12)
+    assert abs(lifts[-1]) > 1.05 * abs(lifts[failed][0])
+    plain = histories(canted(speed=5e-3), 2e-2, 9.0, 5)[2]["spmt.levelled"][:, 0]
+    np.testing.assert_array_equal(lifts[: len(plain)], plain)
+    assert run.outcome is Outcome.COMPLETED

@@ -1,6 +1,7 @@
 """Response operators against closed forms: one coordinate, joints, weight, natural periods, responses in a sea."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from heavylift.solver.water.hulls.frequency_domain import (
     linear_hulls,
     motion_operators,
     natural_modes,
+    resonant_frequencies,
     response_statistics,
     rigid_body_mass,
     static_stiffness,
@@ -187,3 +189,55 @@ def test_wrong_input_is_refused():
         response_statistics(found, jonswap(2.0, 8.0), 0.3)
     with pytest.raises(InputError, match="lies outside"):
         response_statistics(found, jonswap(0.1, 2.0), 0.0)
+
+
+def test_natural_periods_where_water_between_hulls_resonates():
+    """Heave with an added mass that falls below minus the mass: roots of c = w^2 (m + A(w)), counted where it falls.
+
+    The added mass between the frequencies is the cubic spline through them, as everywhere. The root at which
+    w^2 (m + A) falls has negative energy and is no mode.
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.optimize import brentq
+
+    database, _ = make()
+    A = database.added_mass.copy()
+    A[:, 2, 2] -= 2.5 * MASS[2] * np.exp(-(((W - 1.8) / 0.12) ** 2))
+    A[:, 0, 2] = A[:, 2, 0] = 1e-3 * MASS[2]
+    database = replace(database, added_mass=A)
+    hulls = linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS))
+    resonant = resonant_frequencies(hulls)
+    assert len(resonant) > 0
+    assert np.all(np.abs(resonant - 1.8) < 0.15)
+    assert len(resonant_frequencies(linear_hulls(make()[0], np.diag(MASS), np.diag(STIFFNESS)))) == 0
+    added = CubicSpline(W, A[:, 2, 2])
+
+    def left(w):
+        return STIFFNESS[2] - w * w * (MASS[2] + added(w))
+
+    grid = np.linspace(0.2, 3.0, 20001)
+    value = left(grid)
+    falls = np.flatnonzero((value[:-1] > 0.0) & (value[1:] <= 0.0))
+    expected = sorted((2.0 * math.pi / brentq(left, grid[i], grid[i + 1]) for i in falls), reverse=True)
+    assert len(expected) == 2
+    modes = natural_modes(hulls)
+    found = [mode.period for mode in modes if mode.coordinate == 2]
+    assert found == pytest.approx(expected, rel=1e-4)
+    # the others are single oscillators: 2 pi sqrt(1.5 m / c)
+    for j in (0, 1, 3, 4, 5):
+        (own,) = [mode.period for mode in modes if mode.coordinate == j]
+        assert own == pytest.approx(2.0 * math.pi * math.sqrt(1.5 * MASS[j] / STIFFNESS[j]), rel=1e-4)
+
+
+def test_modes_by_crossings_are_those_that_are_followed():
+    """Both ways find the same where mass and added mass are positive."""
+    from heavylift.solver.water.hulls import frequency_domain as f
+
+    database, _ = make(slope=0.4)
+    hulls = linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS))
+    followed = sorted(2.0 * math.pi / mode.period for mode in natural_modes(hulls))
+    scale, free = f._free_coordinates(hulls)
+    crossed = sorted(
+        w for w, _ in f._crossed_modes(hulls, f._reduced(hulls.stiffness, scale, free), scale, free)
+    )
+    assert crossed == pytest.approx(followed, rel=1e-9)

@@ -1,0 +1,96 @@
+"""Checks and criteria of a run, each judged by itself: what cannot be evaluated says why and hides no other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
+
+from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.checks.criteria import evaluate_criterion
+from heavylift.pipeline.checks.quantities import Quantities, evaluate_check
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.checks.quantities import CheckResult
+    from heavylift.pipeline.results.histories import Results
+
+__all__ = ["Judged", "judge"]
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Judged:
+    """How a run stands against its checks and criteria.
+
+    Attributes
+    ----------
+    checks, criteria
+        Results of those that can be evaluated, in the order of the case; a criterion may have several lines.
+    open_checks, open_criteria
+        Of the others by id and name why not.
+    """
+
+    checks: tuple[CheckResult, ...] = ()
+    open_checks: dict[str, InputError] = field(default_factory=dict)
+    criteria: tuple[CriterionResult, ...] = ()
+    open_criteria: dict[str, InputError] = field(default_factory=dict)
+
+    @property
+    def passed(self) -> bool:
+        """Whether all of them passed; what cannot be evaluated has not."""
+        failed = any(not one.passed for one in self.checks) or any(not one.passed for one in self.criteria)
+        return not (failed or self.open_checks or self.open_criteria)
+
+
+def judge(
+    case: Case, out: Path, results: Results | None = None, *, checks: bool = True, criteria: bool = True
+) -> Judged:
+    """Evaluate the checks and criteria of a case from the files of its stages, each by itself.
+
+    Parameters
+    ----------
+    case
+        The case.
+    out
+        Its output folder.
+    results
+        Its records, if they have been read.
+    checks, criteria
+        Whether they are asked for.
+    """
+    quantities = Quantities(case, out)
+    if results is not None:
+        quantities.__dict__["results"] = results
+    found: list[CheckResult] = []
+    lines: list[CriterionResult] = []
+    open_checks: dict[str, InputError] = {}
+    open_criteria: dict[str, InputError] = {}
+    for check in case.check if checks else ():
+        one = _evaluated(partial(evaluate_check, case, quantities, check))
+        if isinstance(one, InputError):
+            open_checks[check.id] = one
+        else:
+            found.append(one)
+    for criterion in case.criteria if criteria else ():
+        several = _evaluated(partial(evaluate_criterion, case, quantities, criterion))
+        if isinstance(several, InputError):
+            open_criteria[criterion.name] = several
+        else:
+            lines += several
+    return Judged(tuple(found), open_checks, tuple(lines), open_criteria)
+
+
+def _evaluated(evaluate: Callable[[], T]) -> T | InputError:
+    """What is found, or why nothing is."""
+    try:
+        return evaluate()
+    except InputError as error:
+        return error
+    except (IndexError, ValueError):  # statistics of a run that stopped before its first record
+        return InputError("cannot be evaluated from the records that there are")
