@@ -254,8 +254,8 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         rate = contact_rates(contacts, watched, work.velocity)[0]
         if state.end_gap > gap_tolerance(contacts, watched, rate):
             # what lies beside its features is out of reach: no number for a secant
-            control.low = step
-            control.low_gap = min(state.end_gap, contacts.values[watched].length_scale)
+            in_reach = state.end_gap <= contacts.values[watched].length_scale
+            control.low, control.low_gap = step, state.end_gap if in_reach else math.inf
     worst, worst_time, passing = -1, math.inf, math.inf
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
@@ -330,9 +330,9 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
     c = control.watched
     low, high = control.low, control.high
     t = high - control.high_gap / control.high_rate if control.high_rate < 0.0 else 0.5 * (low + high)
-    if low > 0.0 and step == low:  # the last trial was short of it
+    if low > 0.0 and step == low and control.low_gap < math.inf:  # the last trial was short of it
         t = low + (high - low) * control.low_gap / (control.low_gap - control.high_gap)
-    if not low < t < high:
+    if not low < t < high or control.low_gap == math.inf:
         t = 0.5 * (low + high)
     if high - low <= 1e-12 * control.nominal_step and low > 0.0:
         if step != high:
