@@ -49,7 +49,7 @@ motion_at = record_at(RelativeMotion)
 
 @kernel
 def all_pairs_kernel(surfaces, pairs, motion, reach, out):
-    return contacts_of_pairs(surfaces, 0, 1, pairs, motion_at(motion, 0), reach, SWEPT, True, out)
+    return contacts_of_pairs(surfaces, 0, 1, pairs, motion_at(motion, 0), reach, 0.0, SWEPT, True, out)
 
 
 class Step:

@@ -28,6 +28,10 @@ is reported.
 Surfaces that are pressed into each other are not clear. A vertex behind a face that an edge of it goes through has come
 through: it is a contact from the side where its edges are, from the first interval that it spends wholly behind one
 face. So contacts are found again after they slid from one face to the next.
+
+Of surfaces that give way whole plates lie inside, and no edge of theirs goes through. There a corner is the nearest one
+on the way back, and nothing about it tells whether it has come through or begins on that side: what touches already
+must know (`PRESSED`). A hit is judged at the end of the interval too: what was deeper when it came in may have left.
 """
 
 from __future__ import annotations
@@ -58,6 +62,7 @@ __all__ = [
     "HIT",
     "NEAR",
     "NEITHER",
+    "PRESSED",
     "SLACK",
     "Meeting",
     "Verdict",
@@ -76,6 +81,8 @@ NEITHER = 0
 NEAR = 1
 """At the end of the interval."""
 HIT = 2
+PRESSED = 3
+"""Inside at the end, if it has come through from the other side: asked for only where contacts are pressed in."""
 
 ON_BORDER = 1e-9
 """Part of a face or edge by which a point may lie outside of it and still count as inside."""
@@ -116,6 +123,8 @@ class Meeting(NamedTuple):
         `SWEPT` or `POSITION_DIFFERENCE`.
     judged
         Whether hits are judged; else all that the swept tests report is a contact.
+    pressed
+        Whether contacts of both surfaces are pressed in: what may have come through is reported too.
     """
 
     motion: RelativeMotion
@@ -128,6 +137,7 @@ class Meeting(NamedTuple):
     rounding: float
     method: int
     judged: bool
+    pressed: bool
 
 
 class Verdict(NamedTuple):
@@ -136,7 +146,7 @@ class Verdict(NamedTuple):
     Attributes
     ----------
     outcome
-        `NEITHER`, `NEAR` or `HIT`.
+        `NEITHER`, `NEAR`, `HIT` or `PRESSED`.
     time
         Of the hit, in [0, 1]; 1 if there is none.
     side
@@ -237,8 +247,13 @@ def judge_vertex(
     n = fixed_point(surfaces.normals, face)
     s0 = dot(n, subtract(x0, a))
     s1 = dot(n, subtract(x1, a))
-    if not hit and (abs(s1) > meeting.far or not inside_face(x1, a, b, c, n)):
+    if not hit and radius > 0.0:
+        t, touched = rounding_time(s0, s1, radius)
+        if touched and inside_face(between(x0, x1, t), a, b, c, n):
+            hit, time = True, t
+    if not hit and (min(abs(s0), abs(s1)) > meeting.far or not inside_face(x1, a, b, c, n)):
         return no_contact()
+    left = not hit and abs(s1) > meeting.far  # what was near is no longer, unless it is inside
     if abs(s0) > rounding:
         side = 1.0 if s0 > 0.0 else -1.0
         # one that changed sides without a hit went through a neighbour of this face, or around its border; if
@@ -250,19 +265,44 @@ def judge_vertex(
     # towards the face, in the axes of the vertex
     t = time if hit else 1.0
     d = turn_at(scaled(-side, n), motion, t, not face_moves)
+    if hit and meeting.pressed and not vertex_is_nearest(surfaces, vertex, d, SLACK):
+        # what lay deeper when it came in may have left since
+        t = 1.0
+        d = turn_at(scaled(-side, n), motion, t, not face_moves)
     if not vertex_is_nearest(surfaces, vertex, d, SLACK):
         # not in front of the face, but perhaps the point that has come furthest through it
-        if hit or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK):
+        if (
+            hit
+            or not vertex_is_nearest(surfaces, vertex, scaled(-1.0, d), SLACK)
+            or (left and side * s1 < 0.0)
+        ):
             return no_contact()
         if not vertex_is_through(
             surfaces, vertex, face, motion.end, face_moves, x1, s1
         ) or not vertex_is_through(surfaces, vertex, face, motion.start, face_moves, x0, s0):
-            return no_contact()
+            if not meeting.pressed:
+                return no_contact()
+            return Verdict(PRESSED, 1.0, -side, -side * s1 - radius)
         return Verdict(NEAR, 1.0, -side, -side * s1 - radius)
+    if left and side * s1 > 0.0:
+        return no_contact()
     if vertex_is_behind(surfaces, vertex, face, scaled(side, n), meeting, face_moves, between(x0, x1, t), t):
         return no_contact()
     verdict, time = touch_of_rounding(hit, time, side * s0 - radius, side * s1 - radius, radius)
     return Verdict(verdict, time, side, side * s1 - radius)
+
+
+@kernel(inline=True, internal=True)
+def rounding_time(s0: float, s1: float, radius: float) -> tuple[float, bool]:
+    """When a distance [m] that changes linearly from s0 to s1 has come down to a radius, and whether it does.
+
+    What is round may touch a face and have gone past its border at the end, without its middle ever coming through.
+    """
+    if s0 < 0.0:
+        s0, s1 = -s0, -s1
+    if s0 <= radius or s1 >= radius:
+        return 1.0, False
+    return (s0 - radius) / (s0 - s1), True
 
 
 @kernel(inline=True, internal=True)
@@ -405,6 +445,32 @@ def edge_is_behind(
     return False
 
 
+@kernel(inline=True, internal=True)
+def edges_cross(a: Vector, u: Vector, p: Vector, q: Vector) -> bool:
+    """Whether the edge from a along u and that from p to q cross, seen along their common normal."""
+    v = subtract(q, p)
+    c, r = cross(u, v), subtract(p, a)
+    square = dot(c, c)
+    if square <= PARALLEL * PARALLEL * dot(u, u) * dot(v, v):
+        return False
+    at_a, at_b = dot(cross(r, v), c) / square, dot(cross(r, u), c) / square
+    return min(at_a, at_b) >= -ON_BORDER and max(at_a, at_b) <= 1.0 + ON_BORDER
+
+
+@kernel(inline=True, internal=True)
+def is_within_plane(surfaces: CollisionSurfaces, edge: int) -> bool:
+    """Whether an edge lies between two triangles of one plane: whatever crosses it there touches the plane elsewhere.
+
+    Its contacts would be those of the plane with a normal that leans as the other edge does, and a side that nothing
+    near it tells.
+    """
+    first = surfaces.edge_first[edge]
+    if surfaces.edge_first[edge + 1] != first + 2:
+        return False
+    s = add(fixed_point(surfaces.edge_inward, first), fixed_point(surfaces.edge_inward, first + 1))
+    return dot(s, s) <= LEVEL * LEVEL
+
+
 @kernel(internal=True)
 def judge_edges(
     # model
@@ -434,6 +500,8 @@ def judge_edges(
         As for `judge_vertex`.
     """
     motion, radius, rounding = meeting.motion, meeting.radius, meeting.rounding
+    if is_within_plane(surfaces, edge_a) or is_within_plane(surfaces, edge_b):
+        return no_contact(), 0.0, 0.0
     a0 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[0])
     a1 = fixed_point(surfaces.points, surfaces.edges[edge_a].ends[1])
     u = subtract(a1, a0)
@@ -449,6 +517,11 @@ def judge_edges(
     along_a = dot(cross(r1, v1), c1) / square1
     along_b = dot(cross(r1, u), c1) / square1
     c, length, at_a, at_b, t = c1, length1, along_a, along_b, 1.0
+    if not hit and radius > 0.0:
+        t, touched = rounding_time(dot(c1, subtract(p0, a0)) / length1, gap, radius)
+        if touched and edges_cross(a0, u, between(p0, q0, t), between(p1, q1, t)):
+            hit, time = True, t
+        t = 1.0
     if hit:
         t = time
         p, q = between(p0, q0, t), between(p1, q1, t)
@@ -485,11 +558,26 @@ def judge_edges(
             s0 = dot(n, subtract(meeting.b_in_a, meeting.middle_a))
         side = -1.0 if s0 < 0.0 else 1.0
     d = scaled(side, n)
-    if not edge_is_nearest(surfaces, edge_a, d, SLACK):
-        return no_contact(), 0.0, 0.0
     back = turn_at(scaled(-1.0, d), motion, t, True)
-    if not edge_is_nearest(surfaces, edge_b, back, SLACK):
-        return no_contact(), 0.0, 0.0
+    if not edge_is_nearest(surfaces, edge_a, d, SLACK) or not edge_is_nearest(surfaces, edge_b, back, SLACK):
+        if not meeting.pressed or min(along_a, along_b) < 0.0 or max(along_a, along_b) > 1.0:
+            return no_contact(), 0.0, 0.0
+        # as for a vertex
+        if hit:
+            side = -side if dot(c, c1) < 0.0 else side
+            d = scaled(side / length1, c1)
+            back = turn_at(scaled(-1.0, d), motion, 1.0, True)
+            if not edge_is_nearest(surfaces, edge_a, d, SLACK) or not edge_is_nearest(
+                surfaces, edge_b, back, SLACK
+            ):
+                return no_contact(), 0.0, 0.0
+            return Verdict(HIT, time, side, side * gap - radius), along_a, along_b
+        d, back = scaled(-1.0, d), scaled(-1.0, back)
+        if not edge_is_nearest(surfaces, edge_a, d, SLACK) or not edge_is_nearest(
+            surfaces, edge_b, back, SLACK
+        ):
+            return no_contact(), 0.0, 0.0
+        return Verdict(PRESSED, 1.0, -side, -side * gap - radius), along_a, along_b
     x = between(between(p0, q0, t), between(p1, q1, t), at_b)
     if edge_is_behind(surfaces, edge_b, edge_a, d, meeting, False, x, at_b, t):
         return no_contact(), 0.0, 0.0

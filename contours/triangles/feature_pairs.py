@@ -81,6 +81,7 @@ def find_contacts(
     # motion
     motion: RelativeMotion,
     reach: float,
+    depth: float,
     method: int,
     # out
     out: ContactList,
@@ -96,6 +97,9 @@ def find_contacts(
         between.
     reach
         Gap [m] at the end up to which features that are not hit are contacts too.
+    depth
+        How deep contacts of these surfaces may be pressed in [m]. Up to so much further all features are looked at, and
+        those that are inside, if they have come through, are reported as `UNKNOWN`. Less than rounding: all is clear.
     method
         `SWEPT` or `POSITION_DIFFERENCE`.
     out
@@ -112,13 +116,13 @@ def find_contacts(
     the side on which their neighbours are, then the middles of the surfaces. A vertex that came through a face before
     has the side where its edges are, and a negative gap (down to ``-reach``).
     """
-    count = refresh_pairs(surfaces, lists, pair, motion, reach)
+    count = refresh_pairs(surfaces, lists, pair, motion, reach + depth)
     if count <= 0:
         return count
     listed = lists.table[pair]
     pairs = lists.pairs[listed.first : listed.first + count]
     return contacts_of_pairs(
-        surfaces, listed.surface_a, listed.surface_b, pairs, motion, reach, method, True, out
+        surfaces, listed.surface_a, listed.surface_b, pairs, motion, reach, depth, method, True, out
     )
 
 
@@ -132,6 +136,7 @@ def contacts_of_pairs(
     # motion
     motion: RelativeMotion,
     reach: float,
+    depth: float,
     method: int,
     judged: bool,
     # out
@@ -140,7 +145,8 @@ def contacts_of_pairs(
     """`find_contacts` for listed pairs of triangles; not `judged`, all that the swept tests report, and only that."""
     points, triangles, corners = surfaces.points, surfaces.triangles, out.corners
     radius = surfaces.radii[surface_a] + surfaces.radii[surface_b]
-    far = reach + radius
+    far = reach + depth + radius
+    size = min(surfaces.reaches[surface_a], surfaces.reaches[surface_b])
     middle_a, middle_b = middle_of(surfaces, surface_a), middle_of(surfaces, surface_b)
     meeting = Meeting(
         motion,
@@ -150,9 +156,10 @@ def contacts_of_pairs(
         moved(middle_b, motion.start),
         radius,
         far,
-        ROUNDING * min(surfaces.reaches[surface_a], surfaces.reaches[surface_b]),
+        ROUNDING * size,
         method,
         judged,
+        depth > ROUNDING * size,
     )
     found = 0
     last = -1

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, fixed_point
-from heavylift.contours.triangles.feature_judge import HIT
+from heavylift.contours.triangles.feature_judge import HIT, PRESSED
 from heavylift.numerics.arrays import Arrays, Floats2, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records, records
@@ -25,10 +25,13 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_layout import Edge, RelativeMotion
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 
-__all__ = ["UNIQUE", "ContactList", "FoundContact", "make_contact_list", "report", "shared_end"]
+__all__ = ["UNIQUE", "UNKNOWN", "ContactList", "FoundContact", "make_contact_list", "report", "shared_end"]
 
 UNIQUE = -1
 """In place of a vertex: the pair of features cannot repeat another one."""
+
+UNKNOWN = -1
+"""In place of a hit: what was found is inside, and nobody knows from which side."""
 
 SAME = 1e-6
 """One minus the cosine of the angle between normals that count as the same."""
@@ -45,7 +48,7 @@ class FoundContact(Record):
     kind, first, second
         Kind of the features, and feature of A and of B: rows of points, edges or triangles.
     hit
-        1 if hit in the interval, else 0.
+        1 if hit in the interval, `UNKNOWN` if it is inside and nobody knows from which side, else 0.
     time
         Of impact, in [0, 1]; 1 if not hit.
     side
@@ -167,6 +170,7 @@ def report(
         The new number; -2 if there is no room.
     """
     contacts, table = out.contacts, out.table
+    hit = 1 if verdict.outcome == HIT else (UNKNOWN if verdict.outcome == PRESSED else 0)
     slot = 0
     if vertex != UNIQUE:
         slots = table.shape[0]
@@ -195,7 +199,7 @@ def report(
             if same:
                 if verdict.outcome == HIT:
                     other.time = min(verdict.time, other.time)
-                    other.hit = 1
+                other.hit = max(other.hit, hit)
                 return found
             slot = (slot + 1) & (slots - 1)
     elif found == 0:
@@ -206,7 +210,7 @@ def report(
         table[slot] = found
     new = contacts[found]
     new.kind, new.first, new.second = kind, feature_a, feature_b
-    new.hit = 1 if verdict.outcome == HIT else 0
+    new.hit = hit
     new.time = verdict.time if verdict.outcome == HIT else 1.0
     new.side, new.gap = verdict.side, verdict.gap
     return found + 1

@@ -240,6 +240,9 @@ class ContactState(Record):
         the last step [m/s], and what it grows by in half a step.
     located
         Of contours: whether the gap at the end of the last step was searched for; else it is larger than what is told.
+    passed
+        Part of this step after which a gap that is open at both of its ends has been smallest, if it may have closed in
+        between; else 0.
     forces, gaps
         Extremes of the normal force and of the gap.
     store
@@ -300,6 +303,7 @@ class ContactState(Record):
     mean_rate: float
     growth: float
     located: bool
+    passed: float
     forces: Extremes
     gaps: Extremes
     store: Store

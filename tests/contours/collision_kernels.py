@@ -68,7 +68,7 @@ def contacts_kernel(
 ) -> int:
     """Contacts; not judged, all that the swept tests report."""
     if judged:
-        return find_contacts(surfaces, lists, pair, motion_at(motion, 0), reach, method, out)
+        return find_contacts(surfaces, lists, pair, motion_at(motion, 0), reach, 0.0, method, out)
     count = refresh_pairs(surfaces, lists, pair, motion_at(motion, 0), reach)
     if count <= 0:
         return count
@@ -80,6 +80,7 @@ def contacts_kernel(
         lists.pairs[listed.first : listed.first + count],
         motion_at(motion, 0),
         reach,
+        0.0,
         method,
         False,
         out,

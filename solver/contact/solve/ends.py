@@ -303,7 +303,8 @@ def _close_one(contacts: ContactRows, c: int, step: float, work: Workspace) -> N
             reaction[r] = state.force[r] = state.warm_start[r] = state.middle_force[r] = 0.0
         state.gap, state.second_gap = state.end_gap, state.second_end_gap
         # so near it has been searched, and has rows
-        if state.end_gap <= CLOSE * values.length_scale or contacts.table[c].shape_kind == TRIANGLES:
+        near = state.located or state.end_gap <= CLOSE * values.length_scale
+        if near or contacts.table[c].shape_kind == TRIANGLES:
             state.rate = contact_rates(contacts, c, work.velocity)[0]
         return
     a, b, d = contact_rates(contacts, c, work.velocity)

@@ -2,7 +2,8 @@
 
 The time is found by Newton's method on the gap at the end of the step, with the rate of the gap there, inside a
 bracket. A contact that touches at the start of the step and would be inside at its end, without a time between
-that could be told from the start, joins the closed ones and the step is repeated. After `MOST_EVENTS` impacts in a
+that could be told from the start, joins the closed ones and the step is repeated. What may have gone through the other
+and out again within the step is looked at in between first. After `MOST_EVENTS` impacts in a
 whole step the rest of it goes on without restitution and without splitting: so a bouncing ball comes to rest. So it
 does for all contacts where impacts follow each other without end, as where a pile rocks or an arch comes apart; there
 surfaces look ahead for the rest of the step.
@@ -42,6 +43,9 @@ SHORTEST = 1e-6
 
 RESOLUTION = 1e-10
 """Of the size of a contact, that a gap is found to."""
+
+PASSING = 0.999
+"""Of a step: what has been nearest later than that is as near at its end."""
 
 BEHIND = 1e-6
 """Relative rounding of a gap, and of the way in a step."""
@@ -148,8 +152,9 @@ def end_contact_rows(
     posed = False
     for c in range(contacts.counts.of_contours):
         state = contacts.state[c]
-        asleep = state.sleep > 0.0
+        asleep, steady = state.sleep > 0.0, state.located
         state.sleep -= state.shift
+        state.passed = 0.0
         nearest = min(state.gap, state.sleep + state.shift) - state.shift
         margin = (
             NEAR * state.shift
@@ -167,6 +172,9 @@ def end_contact_rows(
         locate(contacts, bodies, c, asleep and not state.closed, work)
         if contacts.table[c].law == RIGID or contacts.table[c].law == COMPLIANT:
             _look_behind(contacts, c, nearest)
+        if contacts.table[c].law == RIGID and contacts.table[c].events and not state.closed:
+            rate = state.rate if steady else -state.shift / step
+            state.passed = _passing_time(contacts, c, nearest + state.shift, rate, step, work)
         state.sleep = state.end_gap
     if contacts.counts.of_contours < contacts.table.shape[0]:
         if not posed:
@@ -186,8 +194,32 @@ def _repeat_with_found(contacts: ContactRows, work: Workspace, step: float) -> N
         early = looks_ahead(contacts, c) or contacts.table[c].law == COMPLIANT
         if early and contacts.state[c].hit > 0:
             rate = contact_rates(contacts, c, work.velocity)[0]
-            if contacts.state[c].end_gap < -gap_tolerance(contacts, c, rate):
+            inside = contacts.state[c].end_gap < -gap_tolerance(contacts, c, rate)
+            if inside or contacts.state[c].passed > 0.0:
                 work.control.split = step
+
+
+@kernel(internal=True)
+def _passing_time(
+    contacts: ContactRows, c: int, start_gap: float, start_rate: float, step: float, work: Workspace
+) -> float:
+    """`passed` of a contact on a contour, whose gap began with a rate, or one that was not smaller.
+
+    Notes
+    -----
+    On a straight way the distance from what is convex is a convex function of time, so it lies above its tangents at
+    both ends: where these meet at a gap that is still open nothing has been touched.
+    """
+    end_gap = contacts.state[c].end_gap
+    if start_gap <= 0.0 or end_gap <= 0.0 or start_rate >= 0.0:
+        return 0.0
+    end_rate = contact_rates(contacts, c, work.velocity)[0]
+    if end_rate <= 0.0:
+        return 0.0
+    t = (start_gap - end_gap + end_rate * step) / (end_rate - start_rate)
+    if start_gap + start_rate * t >= 0.0 or not SHORTEST * contacts.control.nominal_step < t < step:
+        return 0.0
+    return t / step
 
 
 @kernel(internal=True)
@@ -221,12 +253,16 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
         state = contacts.state[watched]
         rate = contact_rates(contacts, watched, work.velocity)[0]
         if state.end_gap > gap_tolerance(contacts, watched, rate):
-            control.low, control.low_gap = step, state.end_gap
-    worst, worst_time = -1, math.inf
+            # what lies beside its features is out of reach: no number for a secant
+            in_reach = state.end_gap <= contacts.values[watched].length_scale
+            control.low, control.low_gap = step, state.end_gap if in_reach else math.inf
+    worst, worst_time, passing = -1, math.inf, math.inf
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
         if contacts.table[c].law != RIGID or not contacts.table[c].events or state.closed:
             continue
+        if state.passed > 0.0 and state.end_gap > 0.0 and state.recent_impacts < MOST_EVENTS:
+            passing = min(passing, state.passed * step)
         if state.end_gap > 0.0 or state.recent_impacts >= MOST_EVENTS:
             continue
         rate = contact_rates(contacts, c, work.velocity)[0]
@@ -234,6 +270,12 @@ def _find_impact(contacts: ContactRows, work: Workspace, step: float) -> None:
             guess = step - state.end_gap / rate if rate < 0.0 else 0.5 * step
             if guess < worst_time:
                 worst, worst_time = c, guess
+    # a time that is sought already is not given up for one that came out of another path
+    early = SHORTEST * control.nominal_step < passing < PASSING * step
+    if watched < 0 and passing < worst_time and early:
+        control.splits += 1
+        work.control.split = passing
+        return
     if worst >= 0:
         if worst != watched:
             control.watched, control.low, control.low_gap = worst, 0.0, -1.0
@@ -288,9 +330,9 @@ def _next_time(contacts: ContactRows, work: Workspace, step: float) -> None:
     c = control.watched
     low, high = control.low, control.high
     t = high - control.high_gap / control.high_rate if control.high_rate < 0.0 else 0.5 * (low + high)
-    if low > 0.0 and step == low:  # the last trial was short of it
+    if low > 0.0 and step == low and control.low_gap < math.inf:  # the last trial was short of it
         t = low + (high - low) * control.low_gap / (control.low_gap - control.high_gap)
-    if not low < t < high:
+    if not low < t < high or control.low_gap == math.inf:
         t = 0.5 * (low + high)
     if high - low <= 1e-12 * control.nominal_step and low > 0.0:
         if step != high:

@@ -44,17 +44,17 @@ class FeatureSearch(Arrays):
 
 @generic("search")
 def find_features(
-    searches: FeatureSearches, pair: int, motion: RelativeMotion, reach: float, method: int
+    searches: FeatureSearches, pair: int, motion: RelativeMotion, reach: float, depth: float, method: int
 ) -> None:
-    """Features of a pair that meet in a motion or are within reach [m] at its end."""
+    """Features of a pair that meet in a motion or are within reach [m] at its end, or pressed in by a depth [m]."""
 
 
 @implement(find_features, FeatureSearch)
 @kernel(internal=True)
 def find_swept_features(
-    search: FeatureSearch, pair: int, motion: RelativeMotion, reach: float, method: int
+    search: FeatureSearch, pair: int, motion: RelativeMotion, reach: float, depth: float, method: int
 ) -> None:
     """By `find_contacts`."""
     search.counts.count = find_contacts(
-        search.surfaces, search.lists, pair, motion, reach, method, search.found
+        search.surfaces, search.lists, pair, motion, reach, depth, method, search.found
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from heavylift.contours.triangles.feature_gap import feature_gap
-from heavylift.contours.triangles.feature_report import FoundContact
+from heavylift.contours.triangles.feature_report import UNKNOWN, FoundContact
 from heavylift.contours.triangles.patches import EXTREMES, extreme_points, group_patches
 from heavylift.numerics.jit import kernel
 from heavylift.solver.contact.counts import contact_count
@@ -23,13 +23,10 @@ from heavylift.solver.contact.triangles.kind import (
 )
 from heavylift.solver.contact.triangles.slots import look_up
 
-__all__ = ["BORDER", "UNKNOWN", "choose_contacts", "share_stiffness", "sort_found"]
+__all__ = ["BORDER", "choose_contacts", "share_stiffness", "sort_found"]
 
 BORDER = 1e-9
 """Of the size: beyond the border by less a contact is still on its face."""
-
-UNKNOWN = -1
-"""In place of a hit: what was found is inside, and nobody knows from which side."""
 
 DEEPER = 1e-9
 """Of the size: what is deeper than those that span its patch by less does not count."""

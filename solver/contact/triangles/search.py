@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.triangles.feature_gap import copy_pose
+from heavylift.contours.triangles.feature_gap import EDGE_EDGE, FACE_VERTEX, VERTEX_FACE, copy_pose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.vectors import add_scaled, dot, subtract
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.solve.delassus import contact_rates
@@ -24,6 +25,7 @@ from heavylift.solver.contact.triangles.patches import BORDER, choose_contacts, 
 from heavylift.solver.contact.triangles.sides import (
     ABOUT_NOTHING,
     deepest_of,
+    evaluate,
     gap_at_start,
     holds,
     settle_sides,
@@ -50,13 +52,16 @@ NEAR_ENOUGH = 1e-7
 """Of the size of the smaller surface: what is nearer counts as near, however slow it is."""
 
 DEEPER = 4.0
-"""Depths of the contacts that are there, to which the face is looked for that one slides on to."""
+"""Depths of the contacts that are there, to which is looked for what one slides on to, and for what is deeper."""
 
 FAR_AWAY = 1e3
 """Sizes and reaches from which a contact goes."""
 
 AT_START = 1e-4
 """Of the size: what is less deep inside at the start is pushed out."""
+
+GRAZED = 1e-9
+"""Of the size: what passes by less deep inside has not touched."""
 
 TOO_MANY_CONTACTS = int(Outcome.TOO_MANY_CONTACTS)
 
@@ -123,11 +128,9 @@ def _search_pair(
     early = early or meshes.pairs[pair].deforms
     reach = (AT_START if first else NEAR_ENOUGH) * size + (AHEAD * moved if early else 0.0)
     meshes.pairs[pair].reach = reach
-    further = 0.0
-    if meshes.pairs[pair].law == RIGID:
-        further = DEEPER * deepest_of(meshes, contacts, pair)
+    depth = DEEPER * deepest_of(meshes, contacts, pair)
     method = meshes.pairs[pair].method
-    find_features(meshes.searches, pair, meshes.motions[pair], reach + further, method)
+    find_features(meshes.searches, pair, meshes.motions[pair], reach, depth, method)
     count = meshes.counts.count
     if count < 0:
         _stop(contacts, pair, work)
@@ -142,21 +145,43 @@ def _search_pair(
         kind, feature, other = found.kind, found.first, found.second
         c = look_up(meshes, contacts, pair, kind, feature, other)
         if c >= 0:
-            state = contacts.state[c]
-            state.hit = found.hit
-            if state.hit > 0 and state.side != meshes.found.contacts[i].side and not holds(contacts, c):
-                gap, state.side = state.end_gap, meshes.found.contacts[i].side
-                for k in range(3):
-                    state.normal[k] = 0.0  # the side is new
-                touch_mesh_contact(meshes, contacts, bodies, c, work)
-                book_jump(contacts, c, gap)
+            # it knows its side, which the sign of a distance near zero does not tell
+            contacts.state[c].hit = found.hit
+            contacts.state[c].passed = _passing_time(meshes, pair, i)[0]
             continue
+        if meshes.keeps[i] < 0 and _passing_time(meshes, pair, i)[0] > 0.0:
+            meshes.keeps[i] = 0
         if meshes.keeps[i] < 0 or (lost > 0 and _hand_over(meshes, contacts, bodies, pair, i, moved, work)):
             continue
         if not _add(meshes, contacts, bodies, pair, i, moved, step, work):
             _stop(contacts, pair, work)
             return
     meshes.pairs[pair].patches = patches
+
+
+@kernel(internal=True)
+def _passing_time(meshes: SurfacePairs, pair: int, i: int) -> tuple[float, float]:
+    """`passed` of what was found, and the way by which its gap begins to change in the step [m].
+
+    Gaps of faces and crossing edges have a side. Those of round edges and corners have none: what has gone through them
+    is apart again.
+    """
+    found, touch = meshes.found.contacts[i], meshes.touch
+    if found.hit <= 0 or found.kind in (VERTEX_FACE, FACE_VERTEX, EDGE_EDGE) or found.gap <= 0.0:
+        return 0.0, 0.0
+    evaluate(meshes, pair, i, meshes.relative[pair], found.side)
+    end = subtract(touch.point_b, touch.point_a)
+    evaluate(meshes, pair, i, meshes.motions[pair].start, found.side)
+    moved = subtract(end, subtract(touch.point_b, touch.point_a))
+    approach, square = dot(touch.normal, moved), dot(moved, moved)
+    if approach >= 0.0:
+        return 0.0, 0.0
+    t = 1.0 - dot(end, moved) / square
+    if not 0.0 < t < 1.0:
+        return 0.0, 0.0
+    nearest = add_scaled(end, t - 1.0, moved)
+    inside = meshes.pairs[pair].radii - math.sqrt(dot(nearest, nearest))
+    return (t, approach) if inside > GRAZED * meshes.pair_values[pair].length_scale else (0.0, 0.0)
 
 
 @kernel(internal=True)
@@ -178,7 +203,7 @@ def _follow_contacts(
         state = contacts.state[c]
         if state.pair == pair:
             touch_mesh_contact(meshes, contacts, bodies, c, work)
-            state.hit = 0
+            state.hit, state.passed = 0, 0.0
             if holds(contacts, c) and state.beside > BORDER * size:
                 lost += 1
     return lost
@@ -241,6 +266,9 @@ def _add(
         state.rate = state.start_rate = rate
     else:
         state.rate = state.start_rate = 2.0 * (state.end_gap - start) / step - rate
+    passed, approach = _passing_time(meshes, pair, i)
+    if passed > 0.0:
+        state.passed, state.rate, state.start_rate = passed, approach / step, approach / step
     state.start_beside = beside
     enter(meshes, contacts, c)
     return True

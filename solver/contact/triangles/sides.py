@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from heavylift.contours.triangles.feature_gap import EDGE_EDGE, feature_gap
+from heavylift.contours.triangles.feature_gap import EDGE_EDGE, feature_gap, moved, to_axes_of_b
+from heavylift.contours.triangles.feature_report import UNKNOWN
 from heavylift.contours.triangles.surface_layout import RelativePose
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import rotate
+from heavylift.numerics.vectors import dot, rotate, subtract
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.triangles.kind import SurfacePairs
-from heavylift.solver.contact.triangles.patches import UNKNOWN
 from heavylift.solver.contact.triangles.slots import look_up
 
 __all__ = [
@@ -68,6 +68,20 @@ def gap_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
 
 
 @kernel(internal=True)
+def _touching_at_start(meshes: SurfacePairs, pair: int, i: int) -> float:
+    """How far at the start what touches at the end was from each other [m], along its normal there.
+
+    Of two edges not the distance of the lines through them, which may cross beyond their ends.
+    """
+    if meshes.found.contacts[i].kind != EDGE_EDGE:
+        return gap_at_start(meshes, pair, i)
+    touch, start = meshes.touch, meshes.motions[pair].start
+    evaluate(meshes, pair, i, meshes.relative[pair], meshes.found.contacts[i].side)
+    d = subtract(moved(to_axes_of_b(touch.point_b, meshes.relative[pair]), start), touch.point_a)
+    return dot(d, touch.normal) - meshes.pairs[pair].radii
+
+
+@kernel(internal=True)
 def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> float:
     """Cosine between the normal left in `touch` and that of a contact."""
     touch, state = meshes.touch, contacts.state[c]
@@ -78,23 +92,29 @@ def aligned(meshes: SurfacePairs, contacts: ContactRows, pair: int, c: int) -> f
 
 @kernel(internal=True)
 def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
-    """How deep contacts of a pair that push or rest have been inside at the start of the step [m]."""
-    deepest = 0.0
+    """How deep contacts of a pair that push or rest have been inside at the start of the step [m]; 0 without.
+
+    What rests has no depth but that of rounding, by which others beside it may be inside too.
+    """
+    deepest, rounding = 0.0, ABOUT_NOTHING * meshes.pair_values[pair].length_scale
     if meshes.pairs[pair].members == 0:
         return deepest
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         if contacts.state[c].pair == pair and holds(contacts, c):
-            deepest = max(deepest, -contacts.state[c].gap)
+            deepest = max(deepest, rounding, -contacts.state[c].gap)
     return deepest
 
 
 @kernel(internal=True)
-def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> bool:
-    """Whether the normal left in `touch` is against that of the nearest contact that touches along the same line."""
+def _told(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> int:
+    """Whether the nearest contact that touches along the line of the normal left in `touch` does so along it: 1 or -1.
+
+    0 if none does.
+    """
     touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair].poses[0]]
     x1, x2, x3 = rotate(pose.rotation, touch.point_a)
     x1, x2, x3 = x1 + pose.origin[0], x2 + pose.origin[1], x3 + pose.origin[2]
-    turned, nearest = False, math.inf
+    told, nearest = 0, math.inf
     for k in range(contacts.counts.of_contours, count):
         state = contacts.state[k]
         if state.pair != pair or not (holds(contacts, k) or abs(state.gap) <= near):
@@ -103,8 +123,8 @@ def _is_turned(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: in
         d1, d2, d3 = x1 - state.touched[0], x2 - state.touched[1], x3 - state.touched[2]
         square = d1 * d1 + d2 * d2 + d3 * d3
         if abs(cosine) > ALIGNED and square < nearest:
-            turned, nearest = cosine < 0.0, square
-    return turned
+            told, nearest = 1 if cosine > 0.0 else -1, square
+    return told
 
 
 @kernel(internal=True)
@@ -122,9 +142,13 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
         found = meshes.found.contacts[i]
         if look_up(meshes, contacts, pair, found.kind, found.first, found.second) >= 0:
             continue
-        start = gap_at_start(meshes, pair, i)
-        near = abs(start) <= nothing and not deforms
-        if near and _is_turned(meshes, contacts, pair, contact_count(contacts), nothing):
+        start = _touching_at_start(meshes, pair, i)
+        told = 0
+        if abs(start) <= nothing and not deforms:
+            told = _told(meshes, contacts, pair, contact_count(contacts), nothing)
+        if found.hit == UNKNOWN:  # it has come through where something holds that has, too
+            found.hit = 0 if told > 0 else UNKNOWN
+        elif told < 0:
             meshes.found.contacts[i].side = -meshes.found.contacts[i].side
         elif start < -inside and not first:
             found.hit = UNKNOWN
