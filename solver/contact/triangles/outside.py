@@ -161,7 +161,8 @@ def _within(points: NDArray[np.float64], corners: NDArray[np.float64]) -> bool |
         p, q, r = (np.linalg.norm(x, axis=1) for x in (a, b, c))
         above = (a * np.cross(b, c)).sum(axis=1)
         below = p * q * r + (a * b).sum(axis=1) * r + (a * c).sum(axis=1) * q + (b * c).sum(axis=1) * p
+        if ((np.abs(above) <= BEYOND * p * q * r) & (below <= 0.0)).any():
+            continue  # it touches a triangle
         turns = abs(float(np.arctan2(above, below).sum())) / (2.0 * np.pi)
-        if turns < 0.1 or turns > 0.9:
-            told.add(turns > 0.9)
+        told.add(turns > 0.5)
     return told.pop() if len(told) == 1 else None

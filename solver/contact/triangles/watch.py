@@ -22,8 +22,8 @@ from heavylift.solver.contact.triangles.slots import surface_count
 
 __all__ = ["judge_contact"]
 
-ROUNDING = 1e-9
-"""Of the largest force so far: what is less is nothing."""
+ROUNDING = 1e-6
+"""Of the largest force so far: what is less is nothing, as impulses are found no better where that is hard."""
 
 TURNED = -0.5
 """Cosine between a normal and the way out; of what has slid deep beside an edge it may be a little below zero."""
@@ -31,19 +31,19 @@ TURNED = -0.5
 
 @kernel(internal=True)
 def judge_contact(meshes: SurfacePairs, contacts: ContactRows, c: int) -> None:
-    """Judge a contact at the end of a step that stands."""
+    """Judge force and mean force of a contact at the end of a step that stands."""
     state = contacts.state[c]
     force, pair = state.normal_force, meshes.pairs[state.pair]
-    if force == 0.0:
+    mean = state.step_impulse / contacts.control.nominal_step
+    if force == 0.0 and mean == 0.0:
         return
     gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + state.pair], 0)
-    gone.strongest = max(gone.strongest, abs(force))
-    if abs(force) <= ROUNDING * gone.strongest:
+    gone.strongest = max(gone.strongest, abs(force), abs(mean))
+    least = min(force, mean)
+    if least < -ROUNDING * gone.strongest:
+        _note(contacts, c, gone.pulls, -least)
         return
-    if force < 0.0:
-        _note(contacts, c, gone.pulls, -force)
-        return
-    if pair.deforms:
+    if force <= ROUNDING * gone.strongest or pair.deforms:
         return
     if _way_out(meshes, contacts, c) < TURNED:
         _note(contacts, c, gone.turned, force)
