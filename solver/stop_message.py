@@ -475,8 +475,8 @@ def _contact_faults(layout: Layout, contacts: Any) -> list[str]:
                     force = f" with up to {fault.force:.4g} N" if fault.force > 0.0 else ""
                     parts.append(
                         f"collision {layout.block_names[first + pair]!r}: {what}{force}, first at {fault.first:.6g} s,"
-                        f" counted {fault.count} times: its forces are wrong there; take a smaller step, a law that is stiff"
-                        " enough for what hits, or give what has no thickness a 'radius'"
+                        f" counted {fault.count} times: its forces are wrong there; take a smaller step, a law that is"
+                        " stiff enough for what hits, or give what has no thickness a 'radius'"
                     )
     return parts
 
