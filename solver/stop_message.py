@@ -418,7 +418,9 @@ DEEPEST = 0.01
 
 
 def contact_warning(layout: Layout) -> str:
-    """Steps in which impacts had no end, or impulses were found roughly, as a sentence; empty if none.
+    """Steps in which impacts had no end, impulses were found roughly, or contacts acted as none can, as a sentence.
+
+    Empty if there were none.
 
     Parameters
     ----------
@@ -444,7 +446,39 @@ def contact_warning(layout: Layout) -> str:
                 f" {tally.roughest:.1g} of the largest rate only: try"
                 f" {COMPLIANT_LAW if _has_rigid(layout) else 'a smaller step, or less friction'}"
             )
+        parts += _contact_faults(layout, system)
     return "; ".join(parts)
+
+
+CONTACT_FAULTS = {
+    "pulls": "contacts between its surfaces pull",
+    "turned": "contacts push into a closed surface from its wrong side",
+    "opposed": "contacts push the ends of an edge from both sides of one face, through which it has gone",
+}
+"""What the watch of pairs of surfaces of triangles has seen."""
+
+
+def _contact_faults(layout: Layout, contacts: Any) -> list[str]:
+    """Pairs of surfaces with contacts that act as none can, a sentence each."""
+    if not contacts.meshes:
+        return []
+    from heavylift.solver.contact.triangles.kind import gone_contacts
+
+    first, parts = int(contacts.counts.first_block + contacts.counts.of_contours), []
+    for meshes in contacts.meshes:
+        count = len(meshes.pairs)
+        for pair, sums in enumerate(contacts.placed[-1 - count : -1]):
+            gone = gone_contacts(sums, 0)
+            for name, what in CONTACT_FAULTS.items():
+                fault = getattr(gone, name)
+                if fault.count:
+                    force = f" with up to {fault.force:.4g} N" if fault.force > 0.0 else ""
+                    parts.append(
+                        f"collision {layout.block_names[first + pair]!r}: {what}{force}, first at {fault.first:.6g} s,"
+                        f" counted {fault.count} times: its forces are wrong there; take a smaller step, a law that is"
+                        " stiff enough for what hits, or give what has no thickness a 'radius'"
+                    )
+    return parts
 
 
 def _explicit_limit(layout: Layout) -> str:

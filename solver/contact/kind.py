@@ -424,6 +424,8 @@ class Events(Record):
         Whether the step is a whole one, without an impact within.
     stopping_work
         Work of rows that look ahead in the middle of the step [J].
+    time
+        End of the step [s].
     failure
         Why the last step that failed did: `NO_PLACE`, `PRESSED_IN`, `NO_IMPULSES` or `NO_END`.
     """
@@ -450,6 +452,7 @@ class Events(Record):
     known: int
     uncut: bool
     stopping_work: float
+    time: float
     failure: int
 
 

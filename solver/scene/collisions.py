@@ -130,8 +130,8 @@ class Collision(CollisionPlace):
     patch_size: Annotated[float, Positive("length"), Absent()] = 0.0
     """And lie within this distance [m]; a tenth of the smaller surface, at least 1.5 times its mean edge, if absent."""
     most_contacts: Annotated[int, Interval(ge=1, le=100_000)] = 512
-    """At once; if there are more, the simulation stops. With a frame or shell 64 at most. The usual number is less
-    where that of all collisions together would be more than 100,000."""
+    """At once, of a pair; if there are more, the simulation stops. All pairs together have as many for each surface.
+    With a frame or shell 64 at most."""
     recorded: Annotated[int, Interval(ge=0, le=1000)] = 8
     """Contacts recorded one by one, those with the largest forces."""
     clearance: bool = False

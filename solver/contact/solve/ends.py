@@ -94,6 +94,7 @@ def solve_contact_end(
     Where something hits, what has been closed all along is projected first: an impact may lift it, but cannot take back
     the impulses that have borne it until then.
     """
+    contacts.control.time = time + step
     closed, hits = 0, 0
     for c in range(contact_count(contacts)):
         state = contacts.state[c]
@@ -254,7 +255,7 @@ def close_contact_step(
         if contacts.table[c].law == COMPLIANT:
             values, law = contacts.values[c], contacts.table[c].force_law
             note_stored(state.store, stored_energy(law, values.stiffness, values.exponent, -state.gap))
-    watch_pairs(contacts.meshes, contacts, interval)
+    watch_pairs(contacts.meshes, contacts, work)
     _book_losses(contacts)
     count_rough(contacts)
     place_surfaces(contacts.meshes, contacts)

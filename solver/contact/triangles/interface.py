@@ -60,8 +60,8 @@ def place_surfaces(meshes: Colliding, contacts: ContactRows) -> None:
 
 
 @optional()
-def watch_pairs(meshes: Colliding, contacts: ContactRows, interval: int) -> None:
-    """When a step stands: extremes of the forces and gaps of pairs in an interval between records."""
+def watch_pairs(meshes: Colliding, contacts: ContactRows, work: Workspace) -> None:
+    """When a step stands: extremes of forces and gaps of pairs since the last record; contacts that act as none can."""
 
 
 @optional()

@@ -24,6 +24,7 @@ __all__ = [
     "PLACED_WIDTH",
     "Clearing",
     "ContactHeader",
+    "Fault",
     "GoneContacts",
     "PairSide",
     "SurfacePair",
@@ -34,6 +35,7 @@ __all__ = [
 ]
 
 BothInts = Annotated[NDArray[np.int64], (2,)]
+BothFloats = Annotated[NDArray[np.float64], (2,)]
 
 
 class SurfacePair(Record):
@@ -55,6 +57,8 @@ class SurfacePair(Record):
         Most contacts at once, and how many are recorded.
     deforms
         Whether a surface deforms.
+    outside
+        Of both surfaces: 1 if the other one began outside of its closed parts, -1 if within, 0 if nobody knows.
     patch_cosine, patch_size
         Cosine of the angle between normals of one patch, and its size [m].
     radii
@@ -77,6 +81,7 @@ class SurfacePair(Record):
     most: int
     recorded: int
     deforms: bool
+    outside: BothFloats
     patch_cosine: float
     patch_size: float
     radii: float
@@ -95,6 +100,22 @@ class PairSide(Record):
     holder: int
 
 
+class Fault(Record):
+    """Contacts that act as none can, of a pair.
+
+    Attributes
+    ----------
+    count, first
+        In how many steps some did, counted for each, and when the first one did [s].
+    force
+        Largest force of one [N]; of a contact without compliance that of whole steps.
+    """
+
+    count: int
+    first: float
+    force: float
+
+
 class GoneContacts(Record):
     """Of a pair: sums over contacts that are gone, as of a contact: impulses, energy, number, slip path; and extremes.
 
@@ -107,6 +128,11 @@ class GoneContacts(Record):
         may come back; a negative one comes from nowhere, so it is no negative loss but stays in the balance.
     forces, gaps
         Extremes of the sum of the normal forces and of the smallest gap.
+    strongest
+        Largest normal force of a contact since the start [N].
+    pulls, turned, opposed
+        Contacts that pulled; that pushed into a closed surface; of two at the ends of one edge that pushed it from both
+        sides of one face.
     """
 
     impulse: float
@@ -117,6 +143,10 @@ class GoneContacts(Record):
     jumps: float
     forces: Extremes
     gaps: Extremes
+    strongest: float
+    pulls: Fault
+    turned: Fault
+    opposed: Fault
 
 
 class ContactHeader(Record):
@@ -172,6 +202,8 @@ class SurfacePairs(Arrays):
         Table in which contacts are looked up by their features.
     kept
         Contacts found in a step that is taken back.
+    outward, edge_outward
+        Of triangles and edges, as in `ClosedParts`; no search reads them.
     clearances
         Pairs whose distance is recorded: one kind or none.
     """
@@ -207,4 +239,6 @@ class SurfacePairs(Arrays):
     slots: Ints1
     chains: Ints1
     kept: Records[ContactState]
+    outward: Floats1
+    edge_outward: Floats2
     clearances: Clearing

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from heavylift.contours.triangles.surface_layout import RelativeMotion, RelativePose
 from heavylift.numerics.outcome import InputError
@@ -39,8 +38,8 @@ from heavylift.solver.contact.triangles.kind import (
     SurfacePair,
     SurfacePairs,
 )
+from heavylift.solver.contact.triangles.outside import closed_parts, outside_of
 from heavylift.solver.rows.structure import Attachment
-from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import BilateralLaw, RigidLaw
 from heavylift.solver.scene.meshes import MeshBody
@@ -48,9 +47,11 @@ from heavylift.solver.scene.scene import RigidBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
+    from heavylift.numerics.records import Records
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.bodies.ancf.mesh_contour import FacetBook
-    from heavylift.solver.scene.collisions import CollisionSurface
+    from heavylift.solver.contact.triangles.outside import ClosedParts
+    from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["pack_collisions"]
@@ -64,10 +65,10 @@ FOUND_AT_A_POINT = 4
 """Features that a search may find for each point of a surface that deforms: all of it may lie on something."""
 
 MOST_AT_ALL = 100_000
-"""Contacts at once, of all collisions: each takes about a kilobyte."""
+"""Contacts at once, of all collisions: each takes some kilobytes."""
 
-LEAST_SHARE = 32
-"""Of them for a collision of many that share: twice what two boxes have that lie face on face, edges crossing."""
+MOST_DENSE = 2048
+"""The same where not all that is touched has six velocities: the matrix of all rows of contacts is solved."""
 
 FOUND_AT_ONCE = 16
 """Features that a search may find for each contact that there may be: those of one patch make few contacts."""
@@ -151,21 +152,16 @@ def pack_collisions(
         pair.patch_size = collision.patch_size or _patch_size(min(moved[first], moved[second], key=_extent))
         pair.radii = moved[first].radius + moved[second].radius
     packed = pack_surfaces(moved, [surface.body for surface in scene.surfaces])
-    _share_room(pairs["most"])
-    most = int(pairs["most"].sum())
+    all_rigid = not deforming and all(moves_rigidly(side) for side in sides)
+    most = _most_at_once(pairs, all_rigid)
     room = FOUND_AT_ONCE * max(2, int(pairs["most"].max()))
     room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])
-    if most > MOST_AT_ALL:
-        _refuse(
-            scene.collisions[0],
-            "most_contacts",
-            f"{most} of all collisions together",
-            f"{MOST_AT_ALL} at most: fewer of each",
-        )
     items = room + most
     placed = records(ContourPose, len(poses))
     for i, pose in enumerate(poses):
         placed[i] = pose
+    parts = closed_parts(packed, deforming)
+    _put_outside(pairs, packed, parts, poses)
     places = len(scene.contacts) + most
     search = FeatureSearch(
         surfaces=packed,
@@ -197,6 +193,8 @@ def pack_collisions(
         slots=np.zeros(1 << (2 * most - 1).bit_length(), dtype=np.int64),
         chains=np.zeros(places, dtype=np.int64),
         kept=records(ContactState, places),
+        outward=parts.outward,
+        edge_outward=parts.edge_outward,
         clearances=Clearing(make_clearances(packed, _asked_for(scene))),
     )
     return PackedCollisions(
@@ -206,19 +204,37 @@ def pack_collisions(
         poses=placed,
         placed=np.zeros((len(moved) + count + 1, PLACED_WIDTH)),
         most=most,
-        all_rigid=not deforming and all(moves_rigidly(side) for side in sides),
+        all_rigid=all_rigid,
         sides=[side for side in sides if side.width],
         widest=max(6, int(sides["width"].max())),
     )
 
 
-def _share_room(most: NDArray[np.int64]) -> None:
-    """Give collisions with the usual room less of it where all together would take too much, as of many surfaces."""
-    usual = most == Collision.most_contacts
-    if most.sum() > MOST_AT_ALL and usual.any():
-        share = (MOST_AT_ALL - int(most[~usual].sum())) // int(usual.sum())
-        if share >= LEAST_SHARE:
-            most[usual] = share
+def _most_at_once(pairs: Records[SurfacePair], all_rigid: bool) -> int:
+    """Contacts at once of all collisions together.
+
+    Pairs grow with the square of the number of surfaces, and what touches at once does not: there is room for as many
+    as each surface may have with one other.
+    """
+    of_surface = np.zeros(1 + int(pairs["surfaces"].max()), dtype=np.int64)
+    np.maximum.at(of_surface, pairs["surfaces"].ravel(), np.repeat(pairs["most"], 2))
+    most = min(int(pairs["most"].sum()), int(of_surface.sum()), MOST_AT_ALL if all_rigid else MOST_DENSE)
+    return max(most, int(pairs["most"].max()))
+
+
+def _put_outside(
+    pairs: Records[SurfacePair],
+    packed: CollisionSurfaces,
+    parts: ClosedParts,
+    poses: Sequence[ContourPose],
+) -> None:
+    """Where both surfaces of each pair begin, as seen from the other."""
+    turns, places = [one.rotation.reshape(3, 3) for one in poses], [one.origin for one in poses]
+    for pair in pairs:
+        for side in range(2):
+            a, b = int(pair.surfaces[side]), int(pair.surfaces[1 - side])
+            R, p = turns[a].T @ turns[b], turns[a].T @ (places[b] - places[a])
+            pair.outside[side] = outside_of(packed, parts, a, b, R, p)
 
 
 def _asked_for(scene: Scene) -> list[bool]:

@@ -20,6 +20,7 @@ from heavylift.solver.contact.triangles.interface import (
 )
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts
 from heavylift.solver.contact.triangles.slots import count_members, surface_count
+from heavylift.solver.contact.triangles.watch import judge_contact
 from heavylift.solver.extremes import largest_of, note_value, smallest_of
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -65,8 +66,9 @@ collision_columns, contact_columns = record_at(CollisionColumns), record_at(Cont
 
 @implement(watch_pairs, SurfacePairs)
 @kernel(internal=True)
-def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int) -> None:
-    """Sums as in a record, and jumps; a gap is known where there are contacts, or where somebody asks for it."""
+def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, work: Workspace) -> None:
+    """Sums as in a record, jumps, faults; a gap is known where there are contacts, or where somebody asks for it."""
+    interval = work.control.interval
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
         one.force, one.gap = 0.0, one.reach
@@ -78,6 +80,7 @@ def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, interval: int)
         one.gap = min(one.gap, state.gap)
         if state.normal_force > 0.0 or state.closed:
             one.force += state.normal_force
+        judge_contact(meshes, contacts, c)
     for pair in range(meshes.pairs.shape[0]):
         one = meshes.pairs[pair]
         gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
