@@ -27,6 +27,9 @@ FEW = 2.0
 SHARE = 0.5
 """Of the largest speed of a drive, by which a ramp changes it; less is a kink, or a sample of a measured motion."""
 
+JUMP = 0.01
+"""Of the longer of the intervals beside it: a change within less is meant as a jump."""
+
 Tables = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
@@ -47,6 +50,8 @@ def short_ramps(layout: Layout, step: float, until: float) -> list[tuple[str, fl
         lengths = np.diff(times)
         fastest = max(np.abs(before).max(initial=0.0), np.abs(after).max(initial=0.0))
         ramps = (np.abs(after - before) >= SHARE * fastest) & (times[:-1] < until) & (times[1:] > 0.0)
+        beside = np.maximum(np.append(0.0, lengths[:-1]), np.append(lengths[1:], 0.0))
+        ramps &= lengths > JUMP * beside
         ramps &= (lengths > 0.0) & (lengths <= FEW * step * (1.0 + 1e-9))
         if fastest > 0.0 and ramps.any():
             found[name] = min(float(lengths[ramps].min()) / step, found.get(name, math.inf))
