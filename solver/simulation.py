@@ -371,6 +371,7 @@ class Simulation:
         from heavylift.solver.contact.check_start import start_contacts
         from heavylift.solver.start.rows import StartRows
         from heavylift.solver.statics.contact_rest import ContactRest, settle_contacts
+        from heavylift.solver.statics.stopped_drives import StoppedDrives
 
         records = np.empty((0, self.column_count))
 
@@ -378,10 +379,12 @@ class Simulation:
 
         def advance(step: float) -> str:
             layout.work.control.next_step = step
-            if self._run(
-                layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
-                step, 0.0, 0, 1, 2, records,
-            ) == 1:  # fmt: skip
+            with drives:
+                done = self._run(
+                    layout.bodies, layout.forces, layout.joints, layout.systems, layout.work,
+                    step, 0.0, 0, 1, 2, records,
+                )  # fmt: skip
+            if done == 1:
                 return ""
             message = stop_message(layout, "a step to rest")
             layout.work.status.words[:] = 0.0
@@ -396,6 +399,7 @@ class Simulation:
             return found
 
         begin = clock.thread_time()
+        drives = StoppedDrives(layout.bodies, layout.joints)
         weight = max(self._weight(scene), SMALLEST_WEIGHT)
         rubs = any(pair.friction for pair in scene.contacts) or any(
             pair.friction for pair in scene.collisions

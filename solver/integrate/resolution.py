@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.solver.contact.layout import LINEAR
+from heavylift.solver.integrate.ramps import short_ramps
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -183,8 +184,32 @@ def _sudden(
     return sorted(found.items(), key=lambda item: item[1])
 
 
+def _turning(layout: Layout, floor: float) -> list[tuple[str, float]]:
+    """Ropes over sheaves with friction whose speed there turns within a few steps: name and steps in a period.
+
+    Friction follows the sense of the speed and the ways it has gone, so what a step makes of them stays in the
+    tensions. The squares of the changes of the speed are over those of the speed itself, not of its spread: what rings
+    beside a speed that keeps its sense changes nothing. Looked at are ropes whose friction has taken as much
+    energy as matters beside what they store.
+    """
+    found = []
+    for kind in layout.joints:
+        if "sheave_state" not in kind._fields:
+            continue
+        for entry, chain, rope in zip(kind.table, kind.chains, kind.state, strict=True):
+            sheaves = kind.sheave_state[chain["first"] : chain["first"] + chain["count"]]
+            squares, changes = float(sheaves["squares"].sum()), float(sheaves["changes"].sum())
+            lost = float(np.abs(sheaves["loss"]).sum())
+            if not lost > max(floor, SUDDEN_SHARE * float(rope["store"]["largest"])) or not changes > 0.0:
+                continue
+            steps = math.pi / math.asin(min(1.0, math.sqrt(0.25 * changes / squares)))
+            if steps < ENOUGH:
+                found.append((layout.block_names[int(entry["block"])], steps))
+    return sorted(found, key=lambda item: item[1])
+
+
 def step_warning(layout: Layout, floor: float) -> str:
-    """Bodies that moved too fast for the step, as a sentence; empty if none.
+    """What moved too fast for the step, and drives that changed their speed within one, as a sentence; empty if none.
 
     Parameters
     ----------
@@ -217,12 +242,26 @@ def step_warning(layout: Layout, floor: float) -> str:
             f"a motion is taken up within a few steps by {_listed(sudden)} steps in a period with what it holds: peaks"
             " of its force, and how the motion goes on, are those of the step"
         )
-    if not parts:
-        return ""
-    return (
-        f"{'; '.join(parts)}: {ENOUGH:.0f} steps in a period are needed, with a step of"
-        f" {_round(counts.step * min(steps) / ENOUGH):g} s or less"
-    )
+    turning = _turning(layout, floor)
+    if turning:
+        steps.append(turning[0][1])
+        parts.append(
+            f"the speed over sheaves with friction turns within few steps: {_listed(turning)} steps in a period:"
+            " which way sheaves rub, and with that the tensions that stay, are those of the step"
+        )
+    words = []
+    if parts:
+        words.append(
+            f"{'; '.join(parts)}: {ENOUGH:.0f} steps in a period are needed, with a step of"
+            f" {_round(counts.step * min(steps) / ENOUGH):g} s or less"
+        )
+    ramps = short_ramps(layout, counts.step, counts.step * float(layout.work.control.step_count))
+    if ramps:
+        words.append(
+            f"ramps of drives are passed in a step or two of {counts.step:.3g} s, by {_listed(ramps)} steps in a ramp:"
+            " what they start and stop feels that of the step"
+        )
+    return "; ".join(words)
 
 
 def _listed(found: list[tuple[str, float]]) -> str:

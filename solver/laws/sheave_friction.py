@@ -225,6 +225,10 @@ class SheaveState(Record):
         State that does not contradict them.
     stops
         Whether the row sticks at the end of the step.
+    passed
+        Speed at the end of the last step [m/s].
+    squares, changes
+        Sums over steps of the square of the speed at their ends, and of the square of its change [m2/s2].
     force_before, miss_before
         Scratch of the iteration: of the round before.
     """
@@ -241,6 +245,9 @@ class SheaveState(Record):
     acting: int
     other: int
     stops: bool
+    passed: float
+    squares: float
+    changes: float
     force_before: float
     miss_before: float
 
@@ -944,6 +951,9 @@ def watch_sheaved_ropes(kind: SheavedRopes, work: Workspace, system: RowArrays) 
             if state.stops:
                 state.branch, state.stops = 0, False
             state.speed = _flow(kind, i, s, rope.hauling)
+            if state.squares > 0.0:
+                state.changes += (state.speed - state.passed) ** 2
+            state.passed, state.squares = state.speed, state.squares + state.speed * state.speed
             state.loss -= 0.5 * P * (before + state.speed)
             state.work -= P * _winched(kind, i, s, rope.hauling)
         rate = midpoint_rate(kind, i, work, system) if kind.table[i].damping > 0.0 else 0.0

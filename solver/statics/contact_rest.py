@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.start.consistent_start import project_start
@@ -33,6 +34,9 @@ UNBALANCED = 1e-4
 has little energy, too."""
 
 MOST_STEPS = 100_000
+
+ROUNDS = 200
+"""Rounds of steps of all lengths without less energy than in any before, after which nothing more is expected."""
 
 RUNAWAY = 20.0
 """Distance from the start, in extents of the scene, beyond which nothing seems to hold a body."""
@@ -225,7 +229,8 @@ class _Search:
         """A way with steps of some length, or after how many of them one failed, and why."""
         rows = self.rows
         steps = peaks = rested = turn = 0
-        left = np.inf
+        left = least = np.inf
+        most, rounds = 0.0, 0
         while True:
             h, last, k = longest / RATIO**turn, 0.0, 0
             while True:
@@ -243,6 +248,12 @@ class _Search:
                     break
                 last = energy
             peaks += 1
+            most = max(most, last, energy)
+            if turn == LENGTHS - 1:
+                rounds = 0 if most < least else rounds + 1
+                least, most = min(least, most), 0.0
+                if rounds == ROUNDS and least > RESTED * self.weight:
+                    raise self._failure(steps, self._moving(inertia, velocity))
             rows.put_velocity(self._still)
             rested = rested + 1 if max(last, energy) <= RESTED * self.weight else 0
             turn = (turn + 1) % LENGTHS
@@ -253,6 +264,12 @@ class _Search:
         """Root mean square over all that moves, in a step from rest [m/s2]."""
         _, inertia, velocity = self.rows.survey()
         return float(np.sqrt(inertia @ velocity**2 / self._moving_mass)) / step
+
+    def _moving(self, inertia: NDArray[np.float64], velocity: NDArray[np.float64]) -> str:
+        """Which body has most of the energy of a motion that does not end."""
+        energy = np.bincount(self.rows.owner, weights=inertia * velocity**2, minlength=len(self._mass))
+        name = self.rows.layout.body_names[int(np.argmax(np.where(self.moves, energy, -1.0)))]
+        return f"a motion goes on that nothing takes away, most of it of {name!r}"
 
     def moved(self) -> float:
         """Largest displacement of a body since the start [m]."""

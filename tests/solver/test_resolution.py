@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +13,8 @@ from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.integrate.resolution import ENOUGH
 from heavylift.solver.laws.wire_rope import Rope
-from heavylift.solver.scene.connections import GROUND, RopePoint
+from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
+from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, SphereShape
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Sea
@@ -172,3 +175,54 @@ def test_a_light_load_beside_a_ship_is_looked_at(steps: float, told: bool) -> No
     simulation = ran(scene, 0.5 / steps, int(20.0 * steps))
     assert ("'load'" in simulation.warning) is told
     assert "'ship'" not in simulation.warning
+
+
+def over_a_sheave(period: float, efficiency: float = 0.98) -> Scene:
+    """A hook that is driven up and down pulls a load over a sheave on the ground."""
+    hook = RigidBody(
+        "hook",
+        10.0,
+        np.eye(3),
+        position=np.array([0.0, 0.0, -5.0]),
+        motion=Driven(z=Profile(harmonics=(Harmonic(0.1, 1.0 / period),))),
+    )
+    path = (
+        RopePoint("hook", np.zeros(3)),
+        RopePoint(GROUND, np.array([0.5, 0.0, 0.0]), 0.5, np.array([0.0, 1.0, 0.0]), efficiency=efficiency),
+        RopePoint("load", np.zeros(3)),
+    )
+    rope = Rope(name="rope", path=path, axial_stiffness=1e9, damping=1e7, tension=MASS * G)
+    return Scene((load(1.0, 0.0, -5.0), hook), (DOWN,), ropes=(rope,))
+
+
+@pytest.mark.parametrize(("steps", "told"), [(4, True), (8, True), (16, True), (40, False)])
+def test_a_speed_over_sheaves_that_turns_within_a_few_steps_is_told(steps: int, told: bool) -> None:
+    """``q = V cos w t``: ``sum (q_n - q_n-1)^2 / sum q_n^2 = 4 sin^2(pi/N)`` with N steps in a period."""
+    simulation = ran(over_a_sheave(4.0), 4.0 / steps, 20 * steps)
+    found = re.search(r"over sheaves with friction turns .*'rope' with ([\d.]+) steps", simulation.warning)
+    assert (found is not None) == told
+    if found:
+        assert float(found[1]) == pytest.approx(steps, rel=0.1)
+
+
+def test_sheaves_without_friction_and_ropes_at_rest_are_not_looked_at() -> None:
+    assert "over sheaves" not in ran(over_a_sheave(4.0, 1.0), 0.5, 160).warning
+    still = over_a_sheave(4.0)
+    held = tuple(replace(one, motion=Fixed()) if one.name == "hook" else one for one in still.bodies)
+    assert "over sheaves" not in ran(replace(still, bodies=held), 0.5, 160).warning
+
+
+@pytest.mark.parametrize("drive", ["frame", "winch"])
+@pytest.mark.parametrize(("step", "told"), [(0.15, "1.3"), (0.1, "2"), (0.05, None)])
+def test_ramps_of_few_steps_are_told(drive: str, step: float, told: str | None) -> None:
+    """0.2 s over the step; a jump is no ramp, and none is what the run does not come to."""
+    times, speeds = np.array([0.0, 0.2, 1.0, 1.001, 10.0, 10.1]), np.array([0.0, 0.02, 0.02, 0.01, 0.01, 0.0])
+    path = (RopePoint("hook", np.zeros(3)), RopePoint("load", np.zeros(3)))
+    winch = Winch(times, speeds) if drive == "winch" else None
+    rope = Rope(name="rope", path=path, axial_stiffness=1e7, damping=1e6, tension=MASS * G, winch=winch)
+    motion = Driven(z=Profile(times=times, speeds=speeds)) if drive == "frame" else Fixed()
+    hook = RigidBody("hook", 10.0, np.eye(3), motion=motion)
+    simulation = ran(Scene((load(0.0, 0.0, -5.0), hook), (DOWN,), ropes=(rope,)), step, 40)
+    name = "rope" if drive == "winch" else "hook"
+    expected = f"by '{name}' with {told} steps in a ramp"
+    assert (expected in simulation.warning) if told else ("steps in a ramp" not in simulation.warning)

@@ -97,3 +97,33 @@ def test_a_run_goes_on_from_the_middle_of_a_phase_bit_for_bit(name, before, tmp_
     start = first.advance(before)[1]
     second.restore(first.state())
     np.testing.assert_array_equal(np.vstack([start, second.advance(before)[1]]), rows)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_a_module_comes_to_rest_on_transporters_that_are_to_drive_at_once(tmp_path):
+    """Moments of 110 t over two axles, and the weight of what stands loose; it goes on bit for bit from there."""
+    folder = tmp_path / "case"
+    shutil.copytree(CASES / "cad_module_on_transporters", folder, ignore=shutil.ignore_patterns("out"))
+    case = load_case(folder)
+    run_case(case, stages=("mesh",))
+    scene = assemble_scene(case, OutputFolder(case.output_folder))
+
+    def made():
+        return Simulation(scene, case.simulate.step, record_every=10, start="equilibrium")
+
+    whole, first, second = made(), made(), made()
+    row = whole.record()
+    column = {channel.name: channel.column for channel in whole.channels}
+    x = 80.0 * 0.6 / 110.0
+    axle = 110e3 * 9.81 / 24.0 * np.array([1.0 + x / 2.4, 1.0 - x / 2.4])
+    forces = row[column["spmt.group_force"] + np.arange(4)]
+    np.testing.assert_allclose(forces, np.repeat(axle, 2), rtol=5e-3)
+    assert row[column["seat.normal_force"]] == pytest.approx(80e3 * 9.81, rel=1e-3)
+    first.record()
+    rows = whole.advance(200)[1]
+    start = first.advance(100)[1]
+    second.restore(first.state())
+    np.testing.assert_array_equal(np.vstack([start, second.advance(100)[1]]), rows)
+    later = rows[:, column["spmt.group_force"] + np.arange(4)]
+    np.testing.assert_allclose(later, np.tile(forces, (len(rows), 1)), rtol=1e-3)

@@ -14,8 +14,9 @@ from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
-from heavylift.solver.scene.connections import GROUND, RopePoint
+from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
 from heavylift.solver.scene.contacts import Contact, Contour, HertzLaw, LinearLaw, RigidLaw, SphereShape
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
@@ -116,6 +117,40 @@ def test_a_rope_takes_its_share_of_what_lies_on_the_floor() -> None:
     np.testing.assert_allclose(found["hoist.tension"][:, 0], 0.4 * MASS * G, rtol=2e-4)
     np.testing.assert_allclose(found["touch.normal_force"][:, 0], 0.6 * MASS * G, rtol=2e-4)
     np.testing.assert_allclose(found["ball.position"][:, 2], RADIUS - 0.6 * MASS * G / 1e6, atol=1e-7)
+
+
+@pytest.mark.parametrize("step", [1e-3, 0.1])
+@pytest.mark.parametrize("driven", ["winch", "frame", "harmonic"])
+def test_drives_stand_where_they_are_at_the_beginning(driven: str, step: float) -> None:
+    """A rope of stiffness k to a hook that sets off at once: ``k (10.12 m - z - 10.02 m) + c (R - z) = m g``."""
+    rope, floor, length = 1e5, 1e6, 10.02
+    profile = {
+        "winch": None,
+        "frame": Profile(times=np.array([0.0, 1.0, 2.0]), speeds=np.array([0.0, 1.0, 1.0])),
+        "harmonic": Profile(harmonics=(Harmonic(0.05, 2.0, np.pi / 6.0),)),
+    }[driven]
+    height = 10.12 - (0.025 if driven == "harmonic" else 0.0)  # 0.05 m sin(30 degrees)
+    hook = RigidBody("hook", 10.0, np.eye(3), position=np.array([0.0, 0.0, height]), motion=Driven(z=profile))
+    hoist = Rope(
+        name="hoist",
+        path=(RopePoint("hook", np.zeros(3)), RopePoint("ball", np.zeros(3))),
+        axial_stiffness=rope * length,
+        length=length,
+        winch=Winch(np.array([0.0, 1.0]), np.array([0.5, 0.5])) if driven == "winch" else None,
+    )
+    scene = ball(LinearLaw(floor, 1e2), ropes=(hoist,))
+    simulation = Simulation(
+        replace(scene, bodies=(*scene.bodies, hook)), step, record_every=1, start="equilibrium"
+    )
+    row = simulation.record()
+    column = {channel.name: channel.column for channel in simulation.channels}
+    z = (floor * RADIUS + rope * (10.12 - length) - MASS * G) / (floor + rope)
+    assert row[column["ball.position"] + 2] == pytest.approx(z, abs=1e-7)
+    assert row[column["hoist.tension"]] == pytest.approx(rope * (10.12 - length - z), rel=1e-4)
+    simulation.advance(1)
+    speeds = {"winch": 0.0, "frame": step, "harmonic": 0.2 * np.pi * np.cos(4.0 * np.pi * step + np.pi / 6.0)}
+    speed = speeds[driven]
+    assert simulation.record()[column["hook.velocity"] + 2] == pytest.approx(speed, abs=1e-12)
 
 
 def box_on_plane(law: Any) -> Scene:
