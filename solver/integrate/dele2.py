@@ -152,6 +152,7 @@ def run(
     control = work.control
     row = 0
     split = 0.0
+    struck = False
     for index in range(first, last):
         control.interval = index // every + 1
         done = 0.0
@@ -210,7 +211,7 @@ def run(
             end_step(systems, bodies, joints, work, time, h)
             if control.split > 0.0 and work.status.outcome == 0:
                 go_back(systems)
-                split, control.split = control.split, 0.0
+                split, control.split, struck = control.split, 0.0, True
                 continue
             watch_forces(forces, work)
             finish(bodies, h, work)
@@ -222,10 +223,12 @@ def run(
                 go_back(systems)
                 after_step(systems, bodies, work, h, False)
                 take_back(forces)
-                split, control.split = control.split, 0.0
+                split, control.split, struck = control.split, 0.0, False
                 continue
             if tolerance == 0.0 and split == 0.0:
-                control.next_step = min(max(2.0 * h, control.next_step), step)  # h may be a rest
+                # the rest behind something that a scenario does tells nothing; behind an impact it is grown from
+                wanted = 2.0 * h if struck else max(2.0 * h, control.next_step)
+                control.next_step, struck = min(wanted, step), False
             natural = tolerance > 0.0 and split == 0.0
             split = 0.0
             control.last_step = h

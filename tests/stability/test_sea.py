@@ -526,7 +526,9 @@ def test_a_block_on_deck_presses_with_its_weight_and_sinks_the_hull() -> None:
             CollisionSurface(name="deck", body="box", surface=BOX),
             CollisionSurface(name="skin", body="block", surface=cube),
         ),
-        collisions=(Collision(name="cargo", surfaces=("deck", "skin"), law=RigidLaw(), friction=0.5),),
+        collisions=(
+            Collision(name="cargo", surfaces=("deck", "skin"), law=RigidLaw(), friction=0.5, clearance=True),
+        ),
     )
     found = completed(simulate(scene, 0.01, 60.0, record_every=20))
     assert found["cargo.normal_force"][-1] == pytest.approx(load * G, rel=1e-6)

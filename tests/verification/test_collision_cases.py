@@ -83,7 +83,7 @@ def test_impulses_of_falling_links_are_the_weight_times_the_time(tmp_path: Path)
         velocity = sum(results[f"{tag}_{i}.velocity"][-1, 2] for i in range(count))
         weight = 1000.0 * 9.81 * count * results.time[-1]
         assert impulse - 1000.0 * velocity == pytest.approx(weight, rel=1e-6)
-        assert all(results[f"{tag}_blow{i}.gap"].min() > -1e-5 for i in range(count))
+        assert all(np.nanmin(results[f"{tag}_blow{i}.gap"]) > -1e-5 for i in range(count))
     energy = (results["energy.kinetic"] + results["energy.elastic"] + results["energy.potential"]).ravel()
     assert np.diff(energy).max() < 1e-6 * np.ptp(energy)
 

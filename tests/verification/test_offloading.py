@@ -30,5 +30,8 @@ def test_files_are_what_the_generator_writes() -> None:
 def test_strokes_and_verdicts(name: str, tmp_path: Path) -> None:
     """All together by linear theory 2 %, hulls alone by a prototype 3 %, whole crossings and their verdicts."""
     verdict = verify_case(CASE / f"{name}.toml", out=tmp_path, overrides=(), force=False, log=Log(quiet=True))
-    assert verdict.outcome is Outcome.COMPLETED, verdict
     assert verdict.checks
+    assert all(check.passed for check in verdict.checks), verdict
+    assert not verdict.open_checks
+    passed = all(line.passed for line in verdict.criteria)
+    assert verdict.outcome is (Outcome.COMPLETED if passed else Outcome.CHECK_FAILED), verdict

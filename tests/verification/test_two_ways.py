@@ -54,7 +54,7 @@ def recorded(
 
 DURATIONS = {
     "lift": 2.0, "hoist": 4.0, "tugger": 1.0, "joints": 0.9, "pulleys": 0.4, "equalizer": 1.0, "gantry": 3.0,
-    "load-out": 5.0, "bumpy road": 1.0, "rocking": 0.4, "phases": 16.0, "crane afloat": 2.0,
+    "load-out": 5.0, "bumpy road": 1.0, "rocking": 0.4, "phases": 30.0, "crane afloat": 2.0,
 }  # fmt: skip
 OF_WHEELS = {"load": "wheel_load", "stroke": "stroke_of"}
 """Channels of all wheels, whose extremes are one number."""

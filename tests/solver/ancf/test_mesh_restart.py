@@ -65,9 +65,9 @@ def test_the_scene_changes_over_on_its_way() -> None:
     assert "changed over" in simulation.warning
 
 
-def test_a_drift_is_told_before_the_scene_changes_over() -> None:
+def test_a_drift_is_told_where_nothing_changes_over() -> None:
     """A tenth of what it takes is 20 MPa in steel: no stress is wrong by so much without a word."""
-    simulation, heard = Simulation(scene("auto"), LONG), ""
+    simulation, heard = Simulation(scene("carried"), LONG), ""
     while "drifted" not in heard:
         simulation.advance(1)
         heard = simulation.warning
