@@ -24,6 +24,9 @@ MANY = 30.0
 SLIVER, WHOLE = 1e-2, 1e-9
 """Part of a step, below which what an event leaves of it is a sliver, and below which it leaves nothing."""
 
+NOTHING = 1e-9
+"""Of the largest value in the unit of a channel: distances below are rounding of what stands still."""
+
 KEPT, FEWEST = 4, 8
 """Largest distances of a channel that are kept: of the largest, of the intervals beside it, and one more; and intervals
 from which on anything is told."""
@@ -57,18 +60,18 @@ class LoneExtremes:
         self._count = 0
         self._rows = np.zeros((2, n))
         self._largest, self._at = np.zeros((KEPT, n)), np.full((KEPT, n), -1.0)
-        self._value, self._beside = np.zeros(n), np.zeros(n)
+        self._value, self._beside, self._most = np.zeros(n), np.zeros(n), np.zeros(n)
 
     @property
     def state(self) -> NDArray[np.float64]:
         """What a continuation needs."""
-        parts = (self._rows, self._largest, self._at, self._value, self._beside)
+        parts = (self._rows, self._largest, self._at, self._value, self._beside, self._most)
         return np.concatenate([[float(self._count)], *(part.ravel() for part in parts)])
 
     @state.setter
     def state(self, values: NDArray[np.float64]) -> None:
         self._count, first = int(values[0]), 1
-        for part in (self._rows, self._largest, self._at, self._value, self._beside):
+        for part in (self._rows, self._largest, self._at, self._value, self._beside, self._most):
             part[...] = values[first : first + part.size].reshape(part.shape)
             first += part.size
 
@@ -80,6 +83,7 @@ class LoneExtremes:
             if self._count >= 2:
                 self._compare(self._rows[0], self._rows[1], row)
             self._rows[0], self._rows[1] = self._rows[1], row
+            self._most = np.fmax(self._most, np.abs(row))
             self._count += 1
 
     def _compare(
@@ -121,6 +125,7 @@ class LoneExtremes:
         if self._count < FEWEST or not cut:
             return ""
         words = []
+        scales = {unit: self._most[[one == unit for one in self._units]].max() for unit in set(self._units)}
         for i, name in enumerate(self._names):
             place, lone = int(self._at[0, i]), self._largest[0, i]
             others = np.abs(self._at[1:, i] - place) > 1.0
