@@ -135,7 +135,7 @@ class LoneExtremes:
             if (
                 when is None
                 or self._value[i] == 0.0
-                or lone <= MANY * following
+                or lone <= max(MANY * following, NOTHING * scales[self._units[i]])
                 or lone <= 0.01 * MANY * self._beside[i]
             ):
                 continue

@@ -171,3 +171,23 @@ def test_extremes_that_stand_alone_where_a_step_was_a_sliver_are_told() -> None:
     assert told(records, whole) == ""
     assert told(records, sliver + 50 * STEP) == ""
     assert told(np.column_stack([wave, wave]), sliver) == ""
+
+
+def test_what_stands_still_has_no_extremes_that_stand_alone() -> None:
+    """Rounding beside another channel of the same unit that moves."""
+    channels = (
+        Channel("still.rate_max", "m/s", ("",), 0, ""),
+        Channel("other.rate_max", "m/s", ("",), 1, ""),
+    )
+    wave = 10.0 + 2.0 * np.sin(np.arange(60.0))
+    records = np.column_stack([1e-14 * np.sin(np.arange(60.0)), wave])
+    records[40, 0] = 1.4e-12
+    found = LoneExtremes(channels)
+    found.add(records)
+    again = LoneExtremes(channels)
+    again.state = found.state
+    assert again.warning([(40 * 5 + 2 + 1e-5) * STEP], STEP, 5) == ""
+    records[40, 0] = 140.0
+    found = LoneExtremes(channels)
+    found.add(records)
+    assert "still.rate_max" in found.warning([(40 * 5 + 2 + 1e-5) * STEP], STEP, 5)
