@@ -115,7 +115,7 @@ def test_names_of_the_sea_are_declared():
 def test_two_winds_need_names(folder):
     text = (folder / "case.toml").read_text()
     (folder / "case.toml").write_text(text.replace("[sea.wind]", "[[sea.wind]]\nspeed = 3\n\n[[sea.wind]]"))
-    with pytest.raises(InputError, match="'wind' occurs 2 times"):
+    with pytest.raises(InputError, match="'wind' is the name of a wind or current"):
         load_case(folder)
 
 
