@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import signal
+import threading
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,6 +45,7 @@ def gmsh_session(source: str) -> Iterator[Any]:
     if gmsh.isInitialized():
         raise RuntimeError("gmsh is in use in this process; sessions do not nest")
     gmsh.initialize(readConfigFiles=False, interruptible=False)
+    _keep_broken_pipes_errors()
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         for option in ("General.NumThreads", "Mesh.MaxNumThreads1D", "Mesh.MaxNumThreads2D"):
@@ -63,6 +66,15 @@ def gmsh_session(source: str) -> Iterator[Any]:
         for line in gmsh.logger.get():
             _LOGGER.debug("gmsh: %s", line)
         gmsh.finalize()
+
+
+def _keep_broken_pipes_errors() -> None:
+    """Undo that gmsh lets the system end a process that writes to what nobody reads any more: to Python it is an error.
+
+    Python does not know of it, so what it believes to be set is set again; that is for the main thread alone.
+    """
+    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGPIPE, signal.getsignal(signal.SIGPIPE))
 
 
 TETRAHEDRA = 4.7

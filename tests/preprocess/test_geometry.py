@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import meshio
 import numpy as np
 import pytest
@@ -201,3 +204,16 @@ def test_options_that_do_not_fit_the_kind_of_file_are_refused(cylinder_step, dis
         load_geometry(path, size=0.1)
     with pytest.raises(InputError, match="length_unit: -1"):
         load_geometry(path, length_unit=-1)
+
+
+def test_gmsh_does_not_let_a_broken_pipe_end_the_process():
+    """Whoever stops reading, of a page that is served or of what is printed, is an error that can be caught."""
+    program = (
+        "import socket; from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session\n"
+        "with gmsh_session('nothing'): pass\n"
+        "ours, theirs = socket.socketpair(); theirs.close()\n"
+        "try: ours.sendall(b'x'); ours.sendall(b'x')\n"
+        "except OSError: print('an error')\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout.strip()) == (0, "an error"), ended.stderr
