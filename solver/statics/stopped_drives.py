@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from heavylift.numerics.jit import in_python
 from heavylift.solver.drive import DRIVE_HEAD, DRIVEN, profile_value
 from heavylift.solver.packed_profiles import profile_parts
 
@@ -61,7 +62,7 @@ class StoppedDrives:
         """A packed profile keeps its value of time 0."""
         breaks, cubics, harmonics = profile_parts(data, start)
         if len(breaks):
-            value = profile_value(data, start, 0.0)[0]
+            value = in_python(profile_value)(data, start, 0.0)[0]
             self._put(cubics, np.broadcast_to([0.0, 0.0, 0.0, value], cubics.shape))
             self._put(harmonics[:, 0], np.zeros(len(harmonics)))
         else:  # harmonics alone, which keep their phases

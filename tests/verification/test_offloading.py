@@ -32,6 +32,6 @@ def test_strokes_and_verdicts(name: str, tmp_path: Path) -> None:
     verdict = verify_case(CASE / f"{name}.toml", out=tmp_path, overrides=(), force=False, log=Log(quiet=True))
     assert verdict.checks
     assert all(check.passed for check in verdict.checks), verdict
-    assert not verdict.open_checks
+    assert not verdict.missed
     passed = all(line.passed for line in verdict.criteria)
     assert verdict.outcome is (Outcome.COMPLETED if passed else Outcome.CHECK_FAILED), verdict
