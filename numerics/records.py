@@ -172,6 +172,9 @@ def _field_layout(owner: type, name: str, annotation: Any) -> np.dtype[Any]:
         return np.dtype(simple[annotation])
     if isinstance(annotation, type) and issubclass(annotation, Record):
         return annotation.layout
+    if hasattr(annotation, "record"):  # a class that says what it is in memory
+        of_class: type[Record] = annotation.record()
+        return of_class.layout
     if typing.get_origin(annotation) is Annotated:
         array, shape = typing.get_args(annotation)[:2]
         return np.dtype((array_scalar(array), shape))

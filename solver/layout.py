@@ -22,13 +22,15 @@ from heavylift.solver.kinds import STEP
 from heavylift.solver.layout_rows import pack_connections, point_forces
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import (
-    ENERGY_CHANNELS,
-    MOMENTUM_CHANNELS,
-    SCENARIO_CHANNELS,
     Channel,
-    add_channels,
+    ChannelBook,
+    EnergyOutputs,
+    MomentumOutputs,
+    PhaseOutputs,
+    TrackOutputs,
 )
 from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import (
     AnyBody,
     Driven,
@@ -115,36 +117,30 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     gravity = [force for force in scene.forces if isinstance(force, Gravity)]
     points = point_forces(scene)
 
-    channels: list[Channel] = []
-    column = 0
-    places: dict[str, int] = {}
+    record = ChannelBook()
+    places: dict[str, Columns] = {}
     for body in ordered:
-        places[body.name] = column
         recorded = (*body.CHANNELS, *body.motion.CHANNELS)
-        column = add_channels(body.name, recorded, channels, column, _chosen(body))
+        places[body.name] = record.add(body.name, recorded, _chosen(body))
     sensors: dict[str, list[tuple[int, Any]]] = {body.name: [] for body in ordered}
     for sensor in scene.sensors:
-        sensors[sensor.body].append((column, np.asarray(sensor.point, dtype=np.float64)))
-        column = add_channels(sensor.name, sensor.CHANNELS, channels, column)
-    made = pack_connections(scene, ordered, column, integrator, _moving(scene))
-    book, column = made.book, made.column
-    channels += made.channels
+        columns = record.add(sensor.name, sensor.CHANNELS)
+        sensors[sensor.body].append((columns, np.asarray(sensor.point, dtype=np.float64)))
+    made = pack_connections(scene, ordered, record, integrator, _moving(scene))
+    book, record = made.book, made.record
     dofs = first_dofs(ordered, made.bases)
-    of_ballast: dict[str, int] = {}
+    of_ballast: dict[str, Columns] = {}
     if scene.sea is not None:
-        for tank in scene.sea.tanks:
-            of_ballast[tank.name] = column
-            column = add_channels(tank.name, tank.CHANNELS, channels, column)
-        for one in (*scene.sea.pumps, *scene.sea.controllers):
-            of_ballast[one.name] = column
-            column = add_channels(one.name, one.CHANNELS, channels, column, getattr(one, "components", None))
-    phase_column = column
+        for one in (*scene.sea.tanks, *scene.sea.pumps, *scene.sea.controllers):
+            of_ballast[one.name] = record.add(one.name, one.CHANNELS, getattr(one, "components", None))
+    phases = Columns(record.width, ())
     if scene.scenario is not None:
         tracks = {"track_phase": tuple(track.name for track in scene.scenario.tracks)}
-        recorded = SCENARIO_CHANNELS[: 1 + bool(scene.scenario.tracks)]
-        column = add_channels("scenario", recorded, channels, column, tracks)
-    column = add_channels("energy", ENERGY_CHANNELS, channels, column)
-    column = add_channels("momentum", MOMENTUM_CHANNELS, channels, column)
+        beside = TrackOutputs.CHANNELS if scene.scenario.tracks else ()
+        phases = record.add("scenario", (*PhaseOutputs.CHANNELS, *beside), tracks)
+    record.add("energy", EnergyOutputs.CHANNELS)
+    record.add("momentum", MomentumOutputs.CHANNELS)
+    channels, width = record.channels, record.width
 
     notes: list[str] = [] if made.sea is None else list(made.sea.notes)
     notes += [*made.notes, *_overshoots(scene)]
@@ -170,7 +166,8 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
                 columns=of_ballast,
             )
         of_sensors = _of_sensors(sensors, group)
-        bodies.append(pack_group(group, number, place, places[names[0]], book.of(names), of_sensors))
+        in_record = [places[name] for name in names]
+        bodies.append(pack_group(group, number, place, in_record, book.of(names), of_sensors))
         number += len(group)
     forces: list[Any] = []
     if gravity:
@@ -220,7 +217,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.scenario.packing import pack_scenario
 
         copied = np.zeros(0) if scene.touches else carried
-        director = pack_scenario(scene, kinds, channels, phase_column, column, copied, profiles)
+        director = pack_scenario(scene, kinds, channels, phases, width, copied, profiles)
         forces.append(director)
         groups |= {SCENARIO}
     controllers = None
@@ -240,7 +237,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         systems=Systems(kinds[2], groups),
         work=work,
         channels=tuple(channels),
-        column_count=column,
+        column_count=width,
         body_names=tuple(body.name for body in ordered),
         block_names=made.block_names,
         notes=tuple(notes),

@@ -15,9 +15,10 @@ from heavylift.solver.interface import FORCES
 from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes, watch_ropes_of
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
-from heavylift.solver.scene.channels import MONITOR_CHANNELS, Channel, add_channels
+from heavylift.solver.scene.channels import ChannelBook, MonitorOutputs
 from heavylift.solver.scene.connections import OnBody, PackedForce
 from heavylift.solver.scene.meshes import MeshBody
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, Scene
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
@@ -48,8 +49,8 @@ class PackedConnections:
         Kinds.
     block_names
         Whom each block of rows belongs to.
-    channels, column
-        Their channels, and the first free record column.
+    record
+        All channels so far, theirs behind those of bodies and sensors.
     sea
         Forces of wind, current and lines.
     notes
@@ -59,12 +60,11 @@ class PackedConnections:
     book: MarkerBook
     bases: Mapping[str, int]
     first_markers: list[int]
-    column: int
+    record: ChannelBook
     joints: tuple[Any, ...] = ()
     systems: tuple[Any, ...] = ()
     forces: list[Any] = field(default_factory=list)
     block_names: tuple[str, ...] = ()
-    channels: list[Channel] = field(default_factory=list)
     moving: Mapping[str, int] = field(default_factory=dict)
     sea: PackedSea | None = None
     notes: tuple[str, ...] = ()
@@ -73,7 +73,7 @@ class PackedConnections:
 def pack_connections(
     scene: Scene,
     ordered: Sequence[AnyBody],
-    column: int,
+    record: ChannelBook,
     integrator: str,
     moving: Mapping[str, int] = NOTHING_MOVES,
 ) -> PackedConnections:
@@ -83,8 +83,8 @@ def pack_connections(
     ----------
     scene, ordered
         What the user said, and its bodies in the order of their kinds.
-    column
-        First free record column.
+    record
+        Channels of bodies and sensors.
     integrator
         Name of the integrator: it decides which springs are rows.
     moving
@@ -97,19 +97,19 @@ def pack_connections(
     """
     meshes = [body for body in ordered if isinstance(body, MeshBody)]
     if not meshes:
-        return _pack(scene, ordered, column, integrator, {})
+        return _pack(scene, ordered, record, integrator, {})
     from heavylift.solver.bodies.ancf.bases import plan_bases
     from heavylift.solver.joints.mesh_joints import expand_joints
 
     scene = expand_joints(scene)
-    packed = _pack(scene, ordered, column, integrator, {}, counting=True)
+    packed = _pack(scene, ordered, record, integrator, {}, counting=True)
 
     markers = packed.book.of([body.name for body in meshes])
     counts = {
         body.name: len(plan_bases(body, on_body).bases) + moving.get(body.name, 0)
         for body, on_body in zip(meshes, markers, strict=True)
     }
-    packed = _pack(scene, ordered, column, integrator, counts)
+    packed = _pack(scene, ordered, record, integrator, counts)
     packed.moving = moving
     return packed
 
@@ -117,14 +117,15 @@ def pack_connections(
 def _pack(
     scene: Scene,
     ordered: Sequence[AnyBody],
-    column: int,
+    before: ChannelBook,
     integrator: str,
     bases: Mapping[str, int],
     *,
     counting: bool = False,
 ) -> PackedConnections:
     """One pass with a given number of bases; one that only counts ends with the last marker."""
-    packed = PackedConnections(MarkerBook(), bases, [], column)
+    record = ChannelBook(before.channels)
+    packed = PackedConnections(MarkerBook(), bases, [], record)
     book = packed.book
     for force in point_forces(scene):
         packed.first_markers.append(book.point(force.body, force.point, FORCES))
@@ -134,7 +135,7 @@ def _pack(
     if scene.sea is not None:
         from heavylift.solver.layout_sea import pack_sea
 
-        packed.sea, packed.column = pack_sea(scene, book, packed.channels, packed.column)
+        packed.sea = pack_sea(scene, book, record)
     watched = _watched(scene, integrator)
     _pack_forces(scene, packed, watched)
     flexible = [body for body in ordered if isinstance(body, FlexibleBody)]
@@ -144,10 +145,7 @@ def _pack(
     if scene.joints:
         from heavylift.solver.joints.registry import pack_joints
 
-        columns = []
-        for joint in scene.joints:
-            columns.append(packed.column)
-            packed.column = add_channels(joint.name, joint.CHANNELS, packed.channels, packed.column)
+        columns = [record.add(joint.name, joint.CHANNELS) for joint in scene.joints]
         first = book.count
         packed.joints, make_system, packed.block_names = pack_joints(
             scene.joints, columns, book, attachment, inverse_scales(ordered), ordered
@@ -170,18 +168,18 @@ def _pack(
         return packed
     if scene.joints or laws is not None or scene.touches:
         inverse_mass = inverse_masses(ordered, bases)
-        held: RowSystem | None = make_system(inverse_mass, packed.column) if scene.joints else None
+        held: RowSystem | None = make_system(inverse_mass, record.width) if scene.joints else None
         made = held
         if laws is not None:
             from heavylift.solver.laws.system import extend_system
 
-            made = extend_system(held, laws.blocks, inverse_mass, packed.column, laws=laws.fitted)
+            made = extend_system(held, laws.blocks, inverse_mass, record.width, laws=laws.fitted)
         if made is None:  # contacts alone have no rows of joints beside them
             made = pack_rows([], [], [], inverse_mass, -1)
         classify_rows(made)
         packed.systems = (made,)
         if made.monitor >= 0:
-            packed.column = add_channels("monitor", MONITOR_CHANNELS, packed.channels, packed.column)
+            record.add("monitor", MonitorOutputs.CHANNELS)
         if scene.touches:
             _add_contacts(scene, ordered, packed, markers, attachment, inverse_mass)
     return packed
@@ -230,16 +228,16 @@ def _watched(scene: Scene, integrator: str) -> WatchedRopes:
 
 def _pack_forces(scene: Scene, packed: PackedConnections, watched: WatchedRopes) -> None:
     """Forces that their modules pack, one kind a sort, with their channels."""
-    groups: dict[str, list[tuple[PackedForce, int]]] = {}
+    groups: dict[str, list[tuple[PackedForce, Columns]]] = {}
     for force in scene.forces:
         if isinstance(force, PackedForce):
-            groups.setdefault(type(force).__module__, []).append((force, packed.column))
-            packed.column = add_channels(force.name, force.CHANNELS, packed.channels, packed.column)
+            columns = packed.record.add(force.name, force.CHANNELS)
+            groups.setdefault(type(force).__module__, []).append((force, columns))
     for module, members in groups.items():
         pack = importlib.import_module(module).pack
         more = (watched,) if isinstance(members[0][0], WatchesRopes) else ()
-        forces, columns = [force for force, _ in members], [at for _, at in members]
-        packed.forces.append(pack(forces, columns, packed.book, *more))
+        forces, places = [force for force, _ in members], [at for _, at in members]
+        packed.forces.append(pack(forces, places, packed.book, *more))
 
 
 def _contact_markers(scene: Scene, book: MarkerBook) -> list[Any]:
@@ -262,16 +260,11 @@ def _add_contacts(
     """Their system beside that of the joints, and their channels."""
     from heavylift.solver.contact.packing import pack_contacts
 
-    columns = []
-    for contact in scene.contacts:
-        columns.append(packed.column)
-        packed.column = add_channels(contact.name, contact.CHANNELS, packed.channels, packed.column)
+    columns = [packed.record.add(contact.name, contact.CHANNELS) for contact in scene.contacts]
     for collision in scene.collisions:
-        columns.append(packed.column)
-        packed.column = add_channels(collision.name, collision.CHANNELS, packed.channels, packed.column)
+        columns.append(packed.record.add(collision.name, collision.CHANNELS))
         for i in range(collision.recorded):
-            name = f"{collision.name}.contact_{i + 1}"
-            packed.column = add_channels(name, collision.CONTACT_CHANNELS, packed.channels, packed.column)
+            packed.record.add(f"{collision.name}.contact_{i + 1}", collision.CONTACT_CHANNELS)
     contacts = pack_contacts(
         scene,
         ordered,
@@ -301,10 +294,7 @@ def _pack_laws(
     from heavylift.solver.laws.packing import add_law_channels, law_owners, pack_laws
 
     by_name = {joint.name: joint for joint in scene.joints}
-    places = {}
-    for owner in law_owners(scene):
-        places[owner.name] = packed.column
-        packed.column = add_law_channels(owner, by_name, packed.channels, packed.column)
+    places = {owner.name: add_law_channels(owner, by_name, packed.record) for owner in law_owners(scene)}
     return pack_laws(
         scene,
         places,

@@ -13,7 +13,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.bodies import Free, RigidBody
-from heavylift.solver.scene.channels import Channel, add_channels
+from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
@@ -189,14 +189,14 @@ def _check_gravity(scene: Scene, sea: Sea) -> None:
         )
 
 
-def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: int) -> tuple[PackedSea, int]:
-    """Kinds of forces with their markers and channels; returns the next free column."""
+def pack_sea(scene: Scene, book: MarkerBook, record: ChannelBook) -> PackedSea:
+    """Kinds of forces with their markers and channels."""
     packed = PackedSea()
     sea = scene.sea
     if sea is None:
-        return packed, column
+        return packed
     if sea.fields or sea.loads:
-        column = _pack_fluids(sea, packed, book, channels, column)
+        _pack_fluids(sea, packed, book, record)
     afloat = {body.name for body in scene.bodies if isinstance(body, FloatingBody)}
     packed.tangents = np.zeros((len(sea.lines) + len(sea.fenders), 9))
     packed.rate_tangents = np.zeros_like(packed.tangents)
@@ -204,10 +204,7 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
         from heavylift.solver.water.lines.mooring_lines import line_markers, pack_mooring_lines
 
         markers = line_markers(book, sea.lines)
-        columns = []
-        for line in sea.lines:
-            columns.append(column)
-            column = add_channels(line.name, line.CHANNELS, channels, column)
+        columns = [record.add(line.name, line.CHANNELS) for line in sea.lines]
         places = [
             (_place(scene.bodies, line.body_a, line.point_a), _place(scene.bodies, line.body_b, line.point_b))
             for line in sea.lines
@@ -223,10 +220,7 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
         from heavylift.solver.water.lines.fenders import fender_markers, pack_fenders
 
         of_fenders = fender_markers(book, sea.fenders)
-        columns = []
-        for fender in sea.fenders:
-            columns.append(column)
-            column = add_channels(fender.name, fender.CHANNELS, channels, column)
+        columns = [record.add(fender.name, fender.CHANNELS) for fender in sea.fenders]
         fenders = pack_fenders(sea.fenders, of_fenders, columns)
         after = slice(len(sea.lines), None)
         packed.forces.append(
@@ -238,10 +232,10 @@ def pack_sea(scene: Scene, book: MarkerBook, channels: list[Channel], column: in
                 for body, marker in ((fender.body_a, a), (fender.body_b, b))
                 if body in afloat
             ]
-    return packed, column
+    return packed
 
 
-def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[Channel], column: int) -> int:
+def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, record: ChannelBook) -> None:
     from heavylift.solver.water.wind.packing import (
         fluid_channels,
         fluid_markers,
@@ -258,10 +252,8 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
             packed.notes.append(
                 f"{one.name!r} of {speed:g} m/s is {knots:.3g} knots: was a speed in knots meant?"
             )
-    columns, loads = [], fluid_pieces(sea.loads)
-    for owner, kind in fluid_channels(sea.fields, loads):
-        columns.append(column)
-        column = add_channels(owner, [kind], channels, column)
+    loads = fluid_pieces(sea.loads)
+    columns = [record.add(owner, [kind]) for owner, kind in fluid_channels(sea.fields, loads)]
     packed.forces.append(
         pack_fluid_loads(
             sea.fields,
@@ -273,7 +265,6 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, channels: list[C
             water_density=sea.water.density,
         )
     )
-    return column
 
 
 def _place(bodies: Sequence[AnyBody], name: str, point: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -25,6 +25,7 @@ from heavylift.solver.integrate.resolution import period_words, prepare_counts, 
 from heavylift.solver.integrate.run_watch import STATE, RunWatch
 from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
+from heavylift.solver.recording import check_written, unwritten
 from heavylift.solver.scene.contacts import RigidLaw
 from heavylift.solver.scene.scene import FlexibleBody, Gravity, Scene, Start
 from heavylift.solver.stop_message import (
@@ -260,7 +261,9 @@ class Simulation:
         self._start()
         records = np.empty((0, self.column_count))
         self._call(0, 0, 1, records)
-        self._write(np.empty(self.column_count))
+        row = unwritten(self.column_count)
+        self._write(row)
+        check_written(row, self.channels)
         self.compile_seconds += clock.thread_time() - begin - (self.start_seconds - found)
         self._warm = True
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from heavylift.solver.scene.channels import (
-    ENERGY_CHANNELS,
-    MOMENTUM_CHANNELS,
-    MONITOR_CHANNELS,
-    SCENARIO_CHANNELS,
+    EnergyOutputs,
+    MomentumOutputs,
+    MonitorOutputs,
+    PhaseOutputs,
+    TrackOutputs,
 )
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import JOINTS, Place
@@ -36,10 +37,10 @@ __all__ = [
 ]
 
 OF_THE_SCENE = {
-    "energy": ENERGY_CHANNELS,
-    "momentum": MOMENTUM_CHANNELS,
-    "monitor": MONITOR_CHANNELS,
-    "scenario": SCENARIO_CHANNELS,
+    "energy": EnergyOutputs.CHANNELS,
+    "momentum": MomentumOutputs.CHANNELS,
+    "monitor": MonitorOutputs.CHANNELS,
+    "scenario": (*PhaseOutputs.CHANNELS, *TrackOutputs.CHANNELS),
 }
 """Channels of the whole scene by the first part of their names."""
 SCENE_CHANNELS = {

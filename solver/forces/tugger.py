@@ -21,11 +21,20 @@ from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene import connections
 from heavylift.solver.scene.connections import Between, PackedForce
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.outputs import Columns, Outputs, channel, outputs
 
 __all__ = ["Tugger", "Tuggers", "pack"]
+
+
+@outputs
+class TuggerOutputs(Outputs):
+    """What a tugger records."""
+
+    pull: float = channel("force", "tension of a tugger; 0 where its ends coincide")
+    distance: float = channel("length", "distance of the ends of a tugger")
 
 
 @connections.FORCES.describe("tugger")
@@ -33,10 +42,7 @@ __all__ = ["Tugger", "Tuggers", "pack"]
 class Tugger(Between, PackedForce):
     """A winch pulls the two points together with a constant tension."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("pull", "force", "tension of a tugger; 0 where its ends coincide"),
-        ChannelKind("distance", "length", "distance of the ends of a tugger"),
-    )
+    CHANNELS: ClassVar = TuggerOutputs.CHANNELS
 
     tension: Annotated[float, Quantity("force", minimum=0.0, closed=True)]
     """Tension of the line [N]."""
@@ -51,13 +57,16 @@ class TuggerEntry(Record):
     tension: float
 
 
+tugger_outputs = outputs_at(TuggerOutputs)
+
+
 class Tuggers(Arrays):
     """All tuggers of a scene."""
 
     table: Records[TuggerEntry]
 
 
-def pack(forces: Sequence[Tugger], columns: Sequence[int], book: MarkerBook) -> Tuggers:
+def pack(forces: Sequence[Tugger], columns: Sequence[Columns], book: MarkerBook) -> Tuggers:
     """Make the kind."""
     rows = []
     for force, column in zip(forces, columns, strict=True):
@@ -99,5 +108,6 @@ def record_tuggers(kind: Tuggers, time: float, work: Workspace, row: NDArray[np.
     for i in range(kind.table.shape[0]):
         entry = kind.table[i]
         size, _, _, _ = _line(work, entry)
-        row[entry.column] = entry.tension if size > 0.0 else 0.0
-        row[entry.column + 1] = size
+        out = tugger_outputs(row, entry.column)
+        out.pull = entry.tension if size > 0.0 else 0.0
+        out.distance = size

@@ -22,11 +22,13 @@ from heavylift.solver.interface import (
     record_rows,
     start,
 )
+from heavylift.solver.recording import outputs_at, width_of
+from heavylift.solver.scene.channels import TotalOutputs
 
-TOTAL_COLUMNS = 13
-"""Columns at the end of a record: six energies, their balance, two momenta."""
+__all__ = ["evaluate_forces", "evaluate_loads", "start_scene", "write_record"]
 
-__all__ = ["TOTAL_COLUMNS", "evaluate_forces", "evaluate_loads", "start_scene", "write_record"]
+total_outputs, TOTAL_WIDTH = outputs_at(TotalOutputs), width_of(TotalOutputs)
+"""The last of a record."""
 
 
 @entry
@@ -78,14 +80,16 @@ def write_record(
     record(bodies, time, work, row)
     add_totals(bodies, work)
     record_forces(forces, time, work, row)
-    end = row.shape[0] - TOTAL_COLUMNS
-    row[end], row[end + 1], row[end + 2] = sums.kinetic, sums.elastic, sums.potential
-    row[end + 3], row[end + 4], row[end + 5] = sums.external_work, sums.drive_work, sums.dissipated
-    for k in range(3):
-        row[end + 7 + k], row[end + 10 + k] = sums.linear_momentum[k], sums.angular_momentum[k]
-    row[end + 6] = (
+    out = total_outputs(row, row.shape[0] - TOTAL_WIDTH)
+    energy, momentum = out.energy, out.momentum
+    energy.kinetic, energy.elastic, energy.potential = sums.kinetic, sums.elastic, sums.potential
+    energy.external_work, energy.drive_work = sums.external_work, sums.drive_work
+    energy.dissipated = sums.dissipated
+    energy.balance = (
         sums.kinetic + sums.elastic + sums.potential - sums.external_work - sums.drive_work + sums.dissipated
     )
+    for k in range(3):
+        momentum.linear[k], momentum.angular[k] = sums.linear_momentum[k], sums.angular_momentum[k]
 
 
 @entry

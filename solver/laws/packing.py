@@ -32,8 +32,9 @@ from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.joints.registry import largest_opening
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.channels import Channel, add_channels
+from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.connections import GROUND, Between, Joint, Limits, controlled, rubbing_places
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 if TYPE_CHECKING:
@@ -74,12 +75,12 @@ def law_owners(scene: Scene) -> list[Any]:
     ]
 
 
-def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Channel], column: int) -> int:
-    """Append the channels of one of them; returns the next free column."""
+def add_law_channels(owner: Any, joints: Mapping[str, Joint], record: ChannelBook) -> Columns:
+    """Append the channels of one of them."""
     if isinstance(owner, (JointSpring, JointMotor)):
         turns = joint_coordinate(joints[owner.joint], owner) == ANGLE
         load = owner.CHANNEL_BY_COORDINATE["angle" if turns else "travel"]
-        return add_channels(owner.name, [load], channels, column)
+        return record.add(owner.name, [load])
     parts = len(owner.path) - 1 if hasattr(owner, "path") else 1
     rubbing = tuple(str(place) for place in rubbing_places(owner))
     segments = tuple(str(i + 1) for i in range(parts))
@@ -92,7 +93,7 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], channels: list[Cha
     }
     chosen = getattr(owner, "components", chosen)
     kinds = [kind for kind in owner.CHANNELS if kind.columns(chosen)]
-    return add_channels(owner.name, kinds, channels, column, chosen)
+    return record.add(owner.name, kinds, chosen)
 
 
 @dataclass
@@ -100,7 +101,7 @@ class _Packing:
     """What all parts need while a scene is packed."""
 
     scene: Scene
-    columns: dict[str, int]
+    columns: dict[str, Columns]
     book: MarkerBook
     attachment: Callable[[str], Attachment]
     scales: Callable[[str], tuple[float, float]]
@@ -122,7 +123,7 @@ class _Packing:
 
 def pack_laws(
     scene: Scene,
-    columns: dict[str, int],
+    columns: dict[str, Columns],
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],

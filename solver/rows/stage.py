@@ -42,6 +42,7 @@ from heavylift.solver.interface import (
     watch_joints,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import alternating_slope, carried_force, kept_share, steady_force
 from heavylift.solver.rows.impulses import add_impulses, add_reactions
 from heavylift.solver.rows.solver import (
@@ -57,8 +58,11 @@ from heavylift.solver.rows.structure import (
     Row,
     RowSystem,
 )
+from heavylift.solver.scene.channels import MonitorOutputs
 
 __all__ = ["end_step"]
+
+monitor_outputs = outputs_at(MonitorOutputs)
 
 LAW_ITERATIONS = 200
 GOLDEN = 0.6180339887498949
@@ -410,6 +414,5 @@ def record_row_system(
             work.sums.elastic += 0.5 * rows.stiffness[r] * rows.residual[r] ** 2
             work.sums.dissipated += rows.loss[r]
     if system.monitor >= 0:
-        row[system.monitor] = violation
-        row[system.monitor + 1] = smallest_pivot(system)
-        row[system.monitor + 2] = work.sums.drift
+        out = monitor_outputs(row, system.monitor)
+        out.violation, out.pivot, out.carried_drift = violation, smallest_pivot(system), work.sums.drift

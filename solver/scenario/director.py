@@ -31,7 +31,7 @@ from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import Outcome
 from heavylift.numerics.records import LaneRecords, Record, Records
 from heavylift.solver.drive import profile_value
-from heavylift.solver.integrate.loop import TOTAL_COLUMNS, write_record
+from heavylift.solver.integrate.loop import TOTAL_WIDTH, total_outputs, write_record
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -51,9 +51,11 @@ from heavylift.solver.laws.winch_control import (
     WinchControl,
 )
 from heavylift.solver.laws.wire_rope import RopeEntry, Ropes, WinchRow, winch_state
+from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import ABSENT, Row
 from heavylift.solver.scenario.interface import direct, keep_state, take_back
 from heavylift.solver.scenario.moves import MoveRow, plan_move, plan_speed
+from heavylift.solver.scene.channels import PhaseOutputs, TrackOutputs
 from heavylift.solver.scene.speed_profiles import FOREVER
 from heavylift.solver.transport.path_ways import way_on_pieces
 from heavylift.solver.transport.transporters import GroupData, GroupState, VehicleData, VehicleState
@@ -138,8 +140,7 @@ ENDED = -1
 LIMIT = int(Outcome.LIMIT_REACHED)
 TIMEOUT = int(Outcome.TIMED_OUT)
 
-ELASTIC = 1
-"""Place of the elastic energy among the totals of a record."""
+phase_outputs = outputs_at(PhaseOutputs)
 
 SHORTEST = 1e-6
 """Of a step: an event nearer to its start happens there, one nearer to its end at the end."""
@@ -448,6 +449,7 @@ class Director(Arrays):
     row: Floats1
     plan: Records[MoveRow]
     column: int
+    beside: TrackOutputs
     stops_at_end: bool
     carried: Floats1
     saved: Floats1
@@ -463,8 +465,10 @@ def add_nothing(kind: Director, time: float, work: Workspace) -> None:
 @kernel(internal=True)
 def record_phase(kind: Director, time: float, work: Workspace, row: Floats1) -> None:
     """Numbers of the phases of all tracks."""
-    for track in range(kind.tracks.shape[0]):
-        row[kind.column + track] = kind.track_state[track].phase
+    phase_outputs(row, kind.column).phase = kind.track_state[0].phase
+    beside = part(row, kind.beside.track_phase)
+    for track in range(1, kind.tracks.shape[0]):
+        beside[track - 1] = kind.track_state[track].phase
 
 
 @implement(keep_state, Director)
@@ -864,7 +868,7 @@ def _move(kind: Director, action: ActionEntry, time: float) -> float:
 @kernel(inline=True, internal=True)
 def _stored(kind: Director) -> float:
     """Elastic energy of the last record [J]."""
-    return kind.row[kind.row.shape[0] - TOTAL_COLUMNS + ELASTIC]
+    return total_outputs(kind.row, kind.row.shape[0] - TOTAL_WIDTH).energy.elastic
 
 
 @kernel(internal=True)

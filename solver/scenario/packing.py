@@ -21,6 +21,7 @@ from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
 from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
 from heavylift.solver.laws.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
+from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import Row, RowSystem
 from heavylift.solver.scenario.director import (
     BRAKE,
@@ -65,7 +66,8 @@ from heavylift.solver.scenario.director import (
 )
 from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
-from heavylift.solver.scene.channels import Channel
+from heavylift.solver.scene.channels import Channel, TrackOutputs
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scenario import (
     AXES,
     MOVERS,
@@ -407,7 +409,7 @@ def pack_scenario(
     scene: Any,
     kinds: tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]],
     channels: Sequence[Channel],
-    column: int,
+    columns: Columns,
     width: int,
     carried: Any,
     profiles: NDArray[np.float64],
@@ -422,8 +424,8 @@ def pack_scenario(
         Of bodies and joints, in which `reserve_tables` has made room, and systems.
     channels
         Of the whole record.
-    column, width
-        Of its own channel, and of a record.
+    columns, width
+        Of its own channels, and of a record.
     carried
         What a step changes, of which it is to keep a copy; empty if contacts do.
     profiles
@@ -437,10 +439,10 @@ def pack_scenario(
     scenario: Scenario = scene.scenario
     tanks = () if scene.sea is None else scene.sea.tanks
     known = {channel.name: channel for channel in channels}
-    columns = _first_columns(channels)
+    first_columns = _first_columns(channels)
     movers = _Movers()
     of_sort = _rope_kinds(kinds[1])
-    owners = {column: name for name, column in columns.items()}
+    owners = {column: name for name, column in first_columns.items()}
     told, followers = _told_winches(scene), _followers(scene)
     ratios = {rope.name: rope.winch.ratio for rope in scene.ropes if rope.name in followers}
     for sort, kind in enumerate(of_sort):
@@ -451,7 +453,7 @@ def pack_scenario(
             if name in scenario.prepared:
                 entry.axial_stiffness = entry.damping = 0.0
     hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
-    for i, name in enumerate(_tank_names(hulls, tanks, columns) if hulls is not None else ()):
+    for i, name in enumerate(_tank_names(hulls, tanks, first_columns) if hulls is not None else ()):
         movers.add(name, TANK, i, told=True)
     drives = (
         dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
@@ -462,7 +464,7 @@ def pack_scenario(
         )
     )
     for name in drives:
-        movers.add(name, DRIVE, _profile_start(name, kinds, columns, profiles), told=True)
+        movers.add(name, DRIVE, _profile_start(name, kinds, first_columns, profiles), told=True)
     paths = next((kind for kind in kinds[1] if isinstance(kind, Paths)), None)
     for number in sorted(_told_paths(scene)):
         movers.add(_vehicles(scene)[number], PATH, number, told=True)
@@ -473,7 +475,7 @@ def pack_scenario(
             states[movers.numbers[name]].leader = movers.numbers[leader]
             states[movers.numbers[name]].ratio = ratios[name]
     weight = _Weights(scene)
-    blocks = _joint_blocks(kinds[1], columns, scenario)
+    blocks = _joint_blocks(kinds[1], first_columns, scenario)
     rolling = next((kind for kind in kinds[1] if isinstance(kind, Transporters)), None)
     helpers = {("pump", pump.name): i for i, pump in enumerate(() if scene.sea is None else scene.sea.pumps)}
     helpers |= {("levelling", one.name): i for i, one in enumerate(scene.transporters)}
@@ -533,7 +535,8 @@ def pack_scenario(
         lanes=1 if system is None else system.lanes,
         row=np.zeros(width),
         plan=records(MoveRow, MOVE_ROWS),
-        column=column,
+        column=columns,
+        beside=placed(TrackOutputs, columns),
         stops_at_end=scenario.stops_at_end,
         carried=carried,
         saved=np.zeros_like(carried),

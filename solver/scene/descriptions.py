@@ -317,7 +317,7 @@ def _read(file: Path, name: str) -> None:
         node = wanted.pop()
         if id(node) not in kept:
             kept.add(id(node))
-            if isinstance(node, ast.ClassDef) and not any(map(_describes, node.decorator_list)):
+            if isinstance(node, ast.ClassDef) and not any(map(_is_kept, node.decorator_list)):
                 # imported again with the kernels it would be another class
                 raise TypeError(
                     f"{name}.{node.name}: what descriptions are made of stands in a module without kernels"
@@ -337,6 +337,11 @@ def _read(file: Path, name: str) -> None:
 def _describes(decorator: ast.expr) -> bool:
     named = decorator.func if isinstance(decorator, ast.Call) else decorator
     return isinstance(named, ast.Attribute) and named.attr in {"describe", "part"}
+
+
+def _is_kept(decorator: ast.expr) -> bool:
+    """Whether a class that is decorated so stays the same when it is read with the kernels."""
+    return _describes(decorator) or (isinstance(decorator, ast.Name) and decorator.id == "outputs")
 
 
 def _bound(node: ast.stmt) -> list[str]:

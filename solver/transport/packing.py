@@ -17,9 +17,9 @@ from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.rows.structure import MOVES
-from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.joined import joined_bodies
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
 from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, grid_heights, wheel_heights
 from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
@@ -73,7 +73,7 @@ SAMPLES = 25
 
 def pack_transporters(
     scene: Scene,
-    columns: Sequence[int],
+    columns: Sequence[Columns],
     first_block: int,
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
@@ -305,12 +305,12 @@ def pack_transporters(
     return [kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind)], blocks
 
 
-def _levelling(transporter: Transporter, column: int) -> tuple[Any, ...]:
+def _levelling(transporter: Transporter, column: Columns) -> tuple[Any, ...]:
     """What a vehicle keeps of its levelling: as `VehicleData`."""
     said = transporter.levelling
     if said is None:
         return False, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
-    last = column + channel_width(transporter.CHANNELS[:-1], transporter.components)
+    last = column.of("levelled").first
     return (
         True, said.period, 1.0 / said.time_constant, said.speed, said.dead_angle, said.roll, said.pitch, last,
     )  # fmt: skip

@@ -9,10 +9,11 @@ import pytest
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.solver.integrate.run_watch import RunWatch
-from heavylift.solver.scene.channels import ENERGY_CHANNELS, Channel, add_channels
+from heavylift.solver.scene.channels import ChannelBook, EnergyOutputs
 
-CHANNELS: list[Channel] = []
-COLUMNS = add_channels("energy", ENERGY_CHANNELS, CHANNELS, 0)
+BOOK = ChannelBook()
+BOOK.add("energy", EnergyOutputs.CHANNELS)
+CHANNELS, COLUMNS = BOOK.channels, BOOK.width
 PLACE = {channel.name.removeprefix("energy."): channel.column for channel in CHANNELS}
 
 

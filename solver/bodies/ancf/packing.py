@@ -48,8 +48,8 @@ from heavylift.solver.bodies.ancf.kind import (
 from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene.channels import channel_width
 from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
+from heavylift.solver.scene.outputs import Columns
 
 __all__ = [
     "LoadBook",
@@ -359,10 +359,6 @@ def mesh_columns(body: MeshBody) -> dict[str, tuple[str, ...]]:
     return dict.fromkeys((*of_type.vectors, "velocity"), parts) | of_type.result_columns(body)
 
 
-def _record_width(body: MeshBody) -> int:
-    return channel_width(body.CHANNELS, mesh_columns(body))
-
-
 class _Builder:
     """Collects the arrays of one kind, body by body."""
 
@@ -410,7 +406,7 @@ class _Builder:
         body: MeshBody,
         number: int,
         dof: int,
-        column: int,
+        column: Columns,
         bases: Bases,
         sensors: BodyMarkers,
         moving: int = 0,
@@ -474,7 +470,7 @@ class _Builder:
         numbers.drift_tolerance, numbers.mass = body.drift_tolerance, mass
         numbers.size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
         line.number, line.dof = number, dof
-        line.column, line.last_result = column, column + _record_width(body) - 1
+        line.column, line.last_result = column, column.of(body.CHANNELS[-1].name).first
         line.first_node, line.node_count, line.base_node_count = first_node, nodes, base_nodes
         line.first_element, line.element_count = first_element, count
         line.first_base, line.base_count, line.moving_count = first_base, len(bases.bases), moving
@@ -595,7 +591,7 @@ def pack_meshes(
     bodies: Sequence[MeshBody],
     first_number: int,
     dofs: Sequence[int],
-    first_column: int,
+    columns: Sequence[Columns],
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
     moving: Sequence[int] = (),
@@ -610,8 +606,8 @@ def pack_meshes(
         Number of the first of them in the scene; the others follow.
     dofs
         First velocity of each in the workspace.
-    first_column
-        First record column.
+    columns
+        Where each is in a record.
     markers, sensors
         On each.
     moving
@@ -624,13 +620,11 @@ def pack_meshes(
         elements.
     """
     builder = _Builder(type_of(bodies[0]), len(bodies))
-    column = first_column
     counts = moving or (0,) * len(bodies)
-    for i, (body, dof, on_body, watched, count) in enumerate(
-        zip(bodies, dofs, markers, sensors, counts, strict=True)
+    for i, (body, dof, column, on_body, watched, count) in enumerate(
+        zip(bodies, dofs, columns, markers, sensors, counts, strict=True)
     ):
         builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched, count)
-        column += _record_width(body)
     kind = builder.finish(bodies)
     prepare_mass(kind)
     return kind

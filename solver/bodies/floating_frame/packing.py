@@ -16,6 +16,7 @@ from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, Free
+from heavylift.solver.scene.outputs import Columns
 
 __all__ = ["frame_inertia", "pack_floating_frames", "pack_shape"]
 
@@ -57,7 +58,7 @@ def pack_floating_frames(
     bodies: Sequence[FlexibleBody],
     first_number: int,
     first_dof: int,
-    first_column: int,
+    columns: Sequence[Columns],
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
 ) -> FloatingFrameBodies:
@@ -67,8 +68,10 @@ def pack_floating_frames(
     ----------
     bodies
         In the order of their rows.
-    first_number, first_dof, first_column
-        Number of the first body in the scene, place of its velocities and of its first record column.
+    first_number, first_dof
+        Number of the first body in the scene, and place of its velocities.
+    columns
+        Where each is in a record.
     markers, sensors
         Points and directions of each body with their numbers; same order as `bodies`.
 
@@ -87,7 +90,7 @@ def pack_floating_frames(
         if id(body.reduced) not in shape_starts:
             shape_starts[id(body.reduced)] = sum(map(len, constants))
             constants.append(pack_shape(body.reduced.integrals))
-    dof, column = first_dof, first_column
+    dof = first_dof
     for row, body in enumerate(bodies):
         reduced = body.reduced
         if isinstance(body.motion, Free) and not reduced.mean_axis:
@@ -98,7 +101,7 @@ def pack_floating_frames(
             dof,
             motion,
             sum(map(len, constants)),
-            column,
+            columns[row],
             first_number + row,
             counts[row],
             modal_starts[row],
@@ -130,7 +133,6 @@ def pack_floating_frames(
             critical = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
             kind.damping[modes] = 2.0 * body.damping_ratio * critical
         dof += 6 + counts[row]
-        column += 13 + 2 * counts[row] + (0 if isinstance(body.motion, Free) else 6)
     shapes_of = [_marker_shapes(body) for body in bodies]
     marker_index = pack_markers(markers, shapes_of, constants)
     sensor_index = pack_markers(sensors, shapes_of, constants)

@@ -15,6 +15,7 @@ from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidInd
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene.bodies import Driven, Fixed, Free, RigidBody
+from heavylift.solver.scene.outputs import Columns
 
 __all__ = ["pack_rigid_bodies", "principal_frame"]
 
@@ -23,7 +24,7 @@ def pack_rigid_bodies(
     bodies: Sequence[RigidBody],
     first_number: int,
     first_dof: int,
-    first_column: int,
+    columns: Sequence[Columns],
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
 ) -> RigidBodies:
@@ -31,7 +32,6 @@ def pack_rigid_bodies(
     table = records(RigidIndex, len(bodies))
     frame = records(RigidFrame, len(bodies))
     constants: list[NDArray[np.float64]] = []
-    column = first_column
     for row, body in enumerate(bodies):
         moments, axes = _principal_axes(body)
         one = frame[row]
@@ -41,7 +41,14 @@ def pack_rigid_bodies(
         one.arc = 0.125
         one.slender = int(moments[0] < SLENDER * moments[1])
         motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        table[row] = first_dof + 6 * row, motion, sum(map(len, constants)), column, first_number + row, 0
+        table[row] = (
+            first_dof + 6 * row,
+            motion,
+            sum(map(len, constants)),
+            columns[row],
+            first_number + row,
+            0,
+        )
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         R = rotation_matrix(body.orientation)
@@ -51,7 +58,6 @@ def pack_rigid_bodies(
         if isinstance(body.motion, Free):
             one.velocity[:] = body.velocity + np.cross(R @ body.angular_velocity, arm)
             one.spin[:] = axes.T @ body.angular_velocity
-        column += 13 if isinstance(body.motion, Free) else 19
     to_principal = [
         _marker_data(rotation_matrix(frame[row].axes), body.centre_of_mass) for row, body in enumerate(bodies)
     ]

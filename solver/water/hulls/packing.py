@@ -15,7 +15,7 @@ from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.rigid.kind import RigidFrame
 from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene.channels import channel_width
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.sea import FloatingBody, LinearRestoring, Radiation, Sea, Tank, Water
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 from heavylift.solver.water.hulls.database_fit import check_databases
@@ -71,7 +71,7 @@ def pack_hulls(
     bodies: Sequence[FloatingBody],
     first_number: int,
     first_dof: int,
-    first_column: int,
+    in_record: Sequence[Columns],
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
     *,
@@ -81,7 +81,7 @@ def pack_hulls(
     line_ends: Sequence[tuple[str, int, int]],
     step: float,
     notes: list[str],
-    columns: Mapping[str, int],
+    columns: Mapping[str, Columns],
 ) -> Hulls:
     """Make the kind from what the user said.
 
@@ -89,7 +89,7 @@ def pack_hulls(
     ----------
     bodies
         Interacting ones follow each other.
-    first_number, first_dof, first_column, markers, sensors
+    first_number, first_dof, in_record, markers, sensors
         As of other bodies.
     sea
         Water, databases, waves, tanks.
@@ -109,10 +109,9 @@ def pack_hulls(
     InputError
         If a hull leaks, a reference point or float plane does not fit, or a database does not.
     """
-    rigid = pack_rigid_bodies(bodies, first_number, first_dof, first_column, markers, sensors)
+    rigid = pack_rigid_bodies(bodies, first_number, first_dof, in_record, markers, sensors)
     names = [body.name for body in bodies]
     count = len(bodies)
-    rigid.table["column"] = first_column + np.arange(count) * channel_width(FloatingBody.CHANNELS)
     groups: list[tuple[str, ...]] = list(dict.fromkeys(body.group for body in bodies))
     group_rows, first_matrix = [], 0
     for group in groups:
@@ -269,7 +268,7 @@ def _pack_tanks(
     names: Sequence[str],
     frame: Records[RigidFrame],
     water: Water,
-    columns: Mapping[str, int],
+    columns: Mapping[str, Columns],
 ) -> tuple[Records[TankData], Records[TankLevel], Records[TankRow]]:
     """Tanks, the rows of their schedules and of their shapes."""
     levels: list[tuple[float, float]] = []
@@ -299,7 +298,7 @@ def _pack_tanks(
 
 
 def _pack_pumps(
-    sea: Sea, tanks: Sequence[Tank], columns: Mapping[str, int]
+    sea: Sea, tanks: Sequence[Tank], columns: Mapping[str, Columns]
 ) -> tuple[Records[PumpData], Records[PumpRow]]:
     """Pumps with the rows of what they are told; one of a pump that a controller tells."""
     places = {tank.name: i for i, tank in enumerate(tanks)}

@@ -17,7 +17,7 @@ from heavylift.solver.interface import (
     watch_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.scene.channels import channel_width
+from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.sea import Sea, Water
 from heavylift.solver.simulation import Simulation
@@ -49,9 +49,10 @@ class Bench:
 
     def __init__(self, one: Fender) -> None:
         markers = fender_markers(MarkerBook(), [one])
-        self.kind: Fenders = pack_fenders([one], markers, [0])
+        record = ChannelBook()
+        self.kind: Fenders = pack_fenders([one], markers, [record.add("fender", one.CHANNELS)])
         self.work = Workspace.empty(0, 3)
-        self.row = np.zeros(channel_width(one.CHANNELS))
+        self.row = np.zeros(record.width)
 
     def at(self, *vectors: np.ndarray, rates: np.ndarray | None = None, time: float = 0.0) -> np.ndarray:
         """Forces [N] on the three markers, shape (3, 3)."""

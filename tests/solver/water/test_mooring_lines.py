@@ -16,7 +16,7 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
-from heavylift.solver.scene.channels import channel_width
+from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import LineSection, SeabedSlope
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
@@ -81,9 +81,11 @@ class Bench:
     def __init__(self, line: MooringLine, anchor: np.ndarray, fairlead: np.ndarray) -> None:
         book = MarkerBook()
         markers = line_markers(book, [line])
-        self.kind: MooringLines = pack_mooring_lines([line], markers, [0], [(anchor, fairlead)])
+        record = ChannelBook()
+        columns = [record.add("line", line.CHANNELS)]
+        self.kind: MooringLines = pack_mooring_lines([line], markers, columns, [(anchor, fairlead)])
         self.work = Workspace.empty(0, book.count)
-        self.row = np.zeros(channel_width(line.CHANNELS))
+        self.row = np.zeros(record.width)
 
     def at(self, anchor: np.ndarray, fairlead: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces [N] on the anchor and on the fairlead at these places."""
