@@ -14,10 +14,9 @@ import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.case.joined import joined_to_hull, shared_with_hulls
-from heavylift.solver.forces.line_bearing import LineBearing
 from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.laws.packing import as_joint
-from heavylift.solver.scene.connections import GROUND, MEASURES
+from heavylift.solver.laws.line_bearing import LineBearing
+from heavylift.solver.scene.connections import GROUND, MEASURES, as_joint
 from heavylift.solver.scene.joined import joined_bodies, shared_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
 

@@ -62,6 +62,7 @@ __all__ = [
     "Place",
     "RopePoint",
     "Winch",
+    "as_joint",
     "axes_about",
     "check_path",
     "controlled",
@@ -354,6 +355,17 @@ class Between:
             )
 
 
+def as_joint(spring: Between) -> Joint:
+    """What is between two points as a joint that frees everything: its two sides and points."""
+    return Joint(
+        name=spring.name,
+        body_a=spring.body_a,
+        body_b=spring.body_b,
+        frame_a=JointFrame(np.asarray(spring.point_a, dtype=np.float64)),
+        frame_b=JointFrame(np.asarray(spring.point_b, dtype=np.float64)),
+    )
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AlongJoint:
     """What all loads have on the angle of a hinge [rad] or the travel of a slider [m].
@@ -385,8 +397,9 @@ class PackedForce:
     name: str
 
 
-FORCES: Family[Any] = Family("force", "heavylift.solver.forces", default="point")
-"""All sorts of forces on bodies, between two points and along joints, by their types in a case file."""
+FORCES: Family[Any] = Family("force", "heavylift.solver.forces", "heavylift.solver.laws", default="point")
+"""All sorts of forces on bodies, between two points and along joints, by their types in a case file; those that are
+rows with a law stand among the laws."""
 
 
 MEASURES: Family[Any] = Family("table", "heavylift.solver.measures", typed=False)

@@ -283,7 +283,7 @@ def test_a_line_that_cannot_hang_is_told_alike_of_a_case_and_of_a_scene(folder, 
     from heavylift.pipeline.assemble.described import assemble
     from heavylift.pipeline.assemble.scene import assemble_rigid
     from heavylift.pipeline.assemble.sides import start_sides
-    from heavylift.solver.water.lines.mooring_lines import pack_mooring_lines
+    from heavylift.solver.water.lines.packing import pack_mooring_lines
 
     case = load_case(folder, overrides)
     barge, origin = assemble_rigid("barge", case.bodies["barge"])

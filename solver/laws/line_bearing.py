@@ -57,7 +57,7 @@ from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rows import FITTED, RETURN, check_drift, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import FORCES, GROUND, Between
+from heavylift.solver.scene.connections import FORCES, GROUND, Between, as_joint
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 
 if TYPE_CHECKING:
@@ -280,7 +280,6 @@ def pack_bearings(
         If an end is not on the deck at the start, or below its plane.
     """
     from heavylift.solver.joints.packing import start_frames
-    from heavylift.solver.laws.packing import as_joint
     from heavylift.solver.laws.system import LawBlock
 
     rows, overlaps = [], []
