@@ -84,7 +84,7 @@ def lines_command(
     """
     from heavylift.pipeline.pictures.mooring_lines import draw_line, profile_picture
     from heavylift.pipeline.results.histories import load_results
-    from heavylift.pipeline.stages.stages import locked
+    from heavylift.pipeline.stages.lock import locked
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log, needs="lines")
     chosen = _choose(found, lines)

@@ -16,9 +16,9 @@ from heavylift.pipeline.pictures.annotations import (
     emptiest_corner,
 )
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
-from heavylift.pipeline.pictures.contacts import force_arrow
 from heavylift.pipeline.pictures.drawings import round_down
 from heavylift.pipeline.pictures.outer_surface import feature_edges, surface_from_triangles
+from heavylift.pipeline.pictures.parts import force_arrow
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points
 from heavylift.pipeline.pictures.triangles import clip_triangles, welded
