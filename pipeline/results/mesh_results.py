@@ -108,13 +108,6 @@ class MeshShape:
         points: NDArray[np.float64] = self.position + self.nodes @ rotation_matrix(self.orientation).T
         return points
 
-    def world_vectors(self) -> NDArray[np.float64]:
-        """Derivatives at the nodes in world axes, shape of `vectors`."""
-        from heavylift.numerics.rotation import rotation_matrix
-
-        turned: NDArray[np.float64] = self.vectors @ rotation_matrix(self.orientation).T
-        return turned
-
 
 def mesh_shape(body: MeshBody) -> MeshShape:
     """Shape of a body of a scene."""

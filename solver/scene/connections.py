@@ -66,7 +66,6 @@ __all__ = [
     "axes_about",
     "check_path",
     "controlled",
-    "frame_in_body",
     "rubbing_places",
 ]
 
@@ -191,21 +190,6 @@ def axes_about(
         )
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(z, x), z])
-
-
-def frame_in_body(
-    point: NDArray[np.float64],
-    axes: NDArray[np.float64],
-    position: NDArray[np.float64],
-    orientation: NDArray[np.float64],
-) -> JointFrame:
-    """Joint frame of a body from a point [m] and axes in the world and the pose of the body."""
-    from heavylift.numerics.rotation import (
-        rotation_matrix,  # compiled code, which who reads a case does not need
-    )
-
-    R = rotation_matrix(orientation)
-    return JointFrame(R.T @ (np.asarray(point, dtype=np.float64) - position), R.T @ axes)
 
 
 @dataclass(frozen=True)
