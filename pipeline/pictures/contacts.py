@@ -19,7 +19,7 @@ from heavylift.pipeline.pictures.drawings import INK, round_down
 from heavylift.pipeline.pictures.outer_surface import Surface, feature_edges
 from heavylift.pipeline.pictures.parts import ROUND, Parts, chain, force_arrow, grid_triangles, shape_parts
 from heavylift.pipeline.pictures.plots import figure_png
-from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
+from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, rgb
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import FlexibleBody
@@ -216,11 +216,6 @@ _KINK = np.radians(30.0)  # between two triangles whose edge is drawn
 _EDGES = 60_000  # triangles up to which edges are drawn
 
 
-def _rgb(colour: str) -> NDArray[np.uint8]:
-    """Red, green and blue of ``"#rrggbb"``."""
-    return np.frombuffer(bytes.fromhex(colour[1:]), dtype=np.uint8)
-
-
 def kinks(part: Patch) -> Lines:
     """Edges at which a surface has corners, or ends; none of a very fine one."""
     if len(part.triangles) > _EDGES:
@@ -241,7 +236,7 @@ def _solid(seen: Seen) -> _Solid:
     opaque = [part for part in seen.patches if part.opacity == 1.0]
     starts = np.cumsum([0, *(len(part.points) for part in opaque)])
     triangles = [part.triangles + start for part, start in zip(opaque, starts[:-1], strict=True)]
-    hues = [np.tile(_rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
+    hues = [np.tile(rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
     edges = [kinks(part) for part in opaque]
     return _Solid(
         np.concatenate([np.empty((0, 3)), *(part.points for part in opaque)]),

@@ -58,7 +58,7 @@ from heavylift.solver.laws.rows import FITTED, RETURN, check_drift, fit_row_law,
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import FORCES, GROUND, Between, as_joint
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes, upwards
 
 if TYPE_CHECKING:
     from heavylift.solver.laws.system import LawBlock
@@ -87,10 +87,6 @@ then gains two digits, as it does anyhow where friction follows the load."""
 
 PLAIN_ROUNDS = 5
 """Rounds of the iteration after which laws are fitted by chords too: tangents alone can go to and fro."""
-
-
-def _upwards() -> NDArray[np.float64]:
-    return np.array([0.0, 0.0, 1.0])
 
 
 @FORCES.describe("line_bearing")
@@ -123,7 +119,7 @@ class LineBearing(Between):
 
     inward: Annotated[NDArray[np.float64], BodyDirection()]
     """From its border onto the deck, in the axes of the first body: the line lies across it at the start."""
-    normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_upwards)
+    normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=upwards)
     """Of the plane, away from it, in the axes of the first body, at a right angle to `inward`."""
     deck_length: Annotated[float, Positive("length"), Absent()] = np.inf
     """From its border to its other one [m]; it has none if absent. An end of the line that leaves the deck stops the

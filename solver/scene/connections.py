@@ -31,6 +31,7 @@ from heavylift.solver.scene.descriptions import (
     check_table,
     interval_extremes,
     no_rows,
+    upwards,
 )
 from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
@@ -394,10 +395,6 @@ ROPES: Family[Any] = Family("rope", "heavylift.solver.laws", default="wire")
 """All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
 
 
-def _upwards() -> NDArray[np.float64]:
-    return np.array([0.0, 0.0, 1.0])
-
-
 @ROPES.part
 @dataclass(frozen=True, eq=False)
 class RopePoint:
@@ -410,7 +407,7 @@ class RopePoint:
     world."""
     radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
     """Of the pulley [m]; 0 for an end or an eye."""
-    axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=_upwards)
+    axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=upwards)
     """Of the pulley, in the coordinates of the geometry of the body; of the ground in the world. The rope runs about
     the pulley in the sense of a turn about this axis."""
     efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0

@@ -71,12 +71,15 @@ __all__ = [
     "check_object",
     "check_table",
     "described_fields",
+    "forward",
     "interval_extremes",
     "is_described",
     "known_channels",
     "no_rows",
     "owner_coordinate",
     "recorded_channels",
+    "upwards",
+    "zero_point",
 ]
 
 LONGEST_WORD = 100
@@ -441,6 +444,21 @@ def known_channels() -> Mapping[str, Sequence[ChannelKind]]:
 def no_rows() -> NDArray[np.float64]:
     """An empty table."""
     return np.zeros(0)
+
+
+def zero_point() -> NDArray[np.float64]:
+    """Default of a point: the origin."""
+    return np.zeros(3)
+
+
+def forward() -> NDArray[np.float64]:
+    """Default of a direction: along x."""
+    return np.array([1.0, 0.0, 0.0])
+
+
+def upwards() -> NDArray[np.float64]:
+    """Default of a direction: along z."""
+    return np.array([0.0, 0.0, 1.0])
 
 
 def named(said: Any, *keys: str) -> bool:
