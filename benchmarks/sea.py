@@ -109,7 +109,8 @@ def moorpy(case, anchors, ends, lengths):
 def moordyn(scene_lines, anchors, ends, interval):
     """CPU time of one dynamic line [s] along the motion of its fairlead."""
     from heavylift.numerics.outcome import InputError
-    from heavylift.pipeline.commands.moordyn import LineDynamics, MoorDynLine
+    from heavylift.pipeline.moordyn.input_file import LineDynamics
+    from heavylift.pipeline.moordyn.lines import MoorDynLine
 
     weight = scene_lines[0].sections[0].weight
     dynamics = LineDynamics(masses=(weight / 9.81 / 0.87,), segment=40.0)

@@ -189,7 +189,7 @@ def run(command: list[str], cache: Path, package: Path | None = None) -> Cost:
 
 def simulate(folder: Path, cache: Path, package: Path | None = None) -> Cost:
     """One step of a case, as its user would run it."""
-    command = [sys.executable, "-P", "-c", "from heavylift.pipeline.commands.cli import main; main()"]
+    command = [sys.executable, "-P", "-c", "from heavylift.pipeline.commands.start import main; main()"]
     return run([*command, "simulate", str(folder), "--force", "--json"], cache, package)
 
 

@@ -170,12 +170,6 @@ class ReducedBody:
         """Which vectors are eigenmodes of the full model: residual below `EIGENMODE_RESIDUAL`, shape (nf,)."""
         return self.residuals < EIGENMODE_RESIDUAL
 
-    @property
-    def largest_eigenmode_residual(self) -> float | None:
-        """Largest relative residual among the eigenmodes of the full model; None if no vector is one."""
-        found = self.residuals[self.eigenmode_mask]
-        return float(found.max()) if found.size else None
-
     def displacement(self, modal_coordinates: ArrayLike) -> NDArray[np.float64]:
         """Displacements of all nodes in the body frame [m], shape (n, 3), for coordinates q [kg^1/2 m]."""
         q = np.asarray(modal_coordinates, dtype=np.float64)
@@ -266,15 +260,6 @@ class ReducedBody:
             return np.argsort(distances, kind="stable")[:_NEIGHBOURS]
         touching = np.isin(self.mesh.elements, at).any(axis=1)
         return np.unique(self.mesh.elements[touching])
-
-    def nearest_node(self, point: ArrayLike) -> int:
-        """Index of the node closest to a point [m] of the body frame; the lowest index among equals."""
-        r = np.asarray(point, dtype=np.float64)
-        if r.shape != (3,) or not np.all(np.isfinite(r)):
-            raise InputError(
-                f"point {point!r}", source="reduced body", expected="three finite coordinates [m]"
-            )
-        return int(np.argmin(np.sum((self.nodes - r) ** 2, axis=1)))
 
 
 def _centred(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -22,7 +22,6 @@ __all__ = [
     "rotate_by_exponential",
     "rotate_by_quaternion",
     "rotation_matrix",
-    "rotation_vector",
     "write_rotation_matrix",
 ]
 
@@ -137,15 +136,3 @@ def quaternion_from_matrix(matrix: ArrayLike) -> NDArray[np.float64]:
     q = np.array(rows[largest])
     q /= np.linalg.norm(q)
     return -q if q[0] < 0.0 else q
-
-
-def rotation_vector(quaternion: ArrayLike) -> NDArray[np.float64]:
-    """Rotation vector [rad] of length at most pi, shape (3,), of a quaternion, shape (4,)."""
-    q = np.asarray(quaternion, dtype=np.float64)
-    q = q / np.linalg.norm(q)
-    if q[0] < 0.0:
-        q = -q
-    sine = float(np.linalg.norm(q[1:]))
-    if sine < 1e-8:  # 2 atan(s/c)/s = 2/c to rounding
-        return 2.0 / q[0] * q[1:]
-    return 2.0 * math.atan2(sine, q[0]) / sine * q[1:]

@@ -201,7 +201,7 @@ def pack_sea(scene: Scene, book: MarkerBook, record: ChannelBook) -> PackedSea:
     packed.tangents = np.zeros((len(sea.lines) + len(sea.fenders), 9))
     packed.rate_tangents = np.zeros_like(packed.tangents)
     if sea.lines:
-        from heavylift.solver.water.lines.mooring_lines import line_markers, pack_mooring_lines
+        from heavylift.solver.water.lines.packing import line_markers, pack_mooring_lines
 
         markers = line_markers(book, sea.lines)
         columns = [record.add(line.name, line.CHANNELS) for line in sea.lines]

@@ -12,21 +12,19 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from heavylift.contours.triangles.feature_gap import fixed_point, moved, moved_point, to_axes_of_b
-from heavylift.contours.triangles.surface_layout import pose_of
 from heavylift.contours.triangles.surface_tree import tree_depth
 from heavylift.contours.triangles.triangle_distance import point_of, point_triangle, segment_segment
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.records import Record, records
+from heavylift.numerics.records import Record
 from heavylift.numerics.vectors import Vector, between, cross, dot, rotate, subtract
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    import numpy as np
+    from numpy.typing import NDArray
 
     from heavylift.contours.triangles.surface_layout import BoundingBox, RelativePose
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
@@ -34,11 +32,9 @@ if TYPE_CHECKING:
     from heavylift.numerics.records import Records
 
 __all__ = [
-    "Clearance",
     "WaitingNodes",
     "clearance",
     "clearance_stack_size",
-    "find_clearance",
     "measure_clearance",
 ]
 
@@ -65,50 +61,11 @@ class WaitingNodes(Record):
     squared_gap: float
 
 
-class Clearance(NamedTuple):
-    """Where two surfaces are nearest to each other.
-
-    Attributes
-    ----------
-    distance
-        Between the surfaces, rounding included [m]: zero where they cross, below zero where only roundings overlap,
-        and less than zero by both roundings where rounded surfaces cross.
-    point_a, point_b
-        Nearest points [m], both in the axes of A, shape (3,).
-    """
-
-    distance: float
-    point_a: NDArray[np.float64]
-    point_b: NDArray[np.float64]
-
-
 def clearance_stack_size(surfaces: CollisionSurfaces) -> int:
     """Places that `clearance` needs as scratch, for any pair of the surfaces of a scene."""
     depths = [tree_depth(surfaces.nodes, int(row.root)) for row in surfaces.surfaces]
     # every pair of nodes taken from the stack puts at most two back, one level deeper
     return max((one + other for one, other in combinations(depths, 2)), default=0) + 2
-
-
-def find_clearance(
-    surfaces: CollisionSurfaces, a: int, b: int, R: ArrayLike, p: ArrayLike, upper: float = math.inf
-) -> Clearance:
-    """Smallest distance between two surfaces.
-
-    Parameters
-    ----------
-    surfaces
-        All surfaces of a scene.
-    a, b
-        Numbers of two different ones.
-    R, p
-        Rotation, shape (3, 3), and position [m], shape (3,), of B in the axes of A: ``x_A = R x_B + p``.
-    upper
-        What the distance hardly exceeds [m], for speed; see `clearance`.
-    """
-    out = np.zeros(6)
-    stack = records(WaitingNodes, clearance_stack_size(surfaces))
-    distance = measure_clearance(surfaces, a, b, pose_of(R, p), upper, stack, out)
-    return Clearance(distance, out[:3].copy(), out[3:].copy())
 
 
 @entry
@@ -139,7 +96,10 @@ def clearance(
     # out
     out: NDArray[np.float64],
 ) -> float:
-    """Smallest distance between two surfaces [m], as in `Clearance`; NaN for a pose that is not finite.
+    """Smallest distance between two surfaces [m], rounding included; NaN for a pose that is not finite.
+
+    Zero where they cross, below zero where only roundings overlap, and less than zero by both roundings where rounded
+    surfaces cross.
 
     Parameters
     ----------

@@ -17,13 +17,11 @@ import numpy as np
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.assemble.connections import assemble_joint
 from heavylift.pipeline.assemble.described import assemble
+from heavylift.pipeline.assemble.frames import assemble_rigid, motion_of, start_of_frame
 from heavylift.pipeline.assemble.scene import (
     MEASURED,
-    assemble_rigid,
     gravity_of,
-    motion_of,
     points_on,
-    start_of_frame,
 )
 from heavylift.pipeline.assemble.sides import start_sides
 from heavylift.pipeline.case.bodies import FlexibleBodySection

@@ -10,7 +10,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.described import assemble
-from heavylift.pipeline.assemble.scene import assemble_rigid
+from heavylift.pipeline.assemble.frames import assemble_rigid
 from heavylift.pipeline.assemble.sides import Side
 from heavylift.pipeline.assemble.surfaces import stored_surface
 from heavylift.pipeline.assemble.water import water_of

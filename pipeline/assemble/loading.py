@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline.assemble.frames import assemble_rigid, start_of_frame
 from heavylift.pipeline.case.joined import joined_to_hull, shared_with_hulls
-from heavylift.solver.forces.line_bearing import LineBearing
 from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.laws.packing import as_joint
-from heavylift.solver.scene.connections import GROUND, MEASURES
+from heavylift.solver.laws.line_bearing import LineBearing
+from heavylift.solver.scene.connections import GROUND, MEASURES, as_joint
 from heavylift.solver.scene.joined import joined_bodies, shared_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
 
@@ -151,8 +151,6 @@ def _carried(
 
 def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
     """The same before there is a scene, as databases need it: flexible bodies from meshes, with what hangs on it."""
-    from heavylift.pipeline.assemble.scene import assemble_rigid
-
     group, beyond = joined_to_hull(case, name)
     section = case.bodies[name]
     assert section.type == "rigid"
@@ -178,8 +176,6 @@ def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
 
 def _drawn(case: Case, tie: Any) -> NDArray[np.float64] | None:
     """Where a joint or bearing of a case is in the world [m]; None if it is not on a rigid body."""
-    from heavylift.pipeline.assemble.scene import assemble_rigid
-
     if getattr(tie, "at", None) is not None:
         return np.array(tie.at, dtype=np.float64)
     section = case.bodies.get(tie.between[1])
@@ -238,8 +234,6 @@ def _of_body(body: Any) -> _Load:
 
 
 def _of_section(case: Case, name: str, folder: OutputFolder) -> _Load:
-    from heavylift.pipeline.assemble.scene import assemble_rigid, start_of_frame
-
     section = case.bodies[name]
     if section.type == "rigid":
         return _of_body(assemble_rigid(name, section)[0])

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.connections import assemble_joints
-from heavylift.pipeline.assemble.described import assemble, assemble_list
+from heavylift.pipeline.assemble.described import assemble_list
+from heavylift.pipeline.assemble.frames import assemble_rigid, motion_of, start_of_frame
 from heavylift.pipeline.assemble.sides import Side, start_sides
 from heavylift.pipeline.assemble.water import has_sea
 from heavylift.pipeline.case.bodies import FlexibleBodySection
@@ -29,8 +28,6 @@ if TYPE_CHECKING:
     from heavylift.modal.reduced import ReducedBody
     from heavylift.pipeline.case.bodies import (
         InitialSection,
-        RigidBodySection,
-        RigidInitialSection,
     )
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.storage import OutputFolder
@@ -42,13 +39,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MEASURED",
-    "assemble_rigid",
     "assemble_scene",
     "gravity_of",
     "modal_coordinates",
-    "motion_of",
     "points_on",
-    "start_of_frame",
 ]
 
 MEASURED = ("relative_motions", "leads", "lugs", "hook_loads", "rope_groups")
@@ -293,39 +287,3 @@ def modal_coordinates(
         largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=1)[:, np.newaxis], axis=1)[:, 0]
         values /= largest
     return values
-
-
-def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDArray[np.float64]]:
-    """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
-    centre = np.array(body.centre_of_mass)
-    origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
-    given = {"name": name, "motion": motion_of(body.frame), **start_of_frame(body.initial, origin)}
-    rigid = assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given)
-    return rigid, origin
-
-
-def start_of_frame(
-    initial: RigidInitialSection, origin: NDArray[np.float64]
-) -> dict[str, NDArray[np.float64]]:
-    """Initial state of a frame; by default the body is where its geometry was drawn."""
-    orientation = np.array([1.0, 0.0, 0.0, 0.0])
-    if initial.orientation is not None:
-        from heavylift.numerics.rotation import quaternion_from_rotation_vector
-
-        axis: NDArray[np.float64] = np.array(initial.orientation.axis)
-        angle = math.fmod(
-            initial.orientation.angle, 4.0 * math.pi
-        )  # whole turns would overflow, if there are many
-        orientation = quaternion_from_rotation_vector(angle * axis / np.linalg.norm(axis))
-    return {
-        "position": origin.copy() if initial.position is None else np.array(initial.position),
-        "orientation": orientation,
-        "velocity": np.array(initial.velocity or (0.0, 0.0, 0.0)),
-        "angular_velocity": np.array(initial.angular_velocity or (0.0, 0.0, 0.0)),
-    }
-
-
-def motion_of(frame: Any) -> s.Motion:
-    """How a frame moves."""
-    made: s.Motion = assemble(frame, {}, Path())
-    return made

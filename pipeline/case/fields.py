@@ -59,6 +59,7 @@ __all__ = [
     "SideName",
     "UniqueName",
     "VelocityVector",
+    "as_list",
     "is_parallel",
     "parse_list",
     "quantity_schema",
@@ -117,6 +118,11 @@ def reject(problem: str, expected: str, *, key: str = "", kind: str = "case") ->
         ``"case"``, or ``"repeated"`` for a name that occurs again: told of its last occurrence only.
     """
     raise PydanticCustomError(kind, "{problem}", {"problem": problem, "expected": expected, "key": key})
+
+
+def as_list(value: Any) -> Any:
+    """A single name as a list of one."""
+    return [value] if isinstance(value, str) else value
 
 
 def type_tag(value: object, default: str) -> str:

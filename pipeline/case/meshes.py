@@ -26,6 +26,7 @@ from heavylift.pipeline.case.fields import (
     Positive,
     Quantity,
     Section,
+    as_list,
     is_parallel,
     refuse_unknown,
     reject,
@@ -345,11 +346,6 @@ EDGES = ("x_min", "x_max", "y_min", "y_max")
 CORNERS = ("x_min y_min", "x_max y_min", "x_max y_max", "x_min y_max")
 
 
-def _listed(value: Any) -> Any:
-    """A single name as a list of one."""
-    return [value] if isinstance(value, str) else value
-
-
 class FrameFixedSection(Section):
     """Which axes of the body are held of each vector of a node, such as ``"xz"``."""
 
@@ -405,7 +401,7 @@ class FrameSupportSection(_SupportSection):
     """Nodes of a frame that are held to the ground."""
 
     at: Annotated[
-        tuple[End, ...], BeforeValidator(_listed, json_schema_input_type=End | list[End]), Field(min_length=1)
+        tuple[End, ...], BeforeValidator(as_list, json_schema_input_type=End | list[End]), Field(min_length=1)
     ] = Field(default=())
     """In place of `nodes`: one end or a list of both."""
     fix: Literal["pinned", "clamped"] | None = None
@@ -433,13 +429,13 @@ class ShellSupportSection(_SupportSection):
 
     edge: Annotated[
         tuple[Edge, ...],
-        BeforeValidator(_listed, json_schema_input_type=Edge | list[Edge]),
+        BeforeValidator(as_list, json_schema_input_type=Edge | list[Edge]),
         Field(min_length=1),
     ] = Field(default=())
     """In place of `nodes`: an edge, a list of edges, or ``all`` of them."""
     corner: Annotated[
         tuple[Corner, ...],
-        BeforeValidator(_listed, json_schema_input_type=Corner | list[Corner]),
+        BeforeValidator(as_list, json_schema_input_type=Corner | list[Corner]),
         Field(min_length=1),
     ] = Field(default=())
     """In place of `nodes`: a corner, a list of corners, or ``all`` of them."""

@@ -30,6 +30,7 @@ from heavylift.pipeline.case.fields import (
     Positive,
     Quantity,
     Section,
+    as_list,
     quantity_schema,
     reject,
 )
@@ -271,10 +272,6 @@ def _kind(info: ValidationInfo) -> Kind | None:
 _PATTERN = re.compile(r"[A-Za-z*?\[][A-Za-z0-9_*?!\[\].-]*")
 
 
-def _listed(value: Any) -> Any:
-    return [value] if isinstance(value, str) else value
-
-
 def _pattern(name: str) -> str:
     if not _PATTERN.fullmatch(name) or len(name) > 120:
         reject(f"{name!r} is no name", "a name, or a pattern such as 'fall_*'")
@@ -284,7 +281,7 @@ def _pattern(name: str) -> str:
 Names = Annotated[
     tuple[Annotated[str, AfterValidator(_pattern)], ...],
     Field(min_length=1),
-    BeforeValidator(_listed),
+    BeforeValidator(as_list),
     WithJsonSchema(
         {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}, mode="validation"
     ),

@@ -2,7 +2,7 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
@@ -13,6 +13,7 @@ from heavylift.pipeline.case.fields import (
     Name,
     Quantity,
     Section,
+    as_list,
     reject,
 )
 
@@ -24,15 +25,10 @@ Directions = Annotated[str, StringConstraints(pattern="^x?y?z?$", min_length=1)]
 _Stress = Annotated[float, Quantity("pressure")]
 
 
-def _listed(value: Any) -> Any:
-    """A single name as a list of one."""
-    return [value] if isinstance(value, str) else value
-
-
 class _PlaceSection(Section):
     """Which nodes of a flexible body."""
 
-    on: Annotated[tuple[Name, ...], BeforeValidator(_listed, json_schema_input_type=Name | list[Name])] = ()
+    on: Annotated[tuple[Name, ...], BeforeValidator(as_list, json_schema_input_type=Name | list[Name])] = ()
     """A group of nodes, or a list of groups; all nodes of the body if absent."""
     lower: LengthVector | None = Field(default=None, alias="from")
     """Corner of a box with the smallest coordinates [m]; nodes outside of the box are left out."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.assemble.scene import start_of_frame
+from heavylift.pipeline.assemble.frames import start_of_frame
 from heavylift.pipeline.case.criteria import words_of_inner_ropes
 
 if TYPE_CHECKING:

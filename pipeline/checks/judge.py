@@ -7,11 +7,13 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.case.checks import QuantityReference
+from heavylift.pipeline.case.quantity_names import parse_quantity_name
 from heavylift.pipeline.checks.criteria import evaluate_criterion
 from heavylift.pipeline.checks.quantities import Quantities, evaluate_check
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.results.histories import Results
 
-__all__ = ["Judged", "judge"]
+__all__ = ["Judged", "judge", "judging_stages", "needed_stages"]
 
 T = TypeVar("T")
 
@@ -94,3 +96,28 @@ def _evaluated(evaluate: Callable[[], T]) -> T | InputError:
         return error
     except (IndexError, ValueError):  # statistics of a run that stopped before its first record
         return InputError("cannot be evaluated from the records that there are")
+
+
+def judging_stages(case: Case, *, checks: bool = True) -> tuple[str, ...]:
+    """Stages that must have run before the criteria of a case, and its checks, can be evaluated."""
+    if case.criteria and case.simulate is not None:
+        return ("mesh", "modes", "simulate")
+    limits = [text for one in case.criteria if (text := getattr(one, "quantity", ""))]
+    return needed_stages([*(_quantities(case) if checks else ()), *limits])
+
+
+def needed_stages(quantities: Sequence[str]) -> tuple[str, ...]:
+    """Stages that must have run before some quantities can be computed."""
+    order = ("mesh", "modes", "simulate")
+    last = max((order.index(parse_quantity_name(text).stage) for text in quantities), default=-1)
+    return order[: last + 1]
+
+
+def _quantities(case: Case) -> list[str]:
+    """All quantities that the checks of a case name."""
+    texts = []
+    for check in case.check:
+        texts.append(check.quantity)
+        if isinstance(check.reference, QuantityReference):
+            texts.append(check.reference.quantity)
+    return texts

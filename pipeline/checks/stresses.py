@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.results.mesh_results import mesh_body, mesh_coordinates
+from heavylift.pipeline.results.mesh_motion import mesh_coordinates
+from heavylift.pipeline.results.mesh_results import mesh_body
 from heavylift.pipeline.results.model_io import read_model, read_reduced
 
 if TYPE_CHECKING:

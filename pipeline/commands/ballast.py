@@ -61,7 +61,7 @@ def ballast_command(
     """
     from heavylift.pipeline.assemble.hulls import frame_origin, hull_surface
     from heavylift.pipeline.pictures.ballast_plots import ballast_plot
-    from heavylift.pipeline.stages.stages import locked
+    from heavylift.pipeline.stages.lock import locked
     from heavylift.preprocess.hydrodynamics.hull_surface import check_hull
     from heavylift.preprocess.surfaces.triangle_surface import placed
 

@@ -31,12 +31,11 @@ from heavylift.pipeline.commands.command_line import (
 )
 from heavylift.pipeline.commands.page import PAGE_COMMANDS
 from heavylift.pipeline.commands.sea import SEA_COMMANDS, Seeds
-from heavylift.pipeline.commands.start import main
 
 if TYPE_CHECKING:
     from heavylift.pipeline.log import Log
 
-__all__ = ["app", "main"]
+__all__ = ["app"]
 
 
 def _version() -> str:

@@ -81,7 +81,7 @@ Json = Annotated[
 
 def guarded(command: "Callable[[Log], int]", *, quiet: bool, json: bool) -> int:
     """Run a command; whatever a user can cause ends as one message and an exit code."""
-    from heavylift.pipeline.commands.start import interruption, out_of_memory
+    from heavylift.pipeline.commands.endings import interruption, out_of_memory
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.storage import FULL, StopError
 

@@ -20,8 +20,8 @@ from heavylift.pipeline.checks.convergence import (
     observed_order,
     study_table,
 )
+from heavylift.pipeline.checks.judge import needed_stages
 from heavylift.pipeline.checks.quantities import Quantities
-from heavylift.pipeline.commands.verify import needed_stages
 from heavylift.pipeline.results.storage import OutputFolder, StopError, write_json
 from heavylift.pipeline.stages.stages import run_case
 

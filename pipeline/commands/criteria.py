@@ -64,8 +64,7 @@ def judge_case(
     InputErrors
         If the case is wrong, or has no criteria.
     """
-    from heavylift.pipeline.checks.judge import judge
-    from heavylift.pipeline.commands.verify import judging_stages
+    from heavylift.pipeline.checks.judge import judge, judging_stages
     from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
     case = load_changed_case(path, overrides)

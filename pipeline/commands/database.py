@@ -32,7 +32,7 @@ def database_command(
         If the case has no hulls or no databases, or one of them is wrong.
     """
     from heavylift.pipeline.pictures.hull_plots import database_plots
-    from heavylift.pipeline.stages.stages import locked
+    from heavylift.pipeline.stages.lock import locked
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)
     check_databases(found)

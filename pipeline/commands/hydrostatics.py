@@ -49,7 +49,7 @@ def hydrostatics_command(
     """
     from heavylift.pipeline.assemble.hulls import frame_origin, liquid_at_start
     from heavylift.pipeline.stages.hydrostatics import hydrostatics_lines, hydrostatics_report
-    from heavylift.pipeline.stages.stages import locked
+    from heavylift.pipeline.stages.lock import locked
     from heavylift.preprocess.surfaces.triangle_surface import placed
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)

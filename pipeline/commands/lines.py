@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.commands.moordyn import DynamicLine
     from heavylift.pipeline.commands.scene import SeaCase
     from heavylift.pipeline.log import Log
+    from heavylift.pipeline.moordyn.lines import DynamicLine
     from heavylift.pipeline.pictures.mooring_lines import DrawnLine
     from heavylift.pipeline.results.histories import Results
     from heavylift.solver.scene.scene import Scene
@@ -84,7 +84,7 @@ def lines_command(
     """
     from heavylift.pipeline.pictures.mooring_lines import draw_line, profile_picture
     from heavylift.pipeline.results.histories import load_results
-    from heavylift.pipeline.stages.stages import locked
+    from heavylift.pipeline.stages.lock import locked
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log, needs="lines")
     chosen = _choose(found, lines)
@@ -208,7 +208,8 @@ def _dynamics(
     folder: Path,
 ) -> DynamicLine:
     """One line along a part of the run."""
-    from heavylift.pipeline.commands.moordyn import LineDynamics, run_moordyn
+    from heavylift.pipeline.moordyn.input_file import LineDynamics
+    from heavylift.pipeline.moordyn.lines import run_moordyn
 
     water = found.sea.water
     ends = line_ends(found.scene, line, results)

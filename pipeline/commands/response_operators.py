@@ -77,7 +77,7 @@ def rao_command(
         that does not fit.
     """
     from heavylift.pipeline.case.places import in_case
-    from heavylift.pipeline.stages.stages import locked
+    from heavylift.pipeline.stages.lock import locked
     from heavylift.solver.water.hulls.linearise import linear_group, linearise
 
     found = load_sea_case(path, out=out, overrides=overrides, log=log)

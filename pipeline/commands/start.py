@@ -18,13 +18,15 @@ import time
 import warnings
 from typing import TYPE_CHECKING, Any
 
+from heavylift.pipeline.commands.endings import Terminated, interruption, out_of_memory
+
 if TYPE_CHECKING:
     from pathlib import Path
     from types import FrameType, TracebackType
 
     from heavylift.numerics.outcome import Outcome
 
-__all__ = ["Terminated", "main"]
+__all__ = ["main"]
 
 YOUNG = 500_000
 """Objects made between two searches for cycles: a start makes fewer, and all of them stay."""
@@ -34,10 +36,6 @@ ASKED_AGAIN = 0.05
 
 CLOSED_PIPE = 141
 """Exit code of a command whose only product nobody reads any more, as a shell says it of SIGPIPE."""
-
-
-class Terminated(KeyboardInterrupt):
-    """SIGTERM, outside the time loop."""
 
 
 def main() -> None:
@@ -193,17 +191,6 @@ def _ended(line: str, outcome: Outcome) -> int:
         document = {"error": line, "outcome": outcome.name.lower(), "details": []}
         _say(json.dumps(document, indent=2), sys.stdout)
     return int(outcome)
-
-
-def interruption(error: KeyboardInterrupt) -> str:
-    """A line about Ctrl-C or SIGTERM outside the time loop."""
-    name = "SIGTERM: stopped" if isinstance(error, Terminated) else "interrupted"
-    return f"{name}; what was written is kept"
-
-
-def out_of_memory(error: MemoryError) -> str:
-    """A line about memory that the machine does not have."""
-    return f"not enough memory{f': {error}' if str(error) else ''}"
 
 
 def _fault(error: BaseException) -> str:

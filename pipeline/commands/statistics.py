@@ -347,7 +347,8 @@ def statistics_command(
         If so many runs stop by themselves that too few are left.
     """
     from heavylift.pipeline.results.histories import load_results
-    from heavylift.pipeline.stages.stages import load_changed_case, locked
+    from heavylift.pipeline.stages.lock import locked
+    from heavylift.pipeline.stages.stages import load_changed_case
 
     case = load_changed_case(path, overrides)
     root = Path(out) if out is not None else case.output_folder

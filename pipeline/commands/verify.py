@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.case.checks import QuantityReference
-from heavylift.pipeline.case.quantity_names import parse_quantity_name
 from heavylift.pipeline.results.storage import StopError
 
 if TYPE_CHECKING:
@@ -25,8 +24,6 @@ __all__ = [
     "Missed",
     "check_table",
     "exit_code",
-    "judging_stages",
-    "needed_stages",
     "verify_case",
     "verify_document",
 ]
@@ -111,18 +108,11 @@ def _missed_row(check: CheckSection, unit: str, reason: str) -> dict[str, Any]:
     }
 
 
-def needed_stages(quantities: Sequence[str]) -> tuple[str, ...]:
-    """Stages that must have run before some quantities can be computed."""
-    order = ("mesh", "modes", "simulate")
-    last = max((order.index(parse_quantity_name(text).stage) for text in quantities), default=-1)
-    return order[: last + 1]
-
-
 def verify_case(
     path: Path, *, out: Path | None, overrides: Sequence[str], force: bool, log: Log
 ) -> CaseVerdict:
     """Run what checks and criteria of a case need, and evaluate them; whatever goes wrong is in the verdict."""
-    from heavylift.pipeline.checks.judge import judge
+    from heavylift.pipeline.checks.judge import judge, judging_stages
     from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
     name = path.resolve().parent.name if path.suffix == ".toml" else path.resolve().name
@@ -165,24 +155,6 @@ def verify_case(
 
 def _missed(case: Case, check: CheckSection, reason: str = "") -> Missed:
     return Missed(check, case.quantity(check.quantity).kind.unit, reason.replace("\n", "; "))
-
-
-def judging_stages(case: Case, *, checks: bool = True) -> tuple[str, ...]:
-    """Stages that must have run before the criteria of a case, and its checks, can be evaluated."""
-    if case.criteria and case.simulate is not None:
-        return ("mesh", "modes", "simulate")
-    limits = [text for one in case.criteria if (text := getattr(one, "quantity", ""))]
-    return needed_stages([*(_quantities(case) if checks else ()), *limits])
-
-
-def _quantities(case: Case) -> list[str]:
-    """All quantities that the checks of a case name."""
-    texts = []
-    for check in case.check:
-        texts.append(check.quantity)
-        if isinstance(check.reference, QuantityReference):
-            texts.append(check.reference.quantity)
-    return texts
 
 
 def verify_document(verdicts: Sequence[CaseVerdict]) -> dict[str, Any]:

@@ -17,15 +17,16 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.attached import rigid_shapes, rods, single_joints
 from heavylift.pipeline.pictures.camera import plane_view
-from heavylift.pipeline.pictures.contacts import contour_parts, shape_parts
+from heavylift.pipeline.pictures.contacts import contour_parts
 from heavylift.pipeline.pictures.drawings import deformation_scale, round_down
 from heavylift.pipeline.pictures.meshes import MeshSkin, frame_radius, rest_coordinates, stress_scale
 from heavylift.pipeline.pictures.mooring_lines import draw_line
 from heavylift.pipeline.pictures.outer_surface import feature_edges, surface_from_mesh
+from heavylift.pipeline.pictures.parts import shape_parts
 from heavylift.pipeline.pictures.roads import wheel_axes, wheel_centres
 from heavylift.pipeline.pictures.shapes import coil, pad
 from heavylift.pipeline.pictures.triangles import clip_triangles
-from heavylift.pipeline.results.mesh_results import mesh_coordinates
+from heavylift.pipeline.results.mesh_motion import mesh_coordinates
 from heavylift.pipeline.results.rope_lines import rope_tangents
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.scene.bodies import Fixed

@@ -12,6 +12,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.pictures.contacts import ContactParts
 from heavylift.pipeline.pictures.drawings import deformation_scale
 from heavylift.pipeline.pictures.mooring_lines import draw_line
+from heavylift.pipeline.pictures.parts import Seen
 from heavylift.pipeline.pictures.render import Lines, Patch, Points
 from heavylift.pipeline.pictures.roads import deck_strips, wheel_axes, wheel_centres
 from heavylift.pipeline.pictures.shapes import box_corners, clip_lines, coil, inertia_box, pad
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Others",
-    "Seen",
     "Solid",
     "elevations",
     "rigid_shapes",
@@ -77,21 +77,6 @@ _APART = 0.01  # sides of a joint that are farther apart are joined by a line: d
 _LOOKS = 24  # records by which it is seen where bodies get
 _SMALL = 1.0e-2  # deformation relative to the scene below which it is drawn larger
 _CELLS = 96  # of waves in each direction
-
-
-class Seen(NamedTuple):
-    """What is drawn in one colour each: lines, surfaces, marked points."""
-
-    lines: tuple[Lines, ...] = ()
-    patches: tuple[Patch, ...] = ()
-    marks: tuple[Points, ...] = ()
-    around: tuple[Lines | Patch, ...] = ()
-
-    @property
-    def points(self) -> NDArray[np.float64]:
-        """All points, shape (m, 3), for the camera; without what is around, as water and moorings."""
-        parts = [part.points for group in self[:3] for part in group]
-        return np.concatenate(parts) if parts else np.empty((0, 3))
 
 
 class Solid(NamedTuple):

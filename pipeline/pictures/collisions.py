@@ -16,11 +16,11 @@ from heavylift.pipeline.pictures.annotations import (
     emptiest_corner,
 )
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
-from heavylift.pipeline.pictures.contacts import force_arrow
 from heavylift.pipeline.pictures.drawings import round_down
 from heavylift.pipeline.pictures.outer_surface import feature_edges, surface_from_triangles
+from heavylift.pipeline.pictures.parts import force_arrow
 from heavylift.pipeline.pictures.plots import figure_png
-from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points
+from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points, rgb
 from heavylift.pipeline.pictures.triangles import clip_triangles, welded
 
 if TYPE_CHECKING:
@@ -199,7 +199,7 @@ def _drawing(parts: list[_Part], *, glass: int) -> Drawing:
         else:
             triangles.append(faces + sum(len(part) for part in points))
             points.append(places)
-            hues.append(np.where(excluded[:, None], _rgb(_EXCLUDED), _rgb(COLOURS[number])))
+            hues.append(np.where(excluded[:, None], rgb(_EXCLUDED), rgb(COLOURS[number])))
         if 0 < len(faces) <= _EDGES:
             ends = feature_edges(places, faces, _KINK, wound=False)
             edges.append(Lines(places, ends, _EDGE, 0.8, 0.25 if number == glass else 0.6))
@@ -243,10 +243,6 @@ def _before(points: NDArray[np.float64], camera: Camera, hidden: NDArray[np.floa
     share = 0.95 * nearest / float(camera.project(points)[:, 2].max())
     moved: NDArray[np.float64] = camera.position + min(share, 1.0) * (points - camera.position)
     return moved
-
-
-def _rgb(colour: str) -> NDArray[np.uint8]:
-    return np.frombuffer(bytes.fromhex(colour[1:]), dtype=np.uint8)
 
 
 def _add_scale(foot: Any, camera: Camera, points: NDArray[np.float64], pixels: int) -> None:

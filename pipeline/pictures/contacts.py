@@ -17,26 +17,23 @@ from heavylift.pipeline.pictures.annotations import (
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
 from heavylift.pipeline.pictures.drawings import INK, round_down
 from heavylift.pipeline.pictures.outer_surface import Surface, feature_edges
+from heavylift.pipeline.pictures.parts import ROUND, Parts, chain, force_arrow, grid_triangles, shape_parts
 from heavylift.pipeline.pictures.plots import figure_png
-from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points
-from heavylift.solver.scene import contacts as c
+from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, rgb
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import FlexibleBody
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from heavylift.pipeline.pictures.attached import Seen
-    from heavylift.pipeline.pictures.camera import Camera
-    from heavylift.pipeline.pictures.render import Renderer
-
-if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from heavylift.contours.splines.neutral import NeutralContour
+    from heavylift.pipeline.pictures.camera import Camera
+    from heavylift.pipeline.pictures.parts import Seen
+    from heavylift.pipeline.pictures.render import Renderer
+    from heavylift.solver.scene import contacts as c
     from heavylift.solver.scene.scene import Scene
 
     Pose = Callable[[str, int], tuple[NDArray[np.float64], NDArray[np.float64]]]
@@ -45,42 +42,16 @@ if TYPE_CHECKING:
 __all__ = [
     "ContactParts",
     "contour_parts",
-    "force_arrow",
     "kinks",
     "scene_size",
-    "shape_parts",
     "touch_camera",
     "touch_picture",
 ]
 
-_CONTOUR, _TOUCH, _FORCE, _GROUND = "#8e3b9c", "#c9a227", "#c62828", "#dfe4ea"
+_CONTOUR, _GROUND = "#8e3b9c", "#dfe4ea"
 _PIECES = 3  # samples of a polynomial piece of a contour
 _LINES = 13  # lines of a contour in each direction at most
-_ROUND = 24  # corners of a circle
 _ARROW = 0.2  # length of the arrow of the largest force, relative to the scene
-_BARB = 0.25  # of an arrow, relative to its length
-
-
-class Parts(NamedTuple):
-    """What is drawn: lines, surfaces, marked points."""
-
-    lines: tuple[Lines, ...] = ()
-    patches: tuple[Patch, ...] = ()
-    marks: tuple[Points, ...] = ()
-
-    def placed(self, origin: NDArray[np.float64], R: NDArray[np.float64]) -> Parts:
-        """The same in world axes."""
-        return Parts(
-            tuple(
-                Lines(origin + part.points @ R.T, part.ends, part.colour, part.width, part.opacity)
-                for part in self.lines
-            ),
-            tuple(
-                Patch(origin + part.points @ R.T, part.triangles, part.colour, part.opacity)
-                for part in self.patches
-            ),
-            tuple(Points(origin + part.points @ R.T, part.colour, part.size) for part in self.marks),
-        )
 
 
 class ContactParts:
@@ -186,19 +157,19 @@ def contour_parts(contour: c.Contour, neutral: NeutralContour, *, filled: bool) 
     closed = [space.closed for space in neutral.spaces]
     if neutral.is_surface:
         lines = _net(points, closed)
-        patch = (Patch(points.reshape(-1, 3), _triangles(points.shape[:2], closed), _GROUND),)
+        patch = (Patch(points.reshape(-1, 3), grid_triangles(points.shape[:2], closed), _GROUND),)
         return Parts((lines,), patch if filled else ())
     tangents = values[:, 1] / np.linalg.norm(values[:, 1], axis=1, keepdims=True)
-    line = Lines(points, _chain(len(points), closed[0]), _CONTOUR, 2.5)
+    line = Lines(points, chain(len(points), closed[0]), _CONTOUR, 2.5)
     if contour.radius > 0.0:
         first = np.eye(3)[np.argmin(np.abs(tangents[0]))]
         across = _carried(tangents, first)
-        turns = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
+        turns = 2.0 * np.pi * np.arange(ROUND) / ROUND
         other = np.cross(tangents, across)
         rings = np.cos(turns)[:, None] * across[:, None] + np.sin(turns)[:, None] * other[:, None]
         tube = points[:, None] + contour.radius * rings
         return Parts(
-            (line,), (Patch(tube.reshape(-1, 3), _triangles(tube.shape[:2], [closed[0], True]), _GROUND),)
+            (line,), (Patch(tube.reshape(-1, 3), grid_triangles(tube.shape[:2], [closed[0], True]), _GROUND),)
         )
     if contour.width > 0.0:
         normals = np.cross(contour.director, tangents)
@@ -206,7 +177,8 @@ def contour_parts(contour: c.Contour, neutral: NeutralContour, *, filled: bool) 
         half = 0.5 * contour.width * across
         strip = np.stack([points - half, points, points + half], axis=1)
         return Parts(
-            (line,), (Patch(strip.reshape(-1, 3), _triangles(strip.shape[:2], [closed[0], False]), _GROUND),)
+            (line,),
+            (Patch(strip.reshape(-1, 3), grid_triangles(strip.shape[:2], [closed[0], False]), _GROUND),),
         )
     return Parts((line,))
 
@@ -222,13 +194,6 @@ def _carried(tangents: NDArray[np.float64], director: NDArray[np.float64]) -> ND
     return found
 
 
-def _chain(count: int, closed: bool) -> NDArray[np.int64]:
-    """Segments from point to point."""
-    order = np.arange(count)
-    pairs = np.column_stack([order, np.roll(order, -1)])
-    return pairs if closed else pairs[:-1]
-
-
 def _net(points: NDArray[np.float64], closed: list[bool]) -> Lines:
     """Lines along both directions of a grid of points, few of them, those at the borders always."""
     numbers = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
@@ -237,93 +202,9 @@ def _net(points: NDArray[np.float64], closed: list[bool]) -> Lines:
         along = numbers if axis == 0 else numbers.T
         count = len(along.T) - (1 if closed[1 - axis] else 0)
         chosen = np.unique(np.linspace(0, count - 1, min(_LINES, count)).round().astype(int))
-        chain = _chain(len(along), closed[axis])
-        ends += [along[chain, column] for column in chosen]
+        steps = chain(len(along), closed[axis])
+        ends += [along[steps, column] for column in chosen]
     return Lines(points.reshape(-1, 3), np.concatenate(ends), _CONTOUR, 1.2, 0.8)
-
-
-def _triangles(shape: tuple[int, ...], closed: list[bool]) -> NDArray[np.int64]:
-    """Two triangles a cell of a grid of points."""
-    rows, columns = shape
-    numbers = np.arange(rows * columns).reshape(rows, columns)
-    numbers = np.concatenate([numbers, numbers[:1]]) if closed[0] else numbers
-    numbers = np.concatenate([numbers, numbers[:, :1]], axis=1) if closed[1] else numbers
-    a, b, d, e = numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]
-    return np.concatenate([np.stack([a, b, d], -1).reshape(-1, 3), np.stack([a, d, e], -1).reshape(-1, 3)])
-
-
-def shape_parts(shape: c.ContactShape) -> Parts:
-    """What touches, about its point, in the axes of its body; roundings of boxes and rims are left out."""
-    if isinstance(shape, c.PointShape):
-        return Parts(marks=(Points(np.zeros((1, 3)), _TOUCH, 12.0),))
-    if isinstance(shape, c.CircleShape):
-        ring = _turned(_circle(shape.radius), shape.axis)
-        return Parts((Lines(ring, _chain(_ROUND, closed=True), _TOUCH, 3.0),))
-    if isinstance(shape, c.BoxShape):
-        sizes = 0.5 * np.asarray(shape.size)
-        corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-        sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-        triangles = np.array([t for a, b, d, e in sides for t in ((a, b, d), (a, d, e))])
-        return Parts(patches=(Patch((corners * sizes) @ shape.axes.T, triangles, _TOUCH),))
-    if isinstance(shape, (c.SphereShape, c.EllipsoidShape)):
-        ball, triangles = _revolved(np.linspace(0.0, np.pi, 1 + _ROUND // 2), None)
-        sizes = shape.half_axes if isinstance(shape, c.EllipsoidShape) else np.full(3, shape.radius)
-        axes = shape.axes if isinstance(shape, c.EllipsoidShape) else np.eye(3)
-        return Parts(patches=(Patch((ball * sizes) @ axes.T, triangles, _TOUCH),))
-    if isinstance(shape, c.CapsuleShape):
-        turns = np.linspace(0.0, np.pi, 2 + _ROUND // 2)
-        heights = 0.5 * shape.length * np.sign(np.cos(turns))
-        bar, triangles = _revolved(turns, heights, shape.radius)
-    else:
-        radius, half = shape.radius, 0.5 * shape.length
-        rim = np.array([[0.0, half], [radius, half], [radius, -half], [0.0, -half]])
-        bar, triangles = _about_axis(rim)
-    return Parts(patches=(Patch(_turned(bar, shape.axis), triangles, _TOUCH),))
-
-
-def _revolved(
-    turns: NDArray[np.float64], heights: NDArray[np.float64] | None, radius: float = 1.0
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Ball about the z axis, its points shifted by heights."""
-    z = radius * np.cos(turns)
-    z = z if heights is None else z + heights
-    return _about_axis(np.column_stack([radius * np.sin(turns), z]))
-
-
-def _about_axis(profile: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Surface of revolution about z of points (distance from the axis, height)."""
-    circle = _circle(1.0)
-    points = circle[None] * profile[:, :1, None]
-    points[..., 2] += profile[:, 1:]
-    return points.reshape(-1, 3), _triangles(points.shape[:2], [False, True])
-
-
-def _circle(radius: float) -> NDArray[np.float64]:
-    turns = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
-    return radius * np.column_stack([np.cos(turns), np.sin(turns), np.zeros(_ROUND)])
-
-
-def _turned(points: NDArray[np.float64], axis: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points with their z axis along another one."""
-    z = axis / np.linalg.norm(axis)
-    x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
-    x = x / np.linalg.norm(x)
-    turned: NDArray[np.float64] = points @ np.array([x, np.cross(z, x), z])
-    return turned
-
-
-def force_arrow(start: NDArray[np.float64], arrow: NDArray[np.float64]) -> Lines:
-    """An arrow from a point on, with a head of four lines."""
-    length = float(np.linalg.norm(arrow))
-    along = arrow / length
-    x = np.cross(np.eye(3)[np.argmin(np.abs(along))], along)
-    x = x / np.linalg.norm(x)
-    tip, back = start + arrow, start + (1.0 - _BARB) * arrow
-    sides = [x, np.cross(along, x), -x, -np.cross(along, x)]
-    barbs = [back + 0.35 * _BARB * length * side for side in sides]
-    points = np.array([start, tip, *barbs])
-    ends = np.array([[0, 1], [1, 2], [1, 3], [1, 4], [1, 5]])
-    return Lines(points, ends, _FORCE, 4.0)
 
 
 SIZE = (1200, 760)
@@ -333,11 +214,6 @@ _HEAD, _FOOT = 84, 48  # pixels above and below the image
 _LABEL = 90  # pixels of the length beside a scale bar
 _KINK = np.radians(30.0)  # between two triangles whose edge is drawn
 _EDGES = 60_000  # triangles up to which edges are drawn
-
-
-def _rgb(colour: str) -> NDArray[np.uint8]:
-    """Red, green and blue of ``"#rrggbb"``."""
-    return np.frombuffer(bytes.fromhex(colour[1:]), dtype=np.uint8)
 
 
 def kinks(part: Patch) -> Lines:
@@ -360,7 +236,7 @@ def _solid(seen: Seen) -> _Solid:
     opaque = [part for part in seen.patches if part.opacity == 1.0]
     starts = np.cumsum([0, *(len(part.points) for part in opaque)])
     triangles = [part.triangles + start for part, start in zip(opaque, starts[:-1], strict=True)]
-    hues = [np.tile(_rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
+    hues = [np.tile(rgb(part.colour), (len(part.triangles), 1)) for part in opaque]
     edges = [kinks(part) for part in opaque]
     return _Solid(
         np.concatenate([np.empty((0, 3)), *(part.points for part in opaque)]),

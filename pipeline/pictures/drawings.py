@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.pictures.render import Drawing, Lines, Points
+from heavylift.pipeline.pictures.render import Drawing, Lines, Points, rgb
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -89,12 +89,12 @@ def mesh_drawing(surface: Surface, marks: Mapping[str, NDArray[np.int64]], *, sc
         Factor from metres to the unit of the picture.
     """
     points = surface.nodes * scale
-    colours = np.tile(_rgb(_BODY), (len(surface.triangles), 1))
+    colours = np.tile(rgb(_BODY).astype(float), (len(surface.triangles), 1))
     balls = []
     for colour, group in zip(mark_colours(len(marks)), marks.values(), strict=True):
         members = surface.members(group)
         within = surface.triangles_within(members)
-        colours[within] = 0.45 * _rgb(colour) + 0.55 * np.array([255, 255, 255])
+        colours[within] = 0.45 * rgb(colour) + 0.55 * np.array([255, 255, 255])
         balls.append(Points(points[members], colour=colour, size=5.0 if within.any() else 10.0))
     return Drawing(
         points,
@@ -194,10 +194,6 @@ def bounding_box(low: NDArray[np.float64], high: NDArray[np.float64]) -> Lines:
 def mark_colours(count: int) -> list[str]:
     """Colours of marked groups, in their order."""
     return [_MARKS[number % len(_MARKS)] for number in range(count)]
-
-
-def _rgb(colour: str) -> NDArray[np.float64]:
-    return np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)], dtype=float)
 
 
 def _outlines(surface: Surface, deformed: NDArray[np.float64], scale: float) -> tuple[Lines, Lines]:

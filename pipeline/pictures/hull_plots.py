@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
-    from heavylift.solver.water.hulls.frequency_domain import MotionOperators, NaturalMode, ResponseStatistics
+    from heavylift.solver.water.hulls.frequency_domain import MotionOperators, NaturalMode
     from heavylift.solver.water.hulls.hydrostatics import FloatingPosition, RightingArmCurve
 
 __all__ = [
@@ -25,7 +25,6 @@ __all__ = [
     "database_plots",
     "excitation_plot",
     "operator_plot",
-    "response_plot",
     "righting_arm_plot",
 ]
 
@@ -242,59 +241,6 @@ def operator_plot(
     _legend(figure, panels[0, 0], "heading (direction of travel)")
     figure.align_ylabels(panels[:, 0])
     figure.suptitle(title or f"Motions of {operators.bodies[body]}", color=_INK, fontsize=12)
-    return few_colours(figure_png(figure))
-
-
-def response_plot(
-    statistics: ResponseStatistics,
-    wave: NDArray[np.float64],
-    *,
-    body: int = 0,
-    title: str = "Response spectra",
-) -> bytes:
-    """Response spectra of the six coordinates of a hull above the spectrum of the waves.
-
-    Parameters
-    ----------
-    statistics
-        Response.
-    wave
-        Density of the elevation [m^2 s/rad] on the same frequencies, shape (k,).
-    body
-        Index of the hull.
-    title
-        Heading.
-
-    Returns
-    -------
-    bytes
-        PNG.
-    """
-    figure = _figure(7.0)
-    panels = figure.subplots(4, 2, sharex=True)
-    panels[0, 0].plot(statistics.omega, wave, color=_GREY, lw=1.2)
-    panels[0, 0].set_ylabel("waves\n[m² s/rad]", color=_INK, fontsize=9)
-    panels[0, 1].axis("off")
-    for j, name in enumerate(COORDINATES):
-        axes = panels[1 + j % 3, j // 3]
-        factor, unit = (1.0, "m") if j < 3 else (180.0 / math.pi, "deg")
-        axes.plot(
-            statistics.omega, factor**2 * statistics.density[:, 6 * body + j], color=_COLOURS[j], lw=1.2
-        )
-        axes.set_ylabel(f"{name}\n[{unit}² s/rad]", color=_INK, fontsize=9)
-        significant = factor * statistics.significant[6 * body + j]
-        axes.text(0.97, 0.86, f"significant amplitude {significant:.3g} {unit}", transform=axes.transAxes,
-                  ha="right", va="top", fontsize=8, color=_INK)  # fmt: skip
-    for axes in panels.ravel():
-        if axes.axison:
-            _tidy(axes, size=8.0)
-            axes.set_ylim(bottom=0.0)
-    for axes in panels[-1]:
-        axes.set_xlabel("frequency [rad/s]", color=_INK)
-    total = np.cumsum(np.append(0.0, 0.5 * (wave[1:] + wave[:-1]) * np.diff(statistics.omega)))
-    last = int(np.searchsorted(total, 0.999 * total[-1]))
-    panels[0, 0].set_xlim(float(statistics.omega[0]), float(statistics.omega[min(last, len(wave) - 1)]))
-    figure.suptitle(title, color=_INK, fontsize=12)
     return few_colours(figure_png(figure))
 
 

@@ -28,6 +28,7 @@ __all__ = [
     "Renderer",
     "RenderingUnavailableError",
     "rendering_backend",
+    "rgb",
 ]
 
 _REMEDY = (
@@ -316,3 +317,8 @@ def _poly_data(
     if lines is not None and len(lines):
         return pyvista.PolyData(points, lines=np.insert(lines, 0, 2, axis=1).ravel())
     return pyvista.PolyData(points)
+
+
+def rgb(colour: str) -> NDArray[np.uint8]:
+    """Red, green and blue of ``"#rrggbb"``, shape (3,)."""
+    return np.frombuffer(bytes.fromhex(colour[1:]), dtype=np.uint8)

@@ -14,7 +14,6 @@ from heavylift.pipeline.pictures.annotations import (
     add_triad,
     emptiest_corner,
 )
-from heavylift.pipeline.pictures.attached import Others, Seen
 from heavylift.pipeline.pictures.camera import Camera, View, choose_view, fit_camera, plane_view
 from heavylift.pipeline.pictures.contacts import SIZE, kinks, touch_camera, touch_picture
 from heavylift.pipeline.pictures.drawings import INK, deformation_scale, round_down, stress_unit
@@ -30,6 +29,7 @@ from heavylift.pipeline.pictures.meshes import (
     stress_scale,
 )
 from heavylift.pipeline.pictures.outer_surface import Surface
+from heavylift.pipeline.pictures.parts import Seen
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
 from heavylift.pipeline.results.signals import scaled_unit
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from heavylift.pipeline.pictures.attached import Others
     from heavylift.pipeline.pictures.render import Renderer
 
 __all__ = ["ScenePainter", "SolidPainter"]

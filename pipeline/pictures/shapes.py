@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.pictures.contacts import shape_parts
+from heavylift.pipeline.pictures.parts import shape_parts
 from heavylift.solver.scene.contacts import BoxShape, CylinderShape
 
 if TYPE_CHECKING:

@@ -95,7 +95,7 @@ def drawn_triangles(
     tuple
         Points, shape (n, 3), triangles, shape (m, 3), and the row of the surface that each is drawn for, shape (m,).
     """
-    from heavylift.pipeline.pictures.contacts import shape_parts
+    from heavylift.pipeline.pictures.parts import shape_parts
     from heavylift.solver.scene.contacts import CapsuleShape, SphereShape
 
     faces = surface.faces

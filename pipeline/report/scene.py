@@ -10,7 +10,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.page.scene import scene_up
 from heavylift.pipeline.report.document import Figure, Section, Text
-from heavylift.pipeline.results.mesh_results import mesh_body, mesh_coordinates
+from heavylift.pipeline.results.mesh_motion import mesh_coordinates
+from heavylift.pipeline.results.mesh_results import mesh_body
 from heavylift.pipeline.results.words import number_words
 
 if TYPE_CHECKING:

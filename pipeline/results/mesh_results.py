@@ -16,13 +16,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.results.histories import Results
     from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 
 __all__ = [
     "MeshShape",
     "mesh_body",
-    "mesh_coordinates",
     "mesh_shape",
     "read_meshes",
     "save_meshes",
@@ -110,13 +108,6 @@ class MeshShape:
         points: NDArray[np.float64] = self.position + self.nodes @ rotation_matrix(self.orientation).T
         return points
 
-    def world_vectors(self) -> NDArray[np.float64]:
-        """Derivatives at the nodes in world axes, shape of `vectors`."""
-        from heavylift.numerics.rotation import rotation_matrix
-
-        turned: NDArray[np.float64] = self.vectors @ rotation_matrix(self.orientation).T
-        return turned
-
 
 def mesh_shape(body: MeshBody) -> MeshShape:
     """Shape of a body of a scene."""
@@ -181,15 +172,6 @@ def mesh_body(shape: MeshShape) -> FrameBody | ShellBody:
         axial_strains=shape.axial_strains,
         **common,
     )
-
-
-def mesh_coordinates(shape: MeshShape, results: Results, records: slice) -> NDArray[np.float64]:
-    """Vectors of the nodes at some records in world axes, shape (records, n, 2 or 4, 3)."""
-    from heavylift.solver.scene.meshes import FRAME_VECTORS, SHELL_VECTORS
-
-    vectors = FRAME_VECTORS if shape.type == "frame" else SHELL_VECTORS
-    parts = [results[f"{shape.name}.{vector}"][records] for vector in vectors]
-    return np.stack([part.reshape(len(part), len(shape.nodes), 3) for part in parts], axis=2)
 
 
 def _prestrain(body: FrameBody | ShellBody) -> NDArray[np.float64]:

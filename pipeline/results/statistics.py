@@ -36,7 +36,6 @@ __all__ = [
     "column_statistics",
     "gumbel_fit",
     "power_spectrum",
-    "rayleigh_extreme",
     "record_statistics",
     "run_statistics",
 ]
@@ -263,41 +262,6 @@ def gumbel_fit(extremes: ArrayLike, *, method: str = "likelihood", minima: bool 
         covariance=factors[2] * unit**2,
         side=side,
     )
-
-
-def rayleigh_extreme(
-    standard_deviation: float, mean_period: float, duration: float, *, probability: float | None = None
-) -> float:
-    """Extreme amplitude of a narrow-banded Gaussian record, above its mean.
-
-    Parameters
-    ----------
-    standard_deviation
-        Of the record.
-    mean_period
-        Between upcrossings [s].
-    duration
-        [s]; there are N = duration / mean_period maxima.
-    probability
-        That the record stays below; None for the most probable maximum, sigma sqrt(2 ln N).
-
-    Raises
-    ------
-    InputError
-        If the record has not more than one cycle, a number is not positive or the probability is out of range.
-
-    Notes
-    -----
-    Maxima are Rayleigh distributed and independent: ``F = (1 - exp(-x^2 / (2 sigma^2)))^N``.
-    """
-    if not (standard_deviation >= 0.0 and mean_period > 0.0 and duration > mean_period):
-        raise InputError(f"deviation {standard_deviation:g}, period {mean_period:g} s, duration {duration:g} s",
-                         key="duration", expected="more than one cycle, numbers > 0")  # fmt: skip
-    count = duration / mean_period
-    if probability is None:
-        return standard_deviation * math.sqrt(2.0 * math.log(count))
-    _reduced(probability)
-    return standard_deviation * math.sqrt(-2.0 * math.log(-math.expm1(math.log(probability) / count)))
 
 
 def power_spectrum(

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.hulls import DatabaseSection
-    from heavylift.pipeline.stages.stages import Work
+    from heavylift.pipeline.stages.work import Work
     from heavylift.preprocess.hydrodynamics.bem import BemInputs
     from heavylift.preprocess.hydrodynamics.database import Fault, HydrodynamicDatabase
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.results.provenance import report_digest, source_digest, versions
 from heavylift.pipeline.results.storage import read_json, stored, unchanged, write_json
-from heavylift.pipeline.stages.stages import StageReport
+from heavylift.pipeline.stages.work import StageReport
 
 if TYPE_CHECKING:
     from heavylift.pipeline.report.interactive import JudgedRun
-    from heavylift.pipeline.stages.stages import Work
+    from heavylift.pipeline.stages.work import Work
 
 __all__ = ["report_stage"]
 

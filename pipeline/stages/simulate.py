@@ -14,8 +14,8 @@ from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
 from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.advance import Advancer, stop_requests
-from heavylift.pipeline.stages.stages import StageReport
 from heavylift.pipeline.stages.told import Told, words_there
+from heavylift.pipeline.stages.work import StageReport
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.results.histories import SegmentMark
     from heavylift.pipeline.results.mesh_results import MeshShape
-    from heavylift.pipeline.stages.stages import Work
+    from heavylift.pipeline.stages.work import Work
     from heavylift.solver.scenario.operation import Operation
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.simulation import Simulation

@@ -6,14 +6,8 @@ One run at a time works in an output folder.
 from __future__ import annotations
 
 import contextlib
-import errno
-import fcntl
-import os
-import socket
-import stat
 import time
-from dataclasses import dataclass, field, replace
-from io import FileIO
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,9 +29,11 @@ from heavylift.pipeline.results.storage import (
     unchanged,
     write_json,
 )
+from heavylift.pipeline.stages.lock import locked
+from heavylift.pipeline.stages.work import StageReport, Work
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
@@ -45,143 +41,9 @@ if TYPE_CHECKING:
 __all__ = [
     "STAGES",
     "RunReport",
-    "StageReport",
-    "Work",
     "load_changed_case",
-    "locked",
     "run_case",
 ]
-
-
-@dataclass(frozen=True)
-class StageReport:
-    """How one stage ended.
-
-    Attributes
-    ----------
-    stage
-        One of `STAGES`.
-    outcome, message
-        How it ended, and why if it did not complete.
-    skipped
-        Whether everything was there already.
-    cpu_s
-        CPU time that making the outputs took, now or before [s].
-    details
-        Numbers that the stage reports, as in its manifest.
-    """
-
-    stage: str
-    outcome: Outcome
-    skipped: bool
-    cpu_s: float
-    message: str = ""
-    details: dict[str, Any] = field(default_factory=dict)
-
-
-@dataclass
-class Work:
-    """What the stages of one run share.
-
-    Attributes
-    ----------
-    case, folder, log
-        The case, where its outputs go, and who is told.
-    force
-        Stages that are made again even if they are current.
-    reuse
-        Other output folders whose meshes and modes are taken if their inputs are the same.
-    models
-        Finite-element models that are in memory already.
-    """
-
-    case: Case
-    folder: OutputFolder
-    log: Log
-    force: frozenset[str] = frozenset()
-    reuse: tuple[OutputFolder, ...] = ()
-    models: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def flexible(self) -> dict[str, FlexibleBodySection]:
-        """The bodies that have meshes and modes."""
-        return {name: body for name, body in self.case.bodies.items() if body.type == "flexible"}
-
-
-LOCK_FILE = ".lock"
-
-
-_LOCK_BYTES = 4096
-_LOCK_WORD = "process "
-
-
-def _lock_file(path: Path) -> FileIO:
-    """The lock file, open to read and write; anything else of that name is refused as it is."""
-    problem, expected = "", "a lock file of heavylift, or none; move it away, or choose another --out"
-    try:
-        # a pipe would wait for its other end, a link lead to another file
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o644)
-    except OSError as error:
-        if error.errno not in {errno.ELOOP, errno.ENXIO, errno.EISDIR}:
-            raise
-        problem = "is a link" if error.errno == errno.ELOOP else "is no file"
-        raise InputError(problem, source=path, expected=expected) from None
-    stream = FileIO(handle, "r+")
-    status = os.fstat(handle)
-    if not stat.S_ISREG(status.st_mode):
-        problem = "is no file"
-    elif status.st_nlink > 1:
-        problem = "is the file of another name too"
-    elif status.st_size and not (
-        status.st_size < _LOCK_BYTES and (stream.read(_LOCK_BYTES) or b"").startswith(_LOCK_WORD.encode())
-    ):
-        problem = "has another content"
-    if problem:
-        stream.close()
-        raise InputError(problem, source=path, expected=expected)
-    return stream
-
-
-@contextlib.contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Hold the lock of an output folder.
-
-    The operating system releases it when the process ends in whatever way, so a lock is never stale;
-    the content of the lock file is for messages only.
-
-    Raises
-    ------
-    StopError
-        With `Outcome.LOCKED`, if another process holds it.
-    InputError
-        If what has its name is no lock file, but a link, a pipe or a file of someone.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / LOCK_FILE
-    with _lock_file(path) as stream:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno in {errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP}:
-                yield  # a file system without locks: better to run than to refuse
-                return
-            stream.seek(0)
-            text = stream.read(_LOCK_BYTES) or b""
-            holder = text.decode("utf-8", errors="replace").strip() or "another process"
-            raise StopError(
-                Outcome.LOCKED,
-                f"{folder}: {holder} works in this folder; wait for it, stop it, or choose another --out",
-            ) from None
-        started = time.strftime("%Y-%m-%d %H:%M:%S")
-        holder = f"{_LOCK_WORD}{os.getpid()} on {socket.gethostname()}, started {started},"
-        with contextlib.suppress(OSError):  # on a full disk the lock holds without its text
-            stream.truncate(0)
-            os.pwrite(stream.fileno(), holder.encode(), 0)
-        try:
-            yield
-        finally:
-            with contextlib.suppress(OSError):
-                stream.truncate(0)
 
 
 STAGES = ("mesh", "modes", "simulate", "report")

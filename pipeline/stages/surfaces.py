@@ -21,7 +21,7 @@ from heavylift.pipeline.results.storage import read_json, replacing, stored, unc
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from heavylift.pipeline.stages.stages import Work
+    from heavylift.pipeline.stages.work import Work
 
 __all__ = ["make_surfaces", "reused", "taken"]
 

@@ -14,7 +14,8 @@ import stat
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.results.storage import read_json, write_json
+from heavylift.pipeline.results.storage import StopError, read_json, write_json
+from heavylift.pipeline.stages.lock import locked
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,9 +38,6 @@ def tell(root: Path, word: Word) -> None:
     InputError
         If no run works there.
     """
-    from heavylift.pipeline.results.storage import StopError
-    from heavylift.pipeline.stages.stages import locked
-
     if root.is_dir():
         try:
             with locked(root):

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.foreign_files import converter_words
 from heavylift.numerics.hdf5_files import check_hdf5, is_hdf5
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DECK_SUFFIXES, Deck, ElementBlock
@@ -31,7 +30,6 @@ __all__ = [
     "MESH_SUFFIXES",
     "STEP_SUFFIXES",
     "existing_file",
-    "load_geometry",
     "read_deck",
     "read_mesh",
     "read_step",
@@ -45,63 +43,6 @@ MESH_SUFFIXES = (".bdf", ".fem", ".inp", ".med", ".msh", ".nas", ".vtk", ".vtu",
 _SOLID_CELLS = {"hexahedron": "hex8", "hexahedron20": "hex20", "tetra10": "tet10"}
 # cells that may accompany a solid: they only carry groups
 _LOWER_CELLS = ("vertex", "line", "triangle", "quad")
-
-
-def load_geometry(
-    path: str | Path,
-    *,
-    length_unit: float | None = None,
-    size: float | None = None,
-    curved: bool = False,
-    groups: Sequence[NodeSelector] = (),
-    refine: Sequence[Refinement] = (),
-) -> Mesh:
-    """Read a STEP file or a mesh file, by its suffix.
-
-    Parameters
-    ----------
-    path
-        The file.
-    length_unit
-        Metres per unit of a mesh file, e.g. 1e-3 for mm; default 1. Not for STEP files, which carry their
-        unit.
-    size, curved
-        For STEP files, see `read_step`.
-    groups
-        Node groups to name.
-    refine
-        For STEP files: smaller elements along the edges of groups.
-
-    Raises
-    ------
-    InputError
-        An unknown suffix, an option that does not fit the kind of file, and the errors of `read_step` and
-        `read_mesh`.
-    """
-    path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix in STEP_SUFFIXES:
-        if length_unit is not None:
-            raise InputError(
-                f"{length_unit!r}",
-                source=path,
-                key="length_unit",
-                expected="no length unit: a STEP file carries its own",
-            )
-        return read_step(path, size=size, curved=curved, groups=groups, refine=refine)
-    if suffix in {*MESH_SUFFIXES, *DECK_SUFFIXES}:
-        for key, value in (("size", size), ("refine", refine or None)):
-            if value is not None:
-                expected = f"no {key}: the file is a finished mesh"
-                raise InputError(f"{value!r}", source=path, key=key, expected=expected)
-        return read_mesh(path, length_unit=1.0 if length_unit is None else length_unit, groups=groups)
-    raise InputError(
-        f"suffix {path.suffix!r} is unknown",
-        source=path,
-        expected="a STEP file or a mesh: "
-        + " ".join(sorted({*STEP_SUFFIXES, *MESH_SUFFIXES, *DECK_SUFFIXES}))
-        + converter_words(path),
-    )
 
 
 def read_step(

@@ -20,14 +20,14 @@ from heavylift.preprocess.finite_elements.geometry import (
 )
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
 from heavylift.preprocess.finite_elements.reference_elements import FACE_CORNER_COUNT, FACE_TRIANGLES, FACES
-from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface, checked_arrays, clean
+from heavylift.preprocess.surfaces.triangle_surface import checked_arrays
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-__all__ = ["SURFACE_SUFFIXES", "RawTriangles", "read_surface", "read_triangles"]
+__all__ = ["SURFACE_SUFFIXES", "RawTriangles", "read_triangles"]
 
 _TRIMESH_SUFFIXES = (".stl", ".obj", ".ply")
 _WITH_UNIT = (*STEP_SUFFIXES, ".iges", ".igs")  # carry their unit of length
@@ -57,17 +57,6 @@ class RawTriangles(NamedTuple):
 
     points: NDArray[np.float64]  # (n, 3), m
     triangles: NDArray[np.int64]  # (m, 3)
-
-
-def read_surface(
-    path: str | Path, *, scale: float | None = None, size: float | None = None, radius: float = 0.0
-) -> TriangleSurface:
-    """Read a file as a surface, welded and without degenerate and duplicate triangles.
-
-    For parameters and errors see `read_triangles` and `clean`; `radius` is the rounding [m].
-    """
-    raw = read_triangles(path, scale=scale, size=size)
-    return clean(raw.points, raw.triangles, radius=radius, name=str(path))[0]
 
 
 def read_triangles(

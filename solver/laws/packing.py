@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
-from heavylift.solver.forces.line_bearing import LineBearing
 from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.interface import FORCES, ROWS
@@ -30,10 +29,11 @@ from heavylift.solver.joints.coordinate import (
 )
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.joints.registry import largest_opening
+from heavylift.solver.laws.line_bearing import LineBearing, pack_bearings
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import ChannelBook
-from heavylift.solver.scene.connections import GROUND, Between, Joint, Limits, controlled, rubbing_places
+from heavylift.solver.scene.connections import GROUND, Joint, Limits, as_joint, controlled, rubbing_places
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
     from heavylift.solver.scene.scene import Scene
 
-__all__ = ["STOP_RATE", "PackedLaws", "add_law_channels", "as_joint", "law_owners", "pack_laws"]
+__all__ = ["STOP_RATE", "PackedLaws", "add_law_channels", "law_owners", "pack_laws"]
 
 STOP_RATE = 400.0
 """Frequency [rad/s] on the characteristic mass of the joint that a stop gets if no stiffness is given."""
@@ -199,8 +199,6 @@ def pack_laws(
     _pack_scalar_laws(packing, cornered)
     bearings = [force for force in scene.forces if isinstance(force, LineBearing)]
     if bearings:
-        from heavylift.solver.forces.line_bearing import pack_bearings
-
         places = [columns[bearing.name] for bearing in bearings]
         made.joints.append(
             pack_bearings(bearings, places, scene.bodies, book, attachment, scales, packing.add)
@@ -281,19 +279,6 @@ def _check_spring(force: Spring | JointSpring, scene: Scene) -> None:
             key="points",
             expected="ends apart from each other: a spring has no direction there",
         )
-
-
-def as_joint(spring: Between) -> Joint:
-    """What is between two points as a joint that frees everything: its two sides and points."""
-    from heavylift.solver.scene.connections import JointFrame
-
-    return Joint(
-        name=spring.name,
-        body_a=spring.body_a,
-        body_b=spring.body_b,
-        frame_a=JointFrame(np.asarray(spring.point_a, dtype=np.float64)),
-        frame_b=JointFrame(np.asarray(spring.point_b, dtype=np.float64)),
-    )
 
 
 def _sides(packing: _Packing, force: Any) -> tuple[int, Joint]:

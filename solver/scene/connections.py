@@ -31,6 +31,7 @@ from heavylift.solver.scene.descriptions import (
     check_table,
     interval_extremes,
     no_rows,
+    upwards,
 )
 from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
@@ -62,10 +63,10 @@ __all__ = [
     "Place",
     "RopePoint",
     "Winch",
+    "as_joint",
     "axes_about",
     "check_path",
     "controlled",
-    "frame_in_body",
     "rubbing_places",
 ]
 
@@ -190,21 +191,6 @@ def axes_about(
         )
     x /= np.linalg.norm(x)
     return np.column_stack([x, np.cross(z, x), z])
-
-
-def frame_in_body(
-    point: NDArray[np.float64],
-    axes: NDArray[np.float64],
-    position: NDArray[np.float64],
-    orientation: NDArray[np.float64],
-) -> JointFrame:
-    """Joint frame of a body from a point [m] and axes in the world and the pose of the body."""
-    from heavylift.numerics.rotation import (
-        rotation_matrix,  # compiled code, which who reads a case does not need
-    )
-
-    R = rotation_matrix(orientation)
-    return JointFrame(R.T @ (np.asarray(point, dtype=np.float64) - position), R.T @ axes)
 
 
 @dataclass(frozen=True)
@@ -354,6 +340,17 @@ class Between:
             )
 
 
+def as_joint(spring: Between) -> Joint:
+    """What is between two points as a joint that frees everything: its two sides and points."""
+    return Joint(
+        name=spring.name,
+        body_a=spring.body_a,
+        body_b=spring.body_b,
+        frame_a=JointFrame(np.asarray(spring.point_a, dtype=np.float64)),
+        frame_b=JointFrame(np.asarray(spring.point_b, dtype=np.float64)),
+    )
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AlongJoint:
     """What all loads have on the angle of a hinge [rad] or the travel of a slider [m].
@@ -385,8 +382,9 @@ class PackedForce:
     name: str
 
 
-FORCES: Family[Any] = Family("force", "heavylift.solver.forces", default="point")
-"""All sorts of forces on bodies, between two points and along joints, by their types in a case file."""
+FORCES: Family[Any] = Family("force", "heavylift.solver.forces", "heavylift.solver.laws", default="point")
+"""All sorts of forces on bodies, between two points and along joints, by their types in a case file; those that are
+rows with a law stand among the laws."""
 
 
 MEASURES: Family[Any] = Family("table", "heavylift.solver.measures", typed=False)
@@ -395,10 +393,6 @@ MEASURES: Family[Any] = Family("table", "heavylift.solver.measures", typed=False
 
 ROPES: Family[Any] = Family("rope", "heavylift.solver.laws", default="wire")
 """All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
-
-
-def _upwards() -> NDArray[np.float64]:
-    return np.array([0.0, 0.0, 1.0])
 
 
 @ROPES.part
@@ -413,7 +407,7 @@ class RopePoint:
     world."""
     radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
     """Of the pulley [m]; 0 for an end or an eye."""
-    axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=_upwards)
+    axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=upwards)
     """Of the pulley, in the coordinates of the geometry of the body; of the ground in the world. The rope runs about
     the pulley in the sense of a turn about this axis."""
     efficiency: Annotated[float, Quantity("number", minimum=0.5, maximum=1.0, closed=True)] = 1.0

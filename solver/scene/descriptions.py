@@ -71,12 +71,15 @@ __all__ = [
     "check_object",
     "check_table",
     "described_fields",
+    "forward",
     "interval_extremes",
     "is_described",
     "known_channels",
     "no_rows",
     "owner_coordinate",
     "recorded_channels",
+    "upwards",
+    "zero_point",
 ]
 
 LONGEST_WORD = 100
@@ -196,6 +199,8 @@ class Family(Generic[T]):
         What a member is called in messages, e.g. "joint".
     package
         Modules of this package may describe members; the one with the name of a word is looked at first.
+    others
+        Packages after it whose modules may describe members too.
     default
         Word of a table that says none.
     typed
@@ -210,13 +215,14 @@ class Family(Generic[T]):
         self,
         name: str,
         package: str,
-        *,
+        *others: str,
         default: str = "",
         typed: bool = True,
         key: str = "type",
         alphabetical: bool = True,
     ) -> None:
         self.name, self.package, self.key, self._alphabetical = name, package, key, alphabetical
+        self._packages = (package, *others)
         self.default, self.typed = default, typed
         self._members: dict[str, type[T]] = {}
         self._parts: dict[str, type[Any]] = {}
@@ -269,9 +275,9 @@ class Family(Generic[T]):
     def get(self, word: str) -> type[T] | None:
         """Description that a word stands for; None if there is none."""
         if word not in self._members and word.isidentifier() and len(word) <= LONGEST_WORD:
-            for folder in self._folders:
+            for package, folder in self._folders:
                 if (file := folder / f"{word}.py").is_file():
-                    _read(file, f"{self.package}.{word}")
+                    _read(file, f"{package}.{word}")
             if word not in self._members:
                 self._read_all()
         return self._members.get(word)
@@ -283,15 +289,19 @@ class Family(Generic[T]):
         return tuple(sorted(self._members) if self._alphabetical else self._members)
 
     @property
-    def _folders(self) -> list[Path]:
-        """Folders of the package: another one may be added to its path."""
-        return [Path(folder) for folder in importlib.import_module(self.package).__path__]
+    def _folders(self) -> list[tuple[str, Path]]:
+        """Packages and their folders: another one may be added to the path of a package."""
+        return [
+            (package, Path(folder))
+            for package in self._packages
+            for folder in importlib.import_module(package).__path__
+        ]
 
     def _read_all(self) -> None:
         if not self._complete:
-            for folder in self._folders:
+            for package, folder in self._folders:
                 for file in sorted(folder.glob("[!_]*.py")):
-                    _read(file, f"{self.package}.{file.stem}")
+                    _read(file, f"{package}.{file.stem}")
             self._complete = True
 
 
@@ -439,6 +449,21 @@ def known_channels() -> Mapping[str, Sequence[ChannelKind]]:
 def no_rows() -> NDArray[np.float64]:
     """An empty table."""
     return np.zeros(0)
+
+
+def zero_point() -> NDArray[np.float64]:
+    """Default of a point: the origin."""
+    return np.zeros(3)
+
+
+def forward() -> NDArray[np.float64]:
+    """Default of a direction: along x."""
+    return np.array([1.0, 0.0, 0.0])
+
+
+def upwards() -> NDArray[np.float64]:
+    """Default of a direction: along z."""
+    return np.array([0.0, 0.0, 1.0])
 
 
 def named(said: Any, *keys: str) -> bool:

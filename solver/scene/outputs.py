@@ -14,7 +14,8 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,13 +91,14 @@ class Outputs(_Record):
 
     CHANNELS: ClassVar[tuple[ChannelKind, ...]] = ()
     OUTPUTS: ClassVar[Mapping[str, ChannelKind | type[Outputs]]] = {}
+    _record: ClassVar[type[Record]]
 
     @classmethod
     def record(cls) -> type[Record]:
         """The record that lies in its columns; of `Parts`, what a kind keeps of where they are."""
-        from heavylift.solver.recording import record_of
-
-        return record_of(cls)
+        if "_record" not in vars(cls):
+            cls._record = _make_record(cls)
+        return cls._record
 
     @classmethod
     def numba_type(cls) -> Any:
@@ -106,6 +108,37 @@ class Outputs(_Record):
 
 class Parts(Outputs):
     """Base of outputs whose number of components the scene decides."""
+
+
+def _make_record(declared: type[Outputs]) -> type[Record]:
+    """Its record: a field a channel, or a record within; kernels want it, and who reads a case does not."""
+    from heavylift.numerics.records import Record
+
+    base: Any = declared.__mro__[1]
+    inherited = getattr(base, "OUTPUTS", {})
+    fields: dict[str, Any] = {}
+    for name, one in declared.OUTPUTS.items():
+        if name in inherited:
+            continue
+        if isinstance(one, type):
+            fields[name] = one.record()
+        elif issubclass(declared, Parts):
+            fields[name] = _make_record_of_part()
+        else:
+            count = len(one.components or ())
+            fields[name] = Annotated[Components, (count,)] if count else float
+    words = {"__annotations__": fields, "__module__": declared.__module__}
+    made: Any = type(declared.__qualname__, (base.record() if inherited else Record,), words)
+    return made
+
+
+@cache
+def _make_record_of_part() -> Any:
+    """As `PlacedPart`."""
+    from heavylift.numerics.records import Record
+
+    words = {"__annotations__": dict.fromkeys(PlacedPart._fields, int), "__module__": __name__}
+    return type("PlacedPart", (Record,), words)
 
 
 _MADE: dict[tuple[str, str], type[Outputs]] = {}

@@ -29,7 +29,7 @@ from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyDirection, BodyPoint, NameOf, Quantity, Shape
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.descriptions import no_rows
+from heavylift.solver.scene.descriptions import forward, no_rows, upwards, zero_point
 from heavylift.solver.scene.transport import TRANSPORT, Bump, HeightGrid
 
 __all__ = [
@@ -50,18 +50,6 @@ STEEPEST = 5.0
 """Slope of a dilated profile at most. Steeper ones, up to vertical walls, no drive climbs."""
 
 
-def _origin() -> NDArray[np.float64]:
-    return np.zeros(3)
-
-
-def _forward() -> NDArray[np.float64]:
-    return np.array([1.0, 0.0, 0.0])
-
-
-def _upwards() -> NDArray[np.float64]:
-    return np.array([0.0, 0.0, 1.0])
-
-
 @TRANSPORT.describe("decks")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Deck:
@@ -74,12 +62,12 @@ class Deck:
     name: str
     body: Annotated[str, NameOf("side")] = GROUND
     """Body that carries it, or ``"ground"``."""
-    origin: Annotated[NDArray[np.float64], BodyPoint()] = field(default_factory=_origin)
+    origin: Annotated[NDArray[np.float64], BodyPoint()] = field(default_factory=zero_point)
     """Where station, offset and height are zero [m], in the coordinates of the geometry of the body; of the ground in
     the world."""
-    direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
+    direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=forward)
     """Along which stations are counted, in the axes of the body."""
-    normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_upwards)
+    normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=upwards)
     """Upwards, at a right angle to `direction`."""
     sides: Annotated[NDArray[np.float64] | None, Quantity("length"), Shape((2,))] = None
     """Right and left border [m], offsets to the left of the line of the origin; a `grid` has its own."""

@@ -14,16 +14,16 @@ from heavylift.numerics.records import records
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
-from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.rows.structure import MOVES
-from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.joined import joined_bodies
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
-from heavylift.solver.transport.decks import NO_ROAD, Deck, corner_table, grid_heights, wheel_heights
+from heavylift.solver.transport.decks import Deck, corner_table
 from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
 from heavylift.solver.transport.path_packing import PathPacking, steering_at_start
+from heavylift.solver.transport.places import Places
 from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
@@ -51,12 +51,6 @@ __all__ = ["pack_transporters", "vehicle_tipping"]
 PATH_COLUMN = 8
 """Columns of a transporter before those of its groups and bogies."""
 
-
-NEAR, AROUND = 0.02, 8
-"""Part of the extent of a mesh within which a place counts as below it; or the distance of that neighbour of a node."""
-
-LONGEST = 1.0
-"""Stroke that no bogie has [m]: those of transporters are 0.6 to 0.7 m from stop to stop."""
 
 FAR_TOO_MUCH = 2.0
 """Loads over the weight that are taken for those of groups."""
@@ -388,115 +382,6 @@ def _gravity(scene: Scene) -> NDArray[np.float64]:
     """Acceleration of gravity [m/s2], world axes."""
     fields = [np.asarray(f.acceleration, dtype=np.float64) for f in scene.forces if isinstance(f, Gravity)]
     return np.sum(fields, axis=0) if fields else np.zeros(3)
-
-
-class Places:
-    """Where the bogies of a transporter and the decks are in the world at the start, and what is fixed to its body."""
-
-    def __init__(self, transporter: Transporter, scene: Scene) -> None:
-        self.transporter, self.scene = transporter, scene
-        self.body = next(body for body in scene.bodies if body.name == transporter.body)
-        self.points = np.vstack([group.bogies for group in transporter.groups])
-        self.world = np.array([self.frame(transporter.body, point).point for point in self.points])
-        along = np.asarray(transporter.direction, dtype=np.float64)
-        # along, left and up in the axes of the body, as level as it stands at the start
-        turn = self.frame(transporter.body, np.zeros(3)).axes
-        forward = turn @ (along / np.linalg.norm(along))
-        level = forward - np.array([0.0, 0.0, forward[2]])
-        if not np.linalg.norm(level) > 0.1:
-            raise InputError(
-                f"{along.tolist()} points up or down at the start",
-                source=transporter.name,
-                key="direction",
-                expected="where it goes, near to the horizontal",
-            )
-        level /= np.linalg.norm(level)
-        up = np.array([0.0, 0.0, 1.0])
-        self.level = np.array([level, np.cross(up, level), up])
-        self.axes = self.level @ turn
-        self.turn = turn
-        self.carried = frozenset({self.body.name})
-        self._arms: tuple[int, int, int] | None = None
-
-    def frame(self, body: str, point: NDArray[np.float64]) -> JointFrame:
-        stands = FixedJoint(
-            name=self.transporter.name,
-            body_a=GROUND,
-            body_b=body,
-            frame_b=JointFrame(np.asarray(point, dtype=np.float64)),
-        )
-        return start_frames(stands, self.scene.bodies)[1]
-
-    def pack(
-        self, book: MarkerBook, point: NDArray[np.float64]
-    ) -> tuple[int, int, int, int, tuple[float, ...]]:
-        """Markers of a place of the body [m]: itself, or that of a mesh on which it hangs, and the axes of its arm.
-
-        Raises
-        ------
-        InputError
-            If there is no body over it.
-        """
-        name, none = self.transporter.body, (-1, -1, -1)
-        if not isinstance(self.body, FlexibleBody):
-            return book.point(name, point, FORCES), *none, (0.0, 0.0, 0.0)
-        nodes = self.body.reduced.nodes
-        found, weights = self.body.reduced.locate(
-            point, source=self.transporter.name, key="groups", within=np.inf
-        )
-        place = weights @ nodes[found]
-        arm = np.asarray(point, dtype=np.float64) - place
-        near = np.sort(np.linalg.norm(nodes - place, axis=1))[: AROUND + 1][-1]
-        if np.linalg.norm(self.axes[:2] @ arm) > max(near, NEAR * float(np.ptp(nodes, axis=0).max())):
-            raise InputError(
-                f"place {np.round(point, 6).tolist()} m of a bogie is {np.linalg.norm(self.axes[:2] @ arm):.4g} m "
-                f"beside body {name!r}",
-                source=self.transporter.name,
-                key="groups",
-                expected="places below the body, in the coordinates of its geometry (are the units right?)",
-            )
-        if self._arms is None and np.any(arm):
-            x, y, z = (book.direction(name, axis, FORCES, at=place) for axis in np.eye(3))
-            self._arms = x, y, z
-        return book.point(name, place, FORCES), *(self._arms or none), tuple(map(float, arm))
-
-    def on_decks(self, number: int, decks: Sequence[Deck], steering: float) -> tuple[int, float, list[float]]:
-        """Deck under a bogie, what it lifts its wheel [m], and its station and offset on every deck [m]."""
-        found, lift, radius = -1, 0.0, self.transporter.wheel_radius
-        places: list[float] = []
-        heading = np.cos(steering) * self.axes[0] + np.sin(steering) * self.axes[1]
-        for d, deck in enumerate(decks):
-            frame = self.frame(deck.body, deck.origin)
-            axes = deck.axes() @ frame.axes.T
-            x, y, z = axes @ (self.world[number] - frame.point)
-            places += [float(x), float(y)]
-            height = NO_ROAD
-            if deck.grid is not None:
-                ahead = axes @ self.turn @ heading if self.transporter.travel_speed is None else (1.0, 0.0)
-                height = grid_heights(deck.grid, radius, x, y, np.arctan2(ahead[1], ahead[0]))[0]
-            elif deck.borders[2] <= y <= deck.borders[3]:
-                corners = np.column_stack(deck.profile)
-                height = wheel_heights(corners, 0, len(corners), radius, [x])[0]
-            if height > NO_ROAD and (found < 0 or height - z > lift):
-                found, lift = d, float(height - z)
-        if found < 0:
-            x, y, z = self.world[number]
-            raise InputError(
-                f"no deck is below bogie {number + 1}, at ({x:.6g}, {y:.6g}, {z:.6g}) m in the world at the start",
-                source=self.transporter.name,
-                key="groups",
-                expected="decks below all wheels, or another start",
-            )
-        low, high = np.clip(self.transporter.stops, -LONGEST, LONGEST)
-        if not low <= lift <= high:
-            raise InputError(
-                f"bogie {number + 1} is drawn {abs(lift):.4g} m {'below' if lift > 0.0 else 'above'} deck "
-                f"{decks[found].name!r}, more than {'any' if self.transporter.stroke_limits is None else 'its'} stroke",
-                source=self.transporter.name,
-                key="groups",
-                expected="places of the wheels on the road at the start",
-            )
-        return found, lift, places
 
 
 def _parties(scene: Scene, all_places: Sequence[Places]) -> list[list[Places]]:

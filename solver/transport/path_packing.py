@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.scene.transport import Drive
-    from heavylift.solver.transport.packing import Places
+    from heavylift.solver.transport.places import Places
     from heavylift.solver.transport.routes import Route
     from heavylift.solver.transport.transporters import BogieState, Transporter
 

@@ -70,7 +70,7 @@ from heavylift.solver.joints.row_writing import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.descriptions import ChannelKind, forward, interval_extremes
 from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg, Tyres
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height, grid_height
@@ -140,10 +140,6 @@ NEGLIGIBLE = 4e-15
 
 INCLINE_WAY = 1e-3
 """To both sides, within which the slope under a wheel is taken [m]; farther if it rolls farther in a step."""
-
-
-def _forward() -> NDArray[np.float64]:
-    return np.array([1.0, 0.0, 0.0])
 
 
 @TRANSPORT.describe("transporters")
@@ -222,7 +218,7 @@ class Transporter:
     """Body that rides on it: load and platform in one, or a platform to which fixed joints hold the load."""
     groups: Annotated[tuple[BogieGroup, ...], Least(1)]
     """Bogies, by the groups that share their oil."""
-    direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_forward)
+    direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=forward)
     """Where it goes, in the axes of the body: roll and pitch are about it and about what lies across it."""
     wheel_radius: Annotated[float, Quantity("length", minimum=0.0, maximum=5.0, closed=True)]
     """[m]; 0 of a point that follows the road."""

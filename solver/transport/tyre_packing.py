@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.transport.decks import Deck
-    from heavylift.solver.transport.packing import Places
+    from heavylift.solver.transport.places import Places
     from heavylift.solver.transport.transporters import Transporter, Transporters
 
 __all__ = ["TyrePacking"]

@@ -47,7 +47,6 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
 from heavylift.numerics.records import Vector as VectorField
 from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
-from heavylift.solver.forces.line_bearing import rub
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -59,6 +58,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.row_writing import Vector, add_direction_row, dot, minus, rate, vector
 from heavylift.solver.kinds import implement
+from heavylift.solver.laws.line_bearing import rub
 from heavylift.solver.laws.rows import fit_row_law, put_law, put_row_law, put_stick, rate_of_row
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.transport.arms import add_place_row, place, place_rate

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -12,10 +13,9 @@ from scipy.spatial.transform import Rotation
 from heavylift.contours.triangles.clearance import (
     WaitingNodes,
     clearance_stack_size,
-    find_clearance,
     measure_clearance,
 )
-from heavylift.contours.triangles.surface_layout import RelativePose
+from heavylift.contours.triangles.surface_layout import RelativePose, pose_of
 from heavylift.contours.triangles.surface_pack import pack_surfaces
 from heavylift.numerics.records import record_at, records
 from heavylift.preprocess.surfaces.primitives import (
@@ -29,6 +29,20 @@ from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 STILL = np.eye(3)
 SIDES = ((0, 1), (1, 2), (2, 0))
+
+
+class Clearance(NamedTuple):
+    distance: float
+    point_a: np.ndarray
+    point_b: np.ndarray
+
+
+def find_clearance(surfaces, a, b, R, p, upper=math.inf):
+    """Smallest distance of two surfaces, ``x_A = R x_B + p``, and the nearest points in the axes of A."""
+    out = np.zeros(6)
+    stack = records(WaitingNodes, clearance_stack_size(surfaces))
+    distance = measure_clearance(surfaces, a, b, pose_of(R, p), upper, stack, out)
+    return Clearance(distance, out[:3].copy(), out[3:].copy())
 
 
 def to_segments(x, a, b):

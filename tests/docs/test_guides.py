@@ -92,7 +92,7 @@ def shell(command: str, folder: Path) -> tuple[str, Path]:
     script = tools / "heavylift"
     if not script.exists():  # as installed, but of this interpreter and with whatever paths it has
         script.write_text(
-            f"#!{sys.executable}\nfrom heavylift.pipeline.commands.cli import main\nmain()\n",
+            f"#!{sys.executable}\nfrom heavylift.pipeline.commands.start import main\nmain()\n",
             encoding="utf-8",
         )
         script.chmod(0o755)

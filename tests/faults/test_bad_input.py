@@ -184,7 +184,7 @@ def test_an_unknown_option_and_a_missing_case_end_with_two(small_case):
     import sys
 
     for tokens in (["run", str(small_case), "--fast"], ["run", str(small_case / "nowhere")], ["rum"]):
-        code = "from heavylift.pipeline.commands.cli import main; main()"
+        code = "from heavylift.pipeline.commands.start import main; main()"
         result = subprocess.run(
             [sys.executable, "-c", code, *tokens], capture_output=True, text=True, check=False
         )

@@ -281,9 +281,9 @@ LONG = ["lines.0.fairlead_tension=", "lines.0.sections.0.length=400 m", "lines.0
 def test_a_line_that_cannot_hang_is_told_alike_of_a_case_and_of_a_scene(folder, overrides, key, problem):
     """`heavylift lines` assembles lines, `heavylift simulate` packs them as well."""
     from heavylift.pipeline.assemble.described import assemble
-    from heavylift.pipeline.assemble.scene import assemble_rigid
+    from heavylift.pipeline.assemble.frames import assemble_rigid
     from heavylift.pipeline.assemble.sides import start_sides
-    from heavylift.solver.water.lines.mooring_lines import pack_mooring_lines
+    from heavylift.solver.water.lines.packing import pack_mooring_lines
 
     case = load_case(folder, overrides)
     barge, origin = assemble_rigid("barge", case.bodies["barge"])
@@ -304,7 +304,7 @@ def test_a_line_that_cannot_hang_is_told_alike_of_a_case_and_of_a_scene(folder, 
 
 
 def test_an_anchor_said_to_be_on_the_bottom_of_the_sea_is_there(folder):
-    from heavylift.pipeline.assemble.scene import assemble_rigid
+    from heavylift.pipeline.assemble.frames import assemble_rigid
     from heavylift.pipeline.assemble.sides import start_sides
 
     case = load_case(folder, [*LONG[:2], "sea.depth=80 m"])
@@ -315,7 +315,7 @@ def test_an_anchor_said_to_be_on_the_bottom_of_the_sea_is_there(folder):
 
 
 def test_a_tension_that_no_length_gives(folder):
-    from heavylift.pipeline.assemble.scene import assemble_rigid
+    from heavylift.pipeline.assemble.frames import assemble_rigid
     from heavylift.pipeline.assemble.sides import start_sides
 
     case = load_case(folder, ["lines.0.fairlead_tension=1 kN"])

@@ -197,7 +197,7 @@ from heavylift.pipeline.stages import advance
 advance.SEGMENT_SECONDS = 0.0
 advance.FIRST_PIECE = 500
 advance._next_piece = lambda piece, seconds, growth: 500
-from heavylift.pipeline.commands.cli import main
+from heavylift.pipeline.commands.start import main
 limit = int(sys.argv.pop(1))
 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
 main()

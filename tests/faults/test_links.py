@@ -112,7 +112,7 @@ def test_no_command_writes_through_a_link(
 
 def test_a_word_to_a_run_is_not_added_to_a_file_of_someone(tmp_path: Path) -> None:
     from heavylift.pipeline.stages import told
-    from heavylift.pipeline.stages.stages import locked
+    from heavylift.pipeline.stages.lock import locked
 
     mine = tmp_path / "mine"
     mine.write_text(MINE)

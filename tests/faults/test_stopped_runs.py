@@ -31,7 +31,7 @@ def slow(self, steps):
     time.sleep(0.02)
     return real(self, steps)
 Simulation.advance = slow
-from heavylift.pipeline.commands.cli import main
+from heavylift.pipeline.commands.start import main
 main()
 """
 """The command line, with a segment every 500 steps and twenty milliseconds."""

@@ -26,19 +26,15 @@ def body(brick_beam):
     )
 
 
-def test_frequencies_displacements_and_nodes(body):
+def test_frequencies_and_displacements(body):
     np.testing.assert_allclose(body.frequencies, [3.0, 8.0], rtol=1e-14)
     expected = 0.5 * body.mode_shapes[0] - 2.0 * body.mode_shapes[1]
     np.testing.assert_allclose(body.displacement([0.5, -2.0]), expected, atol=1e-14)
-    for node in (0, 17, body.node_count - 1):
-        assert body.nearest_node(body.nodes[node] + 1e-4) == node
 
 
 def test_bad_arguments_are_named(body):
     with pytest.raises(InputError, match=r"modal coordinates of shape \(3,\)"):
         body.displacement(np.zeros(3))
-    with pytest.raises(InputError, match="three finite coordinates"):
-        body.nearest_node([0.0, np.inf, 0.0])
 
 
 @pytest.mark.parametrize(
@@ -54,7 +50,5 @@ def test_residuals_count_for_eigenmodes_only(body):
     fields = {name: getattr(body, name) for name in body.__dataclass_fields__}
     mixed = ReducedBody(**fields | {"residuals": np.array([3e-9, 0.8])})
     assert mixed.eigenmode_mask.tolist() == [True, False]
-    assert mixed.largest_eigenmode_residual == 3e-9
     none = ReducedBody(**fields | {"residuals": np.array([0.02, np.nan])})
     assert none.eigenmode_mask.tolist() == [False, False]
-    assert none.largest_eigenmode_residual is None

@@ -7,7 +7,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DeckMaterial
-from heavylift.preprocess.finite_elements.geometry import load_geometry, read_deck, read_mesh
+from heavylift.preprocess.finite_elements.geometry import read_deck, read_mesh
 from heavylift.preprocess.finite_elements.named_files import mesh_files
 from heavylift.preprocess.finite_elements.reference_elements import REFERENCE_NODES
 
@@ -71,7 +71,7 @@ def test_ten_nodes_over_continuation_lines(tmp_path, write, mark, suffix):
     text = "SOL 103\nCEND\nTITLE = a, b\nBEGIN BULK\n$ a comment\n" + grids(write, TET)
     text += write("CTETRA", 5, 3, *range(1, 11), mark=mark) + PROPERTY + "ENDDATA\nGRID,1,,9.,9.,9.\n"
     path = deck(tmp_path, text, f"body{suffix}")
-    mesh = load_geometry(path)
+    mesh = read_mesh(path)
     assert mesh.element_type == "tet10"
     np.testing.assert_allclose(mesh.nodes, TET, atol=1e-15)
     assert mesh.volume == pytest.approx(1 / 48, rel=1e-12)

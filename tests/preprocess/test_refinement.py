@@ -7,7 +7,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
-from heavylift.preprocess.finite_elements.geometry import load_geometry
+from heavylift.preprocess.finite_elements.geometry import read_step
 from heavylift.preprocess.finite_elements.gmsh_session import gmsh_session
 from heavylift.preprocess.finite_elements.groups import InBox, OnFace, OnPlane
 from heavylift.preprocess.finite_elements.reference_elements import TET_EDGES
@@ -60,11 +60,11 @@ def test_edges_of_a_step_file_are_refined_by_group(tmp_path):
         gmsh.write(str(path))
     groups = [OnPlane("clamp", "x", 0.0), OnFace("side", "face 1")]
     for at in ("clamp", "side"):
-        even = load_geometry(path, size=5e-3, groups=groups)
-        finer = load_geometry(path, size=5e-3, groups=groups, refine=[Refinement(at, 1e-3)])
+        even = read_step(path, size=5e-3, groups=groups)
+        finer = read_step(path, size=5e-3, groups=groups, refine=[Refinement(at, 1e-3)])
         assert finer.node_groups[at].size > 4 * even.node_groups[at].size
     with pytest.raises(InputError, match="re-entrant edges are known for parametric blocks only"):
-        load_geometry(path, refine=[Refinement(RE_ENTRANT, 1e-3)])
+        read_step(path, refine=[Refinement(RE_ENTRANT, 1e-3)])
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,17 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.surfaces.files import SURFACE_SUFFIXES, read_surface, read_triangles
+from heavylift.preprocess.surfaces.files import SURFACE_SUFFIXES, read_triangles
 from heavylift.preprocess.surfaces.report import report_surface
+from heavylift.preprocess.surfaces.triangle_surface import clean
 
 SIZE = np.array([1.0, 2.0, 3.0])
+
+
+def read_surface(path, **options):
+    """Welded, as a case has it."""
+    raw = read_triangles(path, **options)
+    return clean(raw.points, raw.triangles, name=str(path))[0]
 
 
 def check_box(surface, unit=1.0):

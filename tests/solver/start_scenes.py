@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.layout import pack_scene
-from heavylift.solver.scene.connections import GROUND, Joint, axes_about, frame_in_body
+from heavylift.solver.scene.connections import GROUND, Joint, JointFrame, axes_about
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.start.rows import StartRows
 
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
 
 G = 9.81
 DOWN = Gravity(np.array([0.0, -G, 0.0]))
+
+
+def frame_in_body(point: Any, axes: np.ndarray, position: np.ndarray, orientation: np.ndarray) -> JointFrame:
+    """Joint frame of a body from a point [m] and axes in the world and the pose of the body."""
+    R = rotation_matrix(orientation)
+    return JointFrame(R.T @ (np.asarray(point, dtype=np.float64) - position), R.T @ axes)
 
 
 def quaternion(rotation: Rotation) -> np.ndarray:

@@ -15,11 +15,11 @@ from heavylift.solver.bodies.ancf.elements import (
     add_stress_forces,
     find_strains,
 )
-from heavylift.solver.bodies.ancf.kind import MASS_SET, STEP_SET, Meshes
+from heavylift.solver.bodies.ancf.kind import MASS_SET, STEP_SET, Meshes, read_bases, spread_base
 from heavylift.solver.bodies.ancf.step import add_gravity, base_value, gather_loads
 from heavylift.solver.bodies.ancf.substitution import scatter_back
 from heavylift.solver.interface import Workspace
-from heavylift.solver.kinds import method
+from heavylift.solver.kinds import implement, method
 
 __all__ = [
     "difference_follower",
@@ -28,8 +28,6 @@ __all__ = [
     "fill_weight_and_loads",
     "prepare_mass",
     "promise_strains",
-    "read_bases",
-    "spread_base",
 ]
 
 
@@ -43,19 +41,19 @@ def prepare_mass(kind: Meshes) -> None:
     factor_mass(kind)
 
 
-@method("rest")
+@implement(read_bases, Meshes)
 @kernel(internal=True)
-def read_bases(kind: Meshes, body: int, nodal: Floats1, out: Floats1) -> None:
-    """Values of a nodal vector at the bases of a body, body axes, shape (3 bases,)."""
+def read_mesh_bases(kind: Meshes, body: int, nodal: Floats1, out: Floats1) -> None:
+    """Sums over the nodes of the element in which a base lies."""
     first = kind.table[body].first_base
     for i in range(kind.table[body].base_count):
         out[3 * i], out[3 * i + 1], out[3 * i + 2] = base_value(kind, first + i, nodal)
 
 
-@method("rest")
+@implement(spread_base, Meshes)
 @kernel(internal=True)
-def spread_base(kind: Meshes, body: int) -> None:
-    """`right_hand_side`, with minus the impulses in the places of the bases, becomes velocities of nodes."""
+def spread_mesh_base(kind: Meshes, body: int) -> None:
+    """The substitution of the factor of the mass matrix."""
     scatter_back(kind, body, MASS_SET)
 
 

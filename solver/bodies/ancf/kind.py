@@ -28,7 +28,8 @@ from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector, records
 from heavylift.solver.combination import padded
 from heavylift.solver.drive import FREE
-from heavylift.solver.interface import BodyKind, Coordinates, Workspace
+from heavylift.solver.interface import Bodies, BodyKind, Coordinates, Workspace
+from heavylift.solver.kinds import optional
 
 __all__ = [
     "BaseBlock",
@@ -47,6 +48,8 @@ __all__ = [
     "PointsOfBody",
     "ShellMeshElement",
     "ShellMeshes",
+    "read_bases",
+    "spread_base",
 ]
 
 CARRIED, ENERGY_MOMENTUM, AUTO, EXPLICIT = range(4)
@@ -550,8 +553,6 @@ class Meshes(BodyKind):
 
         By ``E = M^-1 J^T (J M^-1 J^T)^+``: of all motions that do so the one with the least kinetic energy.
         """
-        from heavylift.solver.bodies.ancf.at_rest import read_bases, spread_base
-
         count = len(wanted)
         own = self._nodes(body)
         first = int(self.table[body].first_base)
@@ -577,8 +578,6 @@ class Meshes(BodyKind):
         self, places: NDArray[np.float64], inertia: NDArray[np.float64], velocity: NDArray[np.float64]
     ) -> None:
         """Centre of mass and mean velocity of the body; its mass for each velocity of a base."""
-        from heavylift.solver.bodies.ancf.at_rest import read_bases
-
         for body, line in enumerate(self.table):
             own = self._nodes(body)
             lanes, numbers = len(self.shape[1]), self.body[body]
@@ -604,8 +603,6 @@ class Meshes(BodyKind):
 
     def put_velocity(self, velocity: NDArray[np.float64]) -> None:
         """Velocities of the bases; the other nodes change as little as possible."""
-        from heavylift.solver.bodies.ancf.at_rest import read_bases
-
         for body, line in enumerate(self.table):
             count = 3 * int(line.base_count)
             own, before = self._nodes(body), np.zeros(count)
@@ -639,6 +636,16 @@ class Meshes(BodyKind):
         place, count = self.table[0].state_place, len(self.position)
         values[place : place + count] = self.position
         values[place + count : place + 2 * count] = self.velocity
+
+
+@optional("rest")
+def read_bases(kinds: Bodies, body: int, nodal: Floats1, out: Floats1) -> None:
+    """Values of a nodal vector at the bases of a body, body axes, shape (3 bases,): `survey` calls it."""
+
+
+@optional("rest")
+def spread_base(kinds: Bodies, body: int) -> None:
+    """`right_hand_side`, with minus the impulses in the places of the bases, becomes velocities of nodes."""
 
 
 class FrameMeshes(Meshes):

@@ -44,7 +44,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.scenario.interface import direct
 from heavylift.solver.scene.ballast import GROUND, SEA, Controller
 from heavylift.solver.scene.sea import Sea
-from heavylift.solver.water.hulls.kind import Hulls
+from heavylift.solver.water.hulls.kind import Hulls, restore_at_rest
 from heavylift.solver.water.hulls.step import filtered
 from heavylift.solver.water.hulls.tanks import pump_at, tank_mass, tide_at
 
@@ -540,8 +540,6 @@ def begin_controllers(kind: Controllers, names: Sequence[str]) -> None:
     InputError
         If the pumps of a controller cannot change what it keeps, or the hull does not stand upright by itself.
     """
-    from heavylift.solver.water.hulls.record import restore_at_rest
-
     restore_at_rest(kind.hulls)
     for name, data in zip(names, kind.table, strict=True):
         A = _effects(kind, data, name)

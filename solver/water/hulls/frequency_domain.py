@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
-from heavylift.solver.water.waves.spectra import WaveSpectrum, dispersion
+from heavylift.solver.water.waves.spectra import dispersion
 from heavylift.solver.water.waves.wave_transfer import excitation_at
 
 __all__ = [
@@ -30,9 +30,7 @@ __all__ = [
     "motion_operators",
     "natural_modes",
     "resonant_frequencies",
-    "response_statistics",
     "rigid_body_mass",
-    "static_stiffness",
 ]
 
 
@@ -176,30 +174,6 @@ def rigid_body_mass(mass: float, centre: ArrayLike, inertia: ArrayLike) -> NDArr
     matrix[3:, :3] = mass * S
     matrix[3:, 3:] = np.asarray(inertia, dtype=np.float64) - mass * S @ S
     return matrix
-
-
-def static_stiffness(
-    hydrostatic: NDArray[np.float64], mass: float, centre: ArrayLike, gravity: float
-) -> NDArray[np.float64]:
-    """Hydrostatic stiffness of one hull with the terms of its weight.
-
-    Parameters
-    ----------
-    hydrostatic
-        Without weight, about the reference point, shape (6, 6).
-    mass, centre
-        [kg]; centre of gravity from the reference point [m], shape (3,).
-    gravity
-        [m/s^2].
-    """
-    C = np.array(hydrostatic, dtype=np.float64)
-    x, y, z = np.asarray(centre, dtype=np.float64)
-    # the weight acts at a point that turns with the hull: moments -m g z in roll and pitch, m g (x, y) in yaw
-    C[3, 3] -= mass * gravity * z
-    C[4, 4] -= mass * gravity * z
-    C[3, 5] += mass * gravity * x
-    C[4, 5] += mass * gravity * y
-    return C
 
 
 def linear_hulls(
@@ -435,50 +409,6 @@ def _crossed_modes(
                 a, b = (a, middle) if below(middle) >= wanted else (middle, b)
             found.append((b, np.linalg.eigh(dynamic(b))[1][:, wanted - 1]))  # the one that falls through zero
     return found
-
-
-def response_statistics(
-    operators: MotionOperators, spectrum: WaveSpectrum, heading: float, *, points: int = 2000
-) -> ResponseStatistics:
-    """Statistics of the motions in a long-crested sea.
-
-    Parameters
-    ----------
-    operators
-        Response operators, with frequencies close enough for the resonances: `motion_operators` takes any, because
-        the coefficients of the database are smooth between its own.
-    spectrum
-        Of the elevation.
-    heading
-        One of the headings of the operators [rad].
-    points
-        Of the frequency grid.
-
-    Raises
-    ------
-    InputError
-        If the heading was not computed, or more than 1 % of the energy lies outside the frequencies.
-    """
-    from scipy.interpolate import CubicSpline
-
-    gap = np.abs(np.angle(np.exp(1j * (operators.headings - heading))))
-    if np.min(gap) > 1e-6:
-        known = ", ".join(f"{one:.1f}" for one in np.rad2deg(operators.headings))
-        raise InputError(
-            f"heading of {math.degrees(heading):.1f} deg", key="heading", expected=f"one of {known} deg"
-        )
-    low, high = float(operators.omega[0]), float(operators.omega[-1])
-    inside = float(spectrum.energy(low, high)[0]) / spectrum.moment(0)
-    if inside < 0.99:
-        raise InputError(f"{1.0 - inside:.1%} of the energy of the sea lies outside {low:.3g} to {high:.3g} rad/s",
-                         key="omega", expected="operators over all of the sea, at most 1 % outside")  # fmt: skip
-    w = np.linspace(low, high, points)
-    motion = CubicSpline(operators.omega, operators.motion[:, int(np.argmin(gap))], axis=0)(w)
-    density = spectrum.density(w)[:, None] * np.abs(motion) ** 2
-    m0, m2 = np.trapezoid(density, w, axis=0), np.trapezoid(w[:, None] ** 2 * density, w, axis=0)
-    deviation = np.sqrt(m0)
-    period = 2.0 * math.pi * np.sqrt(m0 / np.where(m2 > 0.0, m2, math.inf))
-    return ResponseStatistics(w, density, deviation, 2.0 * deviation, period)
 
 
 def _group_excitation(

@@ -22,8 +22,8 @@ from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints2
 from heavylift.numerics.records import Matrix6, Record, Records, Vector, Vector6
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.rigid.kind import RigidFrames
-from heavylift.solver.interface import Workspace
-from heavylift.solver.kinds import Table
+from heavylift.solver.interface import Bodies, Workspace
+from heavylift.solver.kinds import Table, optional
 from heavylift.solver.water.hulls.clipping import Clip
 
 __all__ = [
@@ -45,6 +45,7 @@ __all__ = [
     "TankRow",
     "TideRow",
     "WaveComponent",
+    "restore_at_rest",
 ]
 
 UNDER_WATER, CLIPPED, LINEAR = range(3)
@@ -343,6 +344,11 @@ class Parts(Table):
     """What a database brings: memories, or excitations, of hulls."""
 
 
+@optional("rest")
+def restore_at_rest(kinds: Bodies) -> None:
+    """Buoyancy and ballast at the carried state and at the start of time, for what Python asks before it."""
+
+
 class Hulls(RigidFrames):
     """All hulls of a scene.
 
@@ -458,8 +464,6 @@ class Hulls(RigidFrames):
 
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
         """Forces of the markers, weight of bodies and ballast, buoyancy."""
-        from heavylift.solver.water.hulls.record import restore_at_rest
-
         restore_at_rest(self)
         super().collect_load(work, load)
         dofs = self._dofs()

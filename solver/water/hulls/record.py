@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.objects import entry
 from heavylift.numerics.vectors import add, cross, rotate, scaled
 from heavylift.solver.bodies.rigid.record import add_rigid_totals, record_rigid_bodies
 from heavylift.solver.bodies.rigid.step import stage_at_state
@@ -22,6 +21,7 @@ from heavylift.solver.water.hulls.kind import (
     CLIPPED,
     LINEAR,
     Hulls,
+    restore_at_rest,
 )
 from heavylift.solver.water.hulls.matrix import restore, restoring_potential
 from heavylift.solver.water.hulls.parts import memory_now
@@ -32,7 +32,7 @@ from heavylift.solver.water.hulls.step import (
 )
 from heavylift.solver.water.hulls.tanks import fill_tanks, pump_at, put_level, put_tank_velocity
 
-__all__ = ["restore_at_rest"]
+__all__: list[str] = []
 
 
 @kernel(internal=True)
@@ -51,9 +51,10 @@ def _set_stage(kind: Hulls, time: float) -> None:
             put_tank_velocity(kind, hull, tank, R)
 
 
-@entry
-def restore_at_rest(kind: Hulls) -> None:
-    """Buoyancy and ballast at the carried state and at the start of time, for what Python asks before it."""
+@implement(restore_at_rest, Hulls)
+@kernel(internal=True)
+def restore_hulls_at_rest(kind: Hulls) -> None:
+    """With the tanks of that time, and its tide."""
     stage_at_state(kind)
     fill_tanks(kind, 0.0)
     put_level(kind, 0.0)

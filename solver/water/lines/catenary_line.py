@@ -30,7 +30,6 @@ __all__ = [
     "Catenary",
     "LineProfile",
     "check_all_sinks",
-    "inextensible_tension",
     "length_for_tension",
     "line_profile",
     "over_bottom",
@@ -423,42 +422,3 @@ def profile_over_bottom(
     )
     s = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
     return LineProfile(s, nodes[::-1, 0].copy(), nodes[::-1, 1].copy(), nodes[::-1, 2].copy())
-
-
-def inextensible_tension(span: float, height: float, length: float, weight: float) -> float:
-    """Horizontal tension [N] of a hanging line that neither stretches nor touches anything.
-
-    Parameters
-    ----------
-    span, height
-        Between the ends, horizontal and vertical [m].
-    length
-        Of the line [m], more than the distance of its ends.
-    weight
-        A length [N/m].
-
-    Raises
-    ------
-    InputError
-        If the line is shorter than the distance of its ends.
-
-    Notes
-    -----
-    ``sinh(u)/u = sqrt(length^2 - height^2)/span`` with ``u = weight span/(2 H)`` is eq. 229 of *Integrated
-    simulation ... ships and offshore structures* (2018); solved by Newton's method in u.
-    """
-    if not (length**2 > span**2 + height**2 and span > 0.0 and weight > 0.0):
-        raise InputError(
-            f"a line of {length:g} m does not reach over a span of {span:g} m and a height of {height:g} m",
-            source="line",
-            key="length",
-            expected=f"more than {math.hypot(span, height):g} m",
-        )
-    r = math.sqrt(length**2 - height**2) / span
-    u = math.sqrt(6.0 * (r - 1.0)) if r < 3.0 else math.log(2.0 * r) + math.log(math.log(2.0 * r))
-    for _ in range(50):
-        step = (math.sinh(u) - r * u) / (math.cosh(u) - r)
-        u -= step
-        if abs(step) <= 1e-15 * u:
-            break
-    return weight * span / (2.0 * u)

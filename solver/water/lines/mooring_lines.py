@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -17,10 +16,9 @@ from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.quantity import Least, Positive, Quantity
-from heavylift.numerics.records import Records, Vector, records
+from heavylift.numerics.records import Records, Vector
 from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
-    FORCES,
     Workspace,
     add_forces,
     begin_record,
@@ -28,7 +26,6 @@ from heavylift.solver.interface import (
     watch_forces,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.connections import GROUND, Between
 from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 from heavylift.solver.scene.moorings import MOORINGS, LineSection, SeabedSlope
@@ -41,8 +38,6 @@ from heavylift.solver.water.lines.catenary import (
     read_ends,
     solve_line,
 )
-from heavylift.solver.water.lines.catenary_line import pack_sections
-from heavylift.solver.water.lines.placed_line import check_line, is_anchored, line_bottom, longest_span
 
 __all__ = [
     "LINE_OVERSTRETCHED",
@@ -51,8 +46,6 @@ __all__ = [
     "MooringLines",
     "MooringScratch",
     "MooringState",
-    "line_markers",
-    "pack_mooring_lines",
 ]
 
 
@@ -225,70 +218,6 @@ class MooringLines(Arrays):
     tangents: Floats2
     scratch: Records[MooringScratch]
     nodes: Floats2
-
-
-def line_markers(book: MarkerBook, lines: Sequence[MooringLine]) -> list[tuple[int, int]]:
-    """Markers of anchor and fairlead of each line."""
-    return [
-        (book.point(line.body_a, line.point_a, FORCES), book.point(line.body_b, line.point_b, FORCES))
-        for line in lines
-    ]
-
-
-def pack_mooring_lines(
-    lines: Sequence[MooringLine],
-    markers: Sequence[tuple[int, int]],
-    columns: Sequence[int],
-    places: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
-) -> MooringLines:
-    """Make the kind.
-
-    Parameters
-    ----------
-    lines
-        What the user said.
-    markers
-        Of anchor and fairlead, from `line_markers`.
-    columns
-        First record column of each line.
-    places
-        Anchor and fairlead of each line at the start, world [m], shape (3,) each.
-
-    Raises
-    ------
-    InputError
-        If a line is not a line, an end of it is below its seabed, both hang over that but not all of it sinks, or it is
-        shorter than its span at the start.
-    """
-    packed = records(MooringData, len(lines))
-    sections: list[Any] = []
-    for row, line, (a, b), column, (anchor, fairlead) in zip(
-        packed, lines, markers, columns, places, strict=True
-    ):
-        check_line(line, anchor, fairlead)
-        rows, of_line = pack_sections(
-            line.sections, line.clumps, on_seabed=line.seabed is not None, friction=line.friction
-        )
-        for name in LineData.fields_of:
-            row[name] = of_line[0][name]
-        row.first = len(sections)
-        row.anchor, row.fairlead, row.column = a, b, column
-        row.limit = longest_span(line)
-        bottom = line_bottom(line, anchor)
-        if bottom is not None:
-            row.anchored = is_anchored(line, anchor, fairlead)
-            row.over_bottom = not row.anchored or bottom.rise_x != 0.0 or bottom.rise_y != 0.0
-            row.bottom, row.rise_x, row.rise_y = bottom
-        sections.extend(rows)
-    count = len(packed)
-    return MooringLines(
-        packed,
-        records(SectionData, sections),
-        records(MooringState, count),
-        np.zeros((count, 9)),
-        records(MooringScratch, count),
-        np.zeros((0, 3)),
-    )
 
 
 @kernel(internal=True)

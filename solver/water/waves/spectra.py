@@ -152,17 +152,9 @@ class WaveSpectrum:
             return math.inf
         return float(self.energy(0.0, upper, order)[0])
 
-    def mean_zero_crossing_period(self, upper: float = math.inf) -> float:
-        """Tz = 2 pi sqrt(m0 / m2) [s]; the tail counts in m2, so norms and tables name where they end."""
-        return 2.0 * math.pi * math.sqrt(self.moment(0, upper) / self.moment(2, upper))
-
     def mean_period(self, upper: float = math.inf) -> float:
         """T1 = 2 pi m0 / m1 [s]."""
         return 2.0 * math.pi * self.moment(0, upper) / self.moment(1, upper)
-
-    def energy_period(self, upper: float = math.inf) -> float:
-        """Te = 2 pi m_-1 / m0 [s]."""
-        return 2.0 * math.pi * self.moment(-1, upper) / self.moment(0, upper)
 
     def quantile(self, part: float) -> float:
         """Frequency [rad/s] below which a part of m0 lies, by bisection."""

@@ -36,7 +36,6 @@ __all__ = [
     "log_profile",
     "npd_coherence",
     "npd_spectrum",
-    "power_profile",
     "profile_slope",
     "standard_deviation",
     "turbulence_intensity",
@@ -128,11 +127,6 @@ def profile_slope(speed: float) -> float:
 def log_profile(height: float, speed: float) -> float:
     """One-hour mean [m/s] at a height [m]: ``U0 (1 + C ln(z/10))`` (ISO 19901-1), 0 where that is negative."""
     return max(speed * (1.0 + profile_slope(speed) * math.log(height / REFERENCE_HEIGHT)), 0.0)
-
-
-def power_profile(height: float, speed: float, exponent: float = POWER_EXPONENT) -> float:
-    """Mean [m/s] at a height [m] by the power law, eq. (226): higher than ISO's at 100 m by 7 % for 10 m/s."""
-    return float(speed * (height / REFERENCE_HEIGHT) ** exponent)
 
 
 def turbulence_intensity(height: float, speed: float) -> float:

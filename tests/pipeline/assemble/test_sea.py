@@ -13,6 +13,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
+from heavylift.pipeline.assemble.frames import assemble_rigid
 from heavylift.pipeline.assemble.hulls import (
     assemble_radiation,
     database_manifest,
@@ -21,7 +22,6 @@ from heavylift.pipeline.assemble.hulls import (
     resting_position,
     stored_database,
 )
-from heavylift.pipeline.assemble.scene import assemble_rigid
 from heavylift.pipeline.assemble.sea import assemble_sea, make_waves, sea_provenance
 from heavylift.pipeline.assemble.sides import start_sides
 from heavylift.pipeline.assemble.water import water_of

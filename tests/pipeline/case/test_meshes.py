@@ -217,7 +217,6 @@ def test_the_body_goes_where_its_initial_state_says(folder):
     shape = mesh_shape(bodies(folder)["beam"])
     # turned by 90 degrees about z and moved by 5 m along y
     np.testing.assert_allclose(shape.world_nodes()[-1], [0, 15, 0], atol=1e-14)
-    np.testing.assert_allclose(shape.world_vectors()[2, 0], [0, 1, 0], atol=1e-15)
     moved = bodies(folder, "bodies.beam.initial.angular_velocity=[0, 0, '2 rad/s']")["beam"]
     np.testing.assert_array_equal(moved.angular_velocity, [0, 0, 2])
 

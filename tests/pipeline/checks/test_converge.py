@@ -16,7 +16,8 @@ from heavylift.pipeline.checks.convergence import (
 from heavylift.pipeline.commands import converge
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.storage import OutputFolder
-from heavylift.pipeline.stages.stages import RunReport, StageReport
+from heavylift.pipeline.stages.stages import RunReport
+from heavylift.pipeline.stages.work import StageReport
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 4.0])

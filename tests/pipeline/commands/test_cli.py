@@ -15,7 +15,7 @@ import pytest
 
 from heavylift.pipeline.commands.cli import app
 
-MAIN = "from heavylift.pipeline.commands.cli import main; main()"
+MAIN = "from heavylift.pipeline.commands.start import main; main()"
 
 
 @pytest.fixture
@@ -293,7 +293,7 @@ def test_of_several_cases_the_largest_code_counts(heavylift, small_case):
 @pytest.mark.slow
 def test_a_reader_that_closes_early_sees_no_traceback() -> None:
     command = (
-        f"{sys.executable} -c 'from heavylift.pipeline.commands.cli import main; main()' schema | head -n 1"
+        f"{sys.executable} -c 'from heavylift.pipeline.commands.start import main; main()' schema | head -n 1"
     )
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert done.stdout.startswith("{")

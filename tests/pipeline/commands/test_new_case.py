@@ -61,7 +61,7 @@ def test_a_new_case_runs_and_passes_and_shows_the_scene(
 def test_a_first_lift_compiles_what_it_needs_and_no_more(tmp_path: Path) -> None:
     """With an empty cache: the kinds of the scene, in less than a minute of one processor."""
     environment = {**os.environ, "HEAVYLIFT_CACHE_DIR": str(tmp_path / "cache")}
-    main = "from heavylift.pipeline.commands.cli import main; main()"
+    main = "from heavylift.pipeline.commands.start import main; main()"
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     for words in (("new", "lift", "demo"), ("run", "demo")):
         command = [sys.executable, "-c", main, *words]

@@ -8,10 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from heavylift.pipeline.pictures.hull_plots import operator_plot, response_plot
+from heavylift.pipeline.pictures.hull_plots import operator_plot
 from heavylift.pipeline.report.response_operators import operator_rows, write_rao_report
-from heavylift.solver.water.hulls.frequency_domain import MotionOperators, NaturalMode, response_statistics
-from heavylift.solver.water.waves.spectra import jonswap
+from heavylift.solver.water.hulls.frequency_domain import MotionOperators, NaturalMode, ResponseStatistics
 
 OMEGA = np.linspace(0.2, 2.5, 80)
 
@@ -41,16 +40,10 @@ def picture(png):
 
 
 @pytest.mark.slow
-def test_pictures_are_drawn(operators, tmp_path):
-    spectrum = jonswap(2.0, 8.0)
-    response = response_statistics(operators, spectrum, 0.0)
-    for png in (
-        operator_plot(operators, body=1, modes=MODES),
-        response_plot(response, spectrum.density(response.omega)),
-    ):
-        shape, ink = picture(png)
-        assert shape[1] == 1100
-        assert ink > 0.002
+def test_a_picture_is_drawn(operators):
+    shape, ink = picture(operator_plot(operators, body=1, modes=MODES))
+    assert shape[1] == 1100
+    assert ink > 0.002
 
 
 def test_table_has_amplitude_and_phase_of_every_coordinate(operators):
@@ -66,7 +59,8 @@ def test_table_has_amplitude_and_phase_of_every_coordinate(operators):
 
 @pytest.mark.slow
 def test_report_writes_table_summary_and_a_picture_of_each_hull(operators, tmp_path):
-    response = response_statistics(operators, jonswap(2.0, 8.0), 0.0)
+    deviation = np.linspace(0.1, 1.2, 12)
+    response = ResponseStatistics(OMEGA, np.ones((80, 12)), deviation, 2.0 * deviation, np.full(12, 7.0))
     files = write_rao_report(
         tmp_path / "out", operators, modes=MODES, responses={"Hs 2 m, Tp 8 s, 0 deg": response}
     )

@@ -9,8 +9,9 @@ import pytest
 
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.new_case import new_case
-from heavylift.pipeline.pictures.attached import Others, Seen, elevations
+from heavylift.pipeline.pictures.attached import Others, elevations
 from heavylift.pipeline.pictures.contacts import touch_picture
+from heavylift.pipeline.pictures.parts import Seen
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
 from heavylift.pipeline.pictures.scene import SolidPainter
 from heavylift.pipeline.report.scene import is_pictured, scene_others

@@ -14,7 +14,6 @@ from heavylift.pipeline.results.statistics import (
     column_statistics,
     gumbel_fit,
     power_spectrum,
-    rayleigh_extreme,
     record_statistics,
 )
 from heavylift.solver.water.waves.spectra import jonswap
@@ -140,19 +139,6 @@ def test_extremes_that_are_cut_off_have_no_fit():
     assert entry["maxima"]["mode"] == pytest.approx(gumbel_fit(highs).mode)
 
 
-def test_rayleigh_extremes_are_those_of_independent_maxima():
-    sigma, count, trials = 0.7, 300, 4000
-    maxima = np.random.default_rng(5).rayleigh(sigma, (trials, count)).max(axis=1)
-    for probability in (0.1, 0.5, 0.9):
-        exact = rayleigh_extreme(sigma, 2.0, 2.0 * count, probability=probability)
-        error = math.sqrt(probability * (1.0 - probability) / trials)
-        assert abs(np.mean(maxima < exact) - probability) < 3.0 * error
-    most = rayleigh_extreme(sigma, 2.0, 2.0 * count)
-    assert most == pytest.approx(sigma * math.sqrt(2.0 * math.log(count)), rel=1e-14)
-    # 37 % stay below the most probable maximum
-    assert np.mean(maxima < most) == pytest.approx(math.exp(-1.0), abs=0.03)
-
-
 def test_spectrum_integrates_to_the_variance_in_both_units():
     rng = np.random.default_rng(8)
     t = 0.1 * np.arange(80_000)
@@ -193,5 +179,3 @@ def test_wrong_input_is_refused():
         power_spectrum(t, t, segment=1e6)
     with pytest.raises(InputError, match="rad/s or Hz"):
         power_spectrum(t, t, per="rpm")
-    with pytest.raises(InputError, match="cycle"):
-        rayleigh_extreme(1.0, 10.0, 5.0)

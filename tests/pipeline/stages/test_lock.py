@@ -9,11 +9,11 @@ import pytest
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.results.storage import StopError
-from heavylift.pipeline.stages.stages import locked
+from heavylift.pipeline.stages.lock import locked
 
 HOLD = (
     "import sys, pathlib, time\n"
-    "from heavylift.pipeline.stages.stages import locked\n"
+    "from heavylift.pipeline.stages.lock import locked\n"
     "with locked(pathlib.Path(sys.argv[1])):\n"
     "    print('held', flush=True)\n"
     "    time.sleep(60)\n"

@@ -12,7 +12,7 @@ import pytest
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.stages import advance
-from heavylift.pipeline.stages.stages import locked
+from heavylift.pipeline.stages.lock import locked
 from heavylift.pipeline.stages.told import WORDS_FILE, tell
 
 if TYPE_CHECKING:

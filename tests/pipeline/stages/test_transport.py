@@ -10,7 +10,7 @@ import pytest
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.checks.quantities import evaluate_checks
-from heavylift.pipeline.stages.stages import StageReport
+from heavylift.pipeline.stages.work import StageReport
 
 TEXT = (Path(__file__).resolve().parents[1] / "transport.toml").read_text(encoding="utf-8")
 

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from start_scenes import frame_in_body
 
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about, frame_in_body
+from heavylift.solver.scene.connections import GROUND, JointFrame, axes_about
 from heavylift.solver.scene.mesh_shapes import line
 from heavylift.solver.scene.meshes import FrameBody, FrameSection, Support
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline import load_case, run_case
-from heavylift.solver.forces.line_bearing import rub as rub_kernel
+from heavylift.solver.laws.line_bearing import rub as rub_kernel
 
 rub = in_python(rub_kernel)
 K, LIMIT = 5e7, 2e4

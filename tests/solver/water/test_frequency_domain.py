@@ -13,11 +13,8 @@ from heavylift.solver.water.hulls.frequency_domain import (
     motion_operators,
     natural_modes,
     resonant_frequencies,
-    response_statistics,
     rigid_body_mass,
-    static_stiffness,
 )
-from heavylift.solver.water.waves.spectra import jonswap
 
 W = np.linspace(0.2, 3.0, 57)
 HEADINGS = np.deg2rad(np.arange(0.0, 360.0, 10.0))
@@ -140,39 +137,6 @@ def test_mass_about_another_point_has_the_kinetic_energy_of_the_body():
     assert pytest.approx(M.T) == M
 
 
-def test_weight_restores_as_its_moment_changes():
-    m, g, c = 5.0, 9.81, np.array([0.3, -0.7, 1.9])
-    C = static_stiffness(np.zeros((6, 6)), m, c, g)
-    for k in range(3):
-        turn = np.zeros(3)
-        turn[k] = 1.0
-        change = np.cross(np.cross(turn, c), [0.0, 0.0, -m * g])  # moment of the weight, first order
-        assert C[3:, 3 + k] == pytest.approx(-change, abs=1e-12)
-    assert np.all(C[:3] == 0.0)
-
-
-def test_response_to_a_sea_integrates_the_spectrum():
-    database, _ = make()
-    hulls = linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS))
-    # fine enough for the resonance: between frequencies the coefficients are smooth, the motion is not
-    found = motion_operators(hulls, headings=[0.0, 0.5], omega=np.linspace(0.2, 3.0, 400))
-    spectrum = jonswap(2.0, 8.0)
-    response = response_statistics(found, spectrum, 0.5)
-    from scipy.integrate import quad
-
-    def density(w, power):
-        X = 1e6 * (1.0 + 0.2)
-        H = X / abs(STIFFNESS[2] - w**2 * 1.5 * MASS[2] - 0.1j * w * MASS[2])
-        return w**power * float(spectrum.density(np.array(w))) * H**2
-
-    m0, m2 = (
-        quad(density, 0.2, 3.0, args=(n,), points=[0.7854, 1.15], limit=300, epsrel=1e-9)[0] for n in (0, 2)
-    )
-    assert response.standard_deviation[2] == pytest.approx(math.sqrt(m0), rel=2e-4)
-    assert response.significant[2] == pytest.approx(2.0 * math.sqrt(m0), rel=2e-4)
-    assert response.mean_period[2] == pytest.approx(2.0 * math.pi * math.sqrt(m0 / m2), rel=2e-4)
-
-
 def test_wrong_input_is_refused():
     database, _ = make()
     with pytest.raises(InputError, match="mass"):
@@ -184,11 +148,6 @@ def test_wrong_input_is_refused():
     hulls = linear_hulls(database, np.diag(MASS), np.diag(STIFFNESS))
     with pytest.raises(InputError, match=r"0\.2 to 3 rad/s"):
         motion_operators(hulls, headings=[0.0], omega=[5.0])
-    found = motion_operators(hulls, headings=[0.0])
-    with pytest.raises(InputError, match="one of 0"):
-        response_statistics(found, jonswap(2.0, 8.0), 0.3)
-    with pytest.raises(InputError, match="lies outside"):
-        response_statistics(found, jonswap(0.1, 2.0), 0.0)
 
 
 def test_natural_periods_where_water_between_hulls_resonates():

@@ -28,9 +28,8 @@ from heavylift.solver.water.lines.mooring_lines import (
     LINE_OVERSTRETCHED,
     MooringLine,
     MooringLines,
-    line_markers,
-    pack_mooring_lines,
 )
+from heavylift.solver.water.lines.packing import line_markers, pack_mooring_lines
 
 CHAIN = (LineSection(150.0, 1500.0, 5e8), LineSection(60.0, 300.0, 3e8))
 HAWSER = (LineSection(90.0, 40.0, 4e6),)

@@ -57,8 +57,8 @@ from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rows import FITTED, RETURN, check_drift, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import FORCES, GROUND, Between
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.connections import FORCES, GROUND, Between, as_joint
+from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes, upwards
 
 if TYPE_CHECKING:
     from heavylift.solver.laws.system import LawBlock
@@ -87,10 +87,6 @@ then gains two digits, as it does anyhow where friction follows the load."""
 
 PLAIN_ROUNDS = 5
 """Rounds of the iteration after which laws are fitted by chords too: tangents alone can go to and fro."""
-
-
-def _upwards() -> NDArray[np.float64]:
-    return np.array([0.0, 0.0, 1.0])
 
 
 @FORCES.describe("line_bearing")
@@ -123,7 +119,7 @@ class LineBearing(Between):
 
     inward: Annotated[NDArray[np.float64], BodyDirection()]
     """From its border onto the deck, in the axes of the first body: the line lies across it at the start."""
-    normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_upwards)
+    normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=upwards)
     """Of the plane, away from it, in the axes of the first body, at a right angle to `inward`."""
     deck_length: Annotated[float, Positive("length"), Absent()] = np.inf
     """From its border to its other one [m]; it has none if absent. An end of the line that leaves the deck stops the
@@ -280,7 +276,6 @@ def pack_bearings(
         If an end is not on the deck at the start, or below its plane.
     """
     from heavylift.solver.joints.packing import start_frames
-    from heavylift.solver.laws.packing import as_joint
     from heavylift.solver.laws.system import LawBlock
 
     rows, overlaps = [], []

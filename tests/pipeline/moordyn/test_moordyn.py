@@ -10,13 +10,9 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.pipeline.commands.moordyn import (
-    LineDynamics,
-    couple_moordyn,
-    moordyn_input,
-    quasi_static_force,
-    run_moordyn,
-)
+from heavylift.pipeline.moordyn.coupling import couple_moordyn
+from heavylift.pipeline.moordyn.input_file import LineDynamics, moordyn_input
+from heavylift.pipeline.moordyn.lines import quasi_static_force, run_moordyn
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import LineSection, SeabedSlope

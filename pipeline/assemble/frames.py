@@ -1,0 +1,56 @@
+"""Rigid bodies of a case, and how the frames of bodies start and move."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from heavylift.pipeline.assemble.described import assemble
+from heavylift.pipeline.assemble.sides import Side
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from heavylift.pipeline.case.bodies import RigidBodySection, RigidInitialSection
+    from heavylift.solver.scene import scene as s
+
+__all__ = ["assemble_rigid", "motion_of", "start_of_frame"]
+
+
+def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDArray[np.float64]]:
+    """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
+    centre = np.array(body.centre_of_mass)
+    origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
+    given = {"name": name, "motion": motion_of(body.frame), **start_of_frame(body.initial, origin)}
+    rigid = assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given)
+    return rigid, origin
+
+
+def start_of_frame(
+    initial: RigidInitialSection, origin: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]]:
+    """Initial state of a frame; by default the body is where its geometry was drawn."""
+    orientation = np.array([1.0, 0.0, 0.0, 0.0])
+    if initial.orientation is not None:
+        from heavylift.numerics.rotation import quaternion_from_rotation_vector
+
+        axis: NDArray[np.float64] = np.array(initial.orientation.axis)
+        angle = math.fmod(
+            initial.orientation.angle, 4.0 * math.pi
+        )  # whole turns would overflow, if there are many
+        orientation = quaternion_from_rotation_vector(angle * axis / np.linalg.norm(axis))
+    return {
+        "position": origin.copy() if initial.position is None else np.array(initial.position),
+        "orientation": orientation,
+        "velocity": np.array(initial.velocity or (0.0, 0.0, 0.0)),
+        "angular_velocity": np.array(initial.angular_velocity or (0.0, 0.0, 0.0)),
+    }
+
+
+def motion_of(frame: Any) -> s.Motion:
+    """How a frame moves."""
+    made: s.Motion = assemble(frame, {}, Path())
+    return made
