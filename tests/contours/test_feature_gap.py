@@ -54,7 +54,6 @@ def distance_of_flats(x, U, y, V):
     return np.linalg.norm(r)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_gap_is_the_distance_of_the_flats_through_the_features(kind):
     rng = np.random.default_rng(kind)

@@ -72,7 +72,6 @@ def test_normals_part_patches_at_the_angle():
         assert group(np.zeros((2, 3)), normals, 1.0)[0] == expected
 
 
-@pytest.mark.slow
 def test_corners_of_a_full_rectangle_are_kept():
     rng = np.random.default_rng(2)
     points = np.zeros((300, 3))

@@ -41,7 +41,6 @@ def _numbers(rows):
     return rows.view(np.float64).reshape(len(rows), -1)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("surface", [0, 1, 2])
 def test_what_follows_from_points_is_what_packing_them_gives(surface):
     scene = [sheet(6), rope(20), sheet(3, shift=2.0)]

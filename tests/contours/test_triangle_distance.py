@@ -116,7 +116,6 @@ def families():
     yield "degenerate", same
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("run", "exact"), [(to_triangle, exact_triangle), (between_segments, exact_segments)]
 )

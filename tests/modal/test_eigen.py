@@ -60,7 +60,6 @@ def test_bending_modes_of_a_slender_beam(slender):
         np.testing.assert_allclose(modes.frequencies, np.sort(expected)[:count], rtol=0.004)
 
 
-@pytest.mark.slow
 def test_modes_agree_with_the_dense_solution(any_beam, dense):
     for fixed in (any_beam.node_groups["clamp"], np.array([], dtype=int)):
         matrices = dense(any_beam, fixed)

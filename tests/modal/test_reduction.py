@@ -111,7 +111,6 @@ def test_mean_axis_shapes_have_no_momentum(any_beam, clamp, mixed):
     np.testing.assert_allclose(body.integrals.first_moment / m, [0.1, 0.35, -0.17], atol=1e-12)
 
 
-@pytest.mark.slow
 def test_mean_axis_of_cantilever_modes_tends_to_free_modes(brick_beam):
     # the cantilever modes are a complete basis of deformations: with the frame set free by the
     # mean-axis step the frequencies fall to those of the free body, from above

@@ -29,8 +29,6 @@ from heavylift.solver.scene.contacts import (
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
-pytestmark = pytest.mark.slow
-
 Array = NDArray[np.float64]
 
 

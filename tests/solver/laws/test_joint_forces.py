@@ -49,7 +49,6 @@ def reference(times: np.ndarray) -> np.ndarray:
     ).y
 
 
-@pytest.mark.slow
 def test_spring_and_motor_on_a_hinge() -> None:
     errors = []
     for step in (1e-2, 5e-3):

@@ -42,7 +42,6 @@ def solve_by_trial(a: Any, b: Any, q: Any, eta: Any) -> list[tuple[Any, Any]]:
     return found
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("sheaves", [[1], [3], [2, 3], [6]], ids=str)
 @pytest.mark.parametrize("spread", [1.0, 6.0])
 def test_search_finds_what_trial_finds(sheaves: list[int], spread: float) -> None:
@@ -134,7 +133,6 @@ def first_step(masses: Any, eta: float) -> list[tuple[Any, Any]]:
     return [(states, 2.0 * (speed[0] + speed[1] @ f)) for states, f in found]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("count", "eta"), [(2, 0.96), (3, 0.98), (3, 0.9), (4, 0.95)])
 def test_pulleys_on_many_bodies_begin_as_by_trial(count: int, eta: float) -> None:
     """A step of pulleys of random masses: of all 3^(2 n - 1) states one is right, and that is the one."""

@@ -75,7 +75,6 @@ def test_slings_of_a_hyperstatic_rig_share_as_told() -> None:
     np.testing.assert_allclose(found["block.position"], 0.0, atol=1e-6)
 
 
-@pytest.mark.slow
 def test_a_tension_that_nothing_else_shares_cannot_be_chosen() -> None:
     """A load that hangs on one rope has its weight in it."""
     hung = scene(
