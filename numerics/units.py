@@ -155,6 +155,9 @@ LONGEST = 200
 STEEPEST = 20.0
 """Largest exponent of a unit."""
 
+LARGEST_LENGTH = 1e100
+"""Of lengths and coordinates [m]: volumes of larger ones are beyond what a double holds."""
+
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*\Z")
 _TOKEN = re.compile(r"\s*(\*\*|[*/·^()]|[+-]?\d+\.?\d*|[^\W\d]\w*|%)")
 
@@ -172,7 +175,8 @@ def parse_quantity(value: object, kind: Kind) -> float:
     Raises
     ------
     InputError
-        If the value is not a finite number, has an unknown unit or another dimension.
+        If the value is not a finite number, has an unknown unit or another dimension, or is a length beyond
+        `LARGEST_LENGTH`.
     """
     expected = f"{with_article(kind.name)} [{kind.unit}]" if kind.name != "number" else "a number"
     if isinstance(value, str):
@@ -194,6 +198,8 @@ def parse_quantity(value: object, kind: Kind) -> float:
             number = math.inf
     if not math.isfinite(number):
         raise InputError(f"{value!r} is not finite", expected=expected)
+    if kind.dimension == KINDS["length"].dimension and abs(number) > LARGEST_LENGTH:
+        raise InputError(f"{value!r} is too large", expected=f"{expected} up to {LARGEST_LENGTH:g} m")
     return number
 
 

@@ -130,6 +130,8 @@ def test_decimal_prefixes_round_once():
         ("3 degC", "length", ["kelvin"]),
         ("nan", "length", ["not finite"]),
         ("1e999 m", "length", ["not finite"]),
+        ("1e300 m", "length", ["'1e300 m' is too large", "a length [m] up to 1e+100 m"]),
+        (-1e155, "length", ["too large"]),
         (math.nan, "length", ["not finite"]),
         (math.inf, "time", ["not finite"]),
         (True, "number", ["not a number"]),

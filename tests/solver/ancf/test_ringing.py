@@ -31,7 +31,7 @@ G = 9.81
 PLATE, HOOK = 20.0 * 10.0 * 0.02 * 7850.0 * G, 5000.0 * G
 
 
-def plate_on_slings(step: float, stiffness_damping: float) -> Simulation:
+def plate_on_slings(step: float, stiffness_damping: float, elasticity: str = "auto") -> Simulation:
     """20 x 10 m, 20 mm thick, on slings of 60 MN that meet 11 m above it; a puff pushes it between 1 and 2 s."""
     plate = sheet(
         "plate",
@@ -40,6 +40,7 @@ def plate_on_slings(step: float, stiffness_damping: float) -> Simulation:
         2.1e11,
         position=np.array([-10.0, -5.0, 5.0]),
         stiffness_damping=stiffness_damping,
+        elasticity=elasticity,
     )
     hook = RigidBody("hook", 5000.0, 3e3 * np.eye(3), position=np.array([0.0, 0.0, 16.0]))
     ropes = [
@@ -83,7 +84,9 @@ def test_slings_carry_the_plate_and_the_plate_does_not_ring() -> None:
     """Tensions balance the weight after 40 s, and the motion is that of a step of a quarter, to its second order."""
     simulation = plate_on_slings(10e-3, 20e-3)
     found = histories(simulation, 40.0)
-    assert simulation.warning == ""
+    # the drift of its carried strains has become a part of their 2e-4 meanwhile: it may change over, and says so
+    assert "rings" not in simulation.warning
+    assert not simulation.warning or simulation.warning.startswith("'plate' changed over")
     assert found["hoist.tension"] == pytest.approx(PLATE + HOOK, rel=2e-3)
     slings = np.array([found[f"sling_{k}.tension"] for k in range(1, 5)])
     # 87.6 kN each at rest; the puff turns the plate, which loads them by turns
@@ -99,10 +102,19 @@ def test_slings_carry_the_plate_and_the_plate_does_not_ring() -> None:
 
 @pytest.mark.slow
 def test_what_rings_all_the_same_is_told() -> None:
-    """Without damping its stretching is excited and goes on: no step of 10 ms resolves it."""
-    simulation = plate_on_slings(10e-3, 0.0)
+    """Without damping its stretching is excited and goes on: no step of 10 ms resolves it while strains are carried."""
+    simulation = plate_on_slings(10e-3, 0.0, "carried")
     found = histories(simulation, 20.0)
     assert "'plate' rings" in simulation.warning
+    assert found["hoist.tension"] == pytest.approx(PLATE + HOOK, rel=1e-2)
+
+
+@pytest.mark.slow
+def test_strains_that_ringing_spoils_are_given_up() -> None:
+    """By default: the drift of carried strains becomes a part of them at the puff, and the body changes over."""
+    simulation = plate_on_slings(10e-3, 0.0)
+    found = histories(simulation, 4.0)
+    assert "'plate' changed over to the energy-momentum scheme" in simulation.warning
     assert found["hoist.tension"] == pytest.approx(PLATE + HOOK, rel=1e-2)
 
 

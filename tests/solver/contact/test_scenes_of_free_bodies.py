@@ -100,10 +100,6 @@ def falling(law, height=0.3):
     )
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="energy of repeated impacts on a free flexible body: 1 % of the weight times a metre unbooked",
-)
 def test_falling_plate_comes_to_rest_on_its_corners():
     found = run(falling(RigidLaw(0.3)), 1e-3, 2.0)
     names = [f"corner{i}" for i in range(4)]
