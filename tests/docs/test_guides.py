@@ -30,6 +30,7 @@ GUIDES = (
     "criteria.md",
     "editor.md",
     "benchmarks.md",
+    "data_flow.md",
     "inside.md",
     "python.md",
     "transport.md",
