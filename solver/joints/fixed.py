@@ -120,8 +120,10 @@ def record_fixed_joints(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
+        write_reaction(system, entry.block, reaction_outputs(row, entry.column))
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
         block, out = entry.block, reaction_outputs(row, entry.column)
-        write_reaction(system, block, out)
         add_moment(system, block, 3, work, entry.x_b, entry.z_a, out)
         add_moment(system, block, 4, work, entry.y_b, entry.z_a, out)
         add_moment(system, block, 5, work, entry.y_b, entry.x_a, out)

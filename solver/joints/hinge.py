@@ -189,8 +189,10 @@ def record_hinges(
     """Reaction on b, angle."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
+        write_reaction(system, entry.block, hinge_outputs(row, entry.column).reaction)
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
         block, out = entry.block, hinge_outputs(row, entry.column)
-        write_reaction(system, block, out.reaction)
         add_moment(system, block, 3, work, entry.x_b, entry.z_a, out.reaction)
         add_moment(system, block, 4, work, entry.y_b, entry.z_a, out.reaction)
         record_angle(work, entry.angle, kind.state[j], time, out.turn)

@@ -56,7 +56,13 @@ def reactions(system: RowArrays, block: int) -> NDArray[np.float64]:
 
 @kernel(internal=True)
 def write_reaction(system: RowArrays, block: int, out: ReactionOutputs) -> None:
-    """Force on b of three point rows; the moment, after it, is set to zero."""
+    """Force on b of three point rows; the moment, after it, is set to zero.
+
+    Notes
+    -----
+    A kind that adds to it does so in a second loop: where the compiler sees the zero, a sum of zeros may get either
+    sign.
+    """
     force = reactions(system, block)
     for k in range(3):
         out.reaction_force[k] = force[k]

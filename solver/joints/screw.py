@@ -28,7 +28,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints import slider_hinge
 from heavylift.solver.joints.packing import JointPlace
-from heavylift.solver.joints.reactions import add_force, reactions, record_travel
+from heavylift.solver.joints.reactions import add_force, clear_reaction, reactions, record_travel
 from heavylift.solver.joints.row_writing import (
     add_direction_row,
     angle_bias,
@@ -45,9 +45,9 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.joints.slider_hinge import (
     SliderHingeEntry,
+    add_slider_hinge_reaction,
     fill_slider_hinge_bias,
     fill_slider_hinge_rows,
-    write_slider_hinge_reaction,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
@@ -197,7 +197,8 @@ def record_screws(
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         out = screw_outputs(row, entry.column)
-        write_slider_hinge_reaction(system, entry, work, out.reaction)
+        clear_reaction(out.reaction)
+        add_slider_hinge_reaction(system, entry, work, out.reaction)
         add_force(system, entry.block, THREAD, work, entry.z_a, out.reaction)
         force, e = reactions(system, entry.block)[THREAD], vector(work, entry.z_a)
         for k in range(3):

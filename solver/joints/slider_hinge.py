@@ -61,11 +61,11 @@ __all__ = [
     "SliderHinge",
     "SliderHingeEntry",
     "SliderHinges",
+    "add_slider_hinge_reaction",
     "fill_slider_hinge_bias",
     "fill_slider_hinge_rows",
     "pack",
     "pack_entries",
-    "write_slider_hinge_reaction",
 ]
 
 
@@ -181,12 +181,11 @@ def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, sys
 
 
 @kernel(internal=True)
-def write_slider_hinge_reaction(
+def add_slider_hinge_reaction(
     system: RowArrays, entry: SliderHingeEntry, work: Workspace, out: ReactionOutputs
 ) -> None:
     """Force and moment of the four rows on b."""
     block = entry.block
-    clear_reaction(out)
     add_force(system, block, 0, work, entry.m_a, out)
     add_force(system, block, 1, work, entry.n_a, out)
     add_moment(system, block, 2, work, entry.x_b, entry.z_a, out)
@@ -200,8 +199,10 @@ def record_slider_hinges(
 ) -> None:
     """Reaction on b, angle, travel."""
     for j in range(kind.table.shape[0]):
+        clear_reaction(slider_hinge_outputs(row, kind.table[j].column).reaction)
+    for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         out = slider_hinge_outputs(row, entry.column)
-        write_slider_hinge_reaction(system, entry, work, out.reaction)
+        add_slider_hinge_reaction(system, entry, work, out.reaction)
         record_angle(work, entry.angle, kind.state[j], time, out.turn)
         record_travel(work, entry.travel, out.slide)

@@ -123,6 +123,8 @@ def record_universal_joints(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
+        write_reaction(system, entry.block, reaction_outputs(row, entry.column))
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
         block, out = entry.block, reaction_outputs(row, entry.column)
-        write_reaction(system, block, out)
         add_moment(system, block, 3, work, entry.z_b, entry.z_a, out)
