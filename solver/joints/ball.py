@@ -14,7 +14,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
-from heavylift.solver.joints.reactions import write_reaction
+from heavylift.solver.joints.reactions import reaction_outputs, write_reaction
 from heavylift.solver.joints.row_writing import difference, put_point_rows, residuals, write_point_bias
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
@@ -76,4 +76,5 @@ def record_balls(
 ) -> None:
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
-        write_reaction(system, kind.table[j].block, row, kind.table[j].column)
+        entry = kind.table[j]
+        write_reaction(system, entry.block, reaction_outputs(row, entry.column))

@@ -22,7 +22,7 @@ from heavylift.numerics.quantity import Positive
 from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
-from heavylift.solver.joints.reactions import clear_reaction, reactions
+from heavylift.solver.joints.reactions import clear_reaction, reaction_outputs, reactions
 from heavylift.solver.joints.row_writing import (
     Vector,
     bias,
@@ -147,9 +147,9 @@ def record_distances(
     """Reaction on b: along the line, positive if it pushes."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
+        block, out = entry.block, reaction_outputs(row, entry.column)
         _, e = _line(work, entry.point_a, entry.point_b)
-        clear_reaction(row, column)
+        clear_reaction(out)
         force = reactions(system, block)[0]
         for k in range(3):
-            row[column + k] = force * e[k]
+            out.reaction_force[k] = force * e[k]

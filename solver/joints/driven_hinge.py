@@ -30,10 +30,11 @@ from heavylift.solver.joints.hinge import (
     HingeEntry,
     fill_hinge_bias,
     fill_hinge_rows,
+    hinge_outputs,
     record_hinges,
 )
 from heavylift.solver.joints.packing import JointPlace
-from heavylift.solver.joints.reactions import REACTION_WIDTH, AngleState, add_torque
+from heavylift.solver.joints.reactions import AngleState, add_torque
 from heavylift.solver.joints.row_writing import angle_bias, angle_row, near_angle, residuals, targets
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
@@ -136,8 +137,8 @@ def record_driven_hinges(
     record_hinges(kind, time, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        add_torque(system, block, ROW, work, entry.z_a, row, column)
+        block, out = entry.block, hinge_outputs(row, entry.column)
+        add_torque(system, block, ROW, work, entry.z_a, out.reaction)
         prescribed = profile_value(kind.profiles, entry.profile, time)[0]
-        row[column + REACTION_WIDTH] = near_angle(row[column + REACTION_WIDTH], prescribed)
+        out.turn.angle = near_angle(out.turn.angle, prescribed)
         work.sums.drive_work += drive_work(system, block, ROW, kind.state[j].drive)

@@ -34,6 +34,7 @@ from heavylift.solver.joints.slider import (
     fill_slider_bias,
     fill_slider_rows,
     record_sliders,
+    slider_outputs,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
@@ -125,5 +126,6 @@ def record_driven_sliders(
     record_sliders(kind, time, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        add_force(system, entry.block, ROW, work, entry.z_a, row, entry.column)
+        out = slider_outputs(row, entry.column)
+        add_force(system, entry.block, ROW, work, entry.z_a, out.reaction)
         work.sums.drive_work += drive_work(system, entry.block, ROW, kind.state[j])

@@ -23,7 +23,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import EdgeSeam
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
-from heavylift.solver.joints.reactions import add_pull, write_reaction
+from heavylift.solver.joints.reactions import add_pull, reaction_outputs, write_reaction
 from heavylift.solver.joints.row_writing import (
     add_direction_row,
     bias,
@@ -185,14 +185,14 @@ def record_seams(
     """Reaction on b at the node: force, and the moment of what pulls at its slopes."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        write_reaction(system, block, row, column)
+        block, out = entry.block, reaction_outputs(row, entry.column)
+        write_reaction(system, block, out)
         s = vector(work, entry.along_b)
         for k in range(3):
             axis = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-            add_pull(system, block, 3 + k, entry.slope_factor_b, s, axis, row, column)
+            add_pull(system, block, 3 + k, entry.slope_factor_b, s, axis, out)
         if entry.normal >= 0:
             n = vector(work, entry.normal)
-            add_pull(system, block, 6, 1.0, vector(work, entry.across_b), n, row, column)
+            add_pull(system, block, 6, 1.0, vector(work, entry.across_b), n, out)
             if entry.upright >= 0:
-                add_pull(system, block, 7, entry.twist_factor_b, vector(work, entry.twist_b), n, row, column)
+                add_pull(system, block, 7, entry.twist_factor_b, vector(work, entry.twist_b), n, out)

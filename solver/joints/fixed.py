@@ -21,7 +21,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers, refuse_opposite
-from heavylift.solver.joints.reactions import add_moment, write_reaction
+from heavylift.solver.joints.reactions import add_moment, reaction_outputs, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
     put_point_rows,
@@ -120,8 +120,10 @@ def record_fixed_joints(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        write_reaction(system, block, row, column)
-        add_moment(system, block, 3, work, entry.x_b, entry.z_a, row, column)
-        add_moment(system, block, 4, work, entry.y_b, entry.z_a, row, column)
-        add_moment(system, block, 5, work, entry.y_b, entry.x_a, row, column)
+        write_reaction(system, entry.block, reaction_outputs(row, entry.column))
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, out = entry.block, reaction_outputs(row, entry.column)
+        add_moment(system, block, 3, work, entry.x_b, entry.z_a, out)
+        add_moment(system, block, 4, work, entry.y_b, entry.z_a, out)
+        add_moment(system, block, 5, work, entry.y_b, entry.x_a, out)

@@ -24,7 +24,7 @@ from heavylift.numerics.vectors import cross
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import FrameWeld
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
-from heavylift.solver.joints.reactions import add_pull, write_reaction
+from heavylift.solver.joints.reactions import add_pull, reaction_outputs, write_reaction
 from heavylift.solver.joints.row_writing import (
     Vector,
     bias,
@@ -150,9 +150,9 @@ def record_welds(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        write_reaction(system, block, row, column)
+        block, out = entry.block, reaction_outputs(row, entry.column)
+        write_reaction(system, block, out)
         first, second, _ = _normals(kind, j, vector(work, entry.tangent_a))
         s = vector(work, entry.tangent_b)
-        add_pull(system, block, 3, 1.0, s, first, row, column)
-        add_pull(system, block, 4, 1.0, s, second, row, column)
+        add_pull(system, block, 3, 1.0, s, first, out)
+        add_pull(system, block, 4, 1.0, s, second, out)

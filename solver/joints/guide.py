@@ -32,7 +32,6 @@ from heavylift.solver.joints.packing import (
     travel_markers,
 )
 from heavylift.solver.joints.reactions import (
-    REACTION_WIDTH,
     add_force,
     add_moment,
     clear_reaction,
@@ -48,9 +47,11 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.bodies import Profile
-from heavylift.solver.scene.connections import JOINTS, TRAVEL_CHANNELS, Joint, Place
+from heavylift.solver.scene.connections import JOINTS, Joint, Place
+from heavylift.solver.scene.sliding_joints import SlidingOutputs
 
 __all__ = ["Guide", "Guides", "pack"]
 
@@ -62,7 +63,7 @@ class Guide(Joint):
 
     PLACE: ClassVar = Place.AXIS
     ROTATIONAL: ClassVar = (False, False, True)
-    CHANNELS: ClassVar = (*Joint.CHANNELS, *TRAVEL_CHANNELS)
+    CHANNELS: ClassVar = SlidingOutputs.CHANNELS
 
     speed: Annotated[float, Quantity("velocity")] = 0.0
     """Of b along x of a, constant [m/s]."""
@@ -73,6 +74,9 @@ class Guide(Joint):
     def travel_axis(self) -> NDArray[np.float64]:
         """Direction of its travel in the joint frame of a."""
         return np.array([1.0, 0.0, 0.0])
+
+
+guide_outputs = outputs_at(SlidingOutputs)
 
 
 class GuideEntry(JointEntry):
@@ -179,10 +183,10 @@ def record_guides(
     """Reaction on b, travel, work of the drive."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        clear_reaction(row, column)
-        add_force(system, block, 0, work, entry.x_a, row, column)
-        add_force(system, block, 1, work, entry.y_a, row, column)
-        add_moment(system, block, 2, work, entry.x_b, entry.y_a, row, column)
-        record_travel(work, entry.seen, row, column + REACTION_WIDTH)
+        block, out = entry.block, guide_outputs(row, entry.column)
+        clear_reaction(out.reaction)
+        add_force(system, block, 0, work, entry.x_a, out.reaction)
+        add_force(system, block, 1, work, entry.y_a, out.reaction)
+        add_moment(system, block, 2, work, entry.x_b, entry.y_a, out.reaction)
+        record_travel(work, entry.seen, out.slide)
         work.sums.drive_work += drive_work(system, block, 0, kind.state[j])

@@ -29,7 +29,6 @@ from heavylift.solver.joints.packing import (
     refuse_opposite,
 )
 from heavylift.solver.joints.reactions import (
-    REACTION_WIDTH,
     AngleState,
     add_moment,
     record_angle,
@@ -46,11 +45,28 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.bodies import Profile
-from heavylift.solver.scene.connections import ANGLE_CHANNELS, JOINTS, Joint, Limits, Place
+from heavylift.solver.scene.connections import (
+    JOINTS,
+    AngleOutputs,
+    Joint,
+    Limits,
+    Place,
+    ReactionOutputs,
+)
+from heavylift.solver.scene.outputs import Outputs, nested, outputs
 
-__all__ = ["Hinge", "HingeEntry", "Hinges", "pack", "pack_entries"]
+__all__ = ["Hinge", "HingeEntry", "HingeOutputs", "Hinges", "hinge_outputs", "pack", "pack_entries"]
+
+
+@outputs
+class HingeOutputs(Outputs):
+    """What a hinge records."""
+
+    reaction: ReactionOutputs = nested(ReactionOutputs)
+    turn: AngleOutputs = nested(AngleOutputs)
 
 
 @JOINTS.describe("hinge")
@@ -63,7 +79,7 @@ class Hinge(Joint):
 
     PLACE: ClassVar = Place.AXIS
     ROTATIONAL: ClassVar = (False, False, False, True, True)
-    CHANNELS: ClassVar = (*Joint.CHANNELS, *ANGLE_CHANNELS)
+    CHANNELS: ClassVar = HingeOutputs.CHANNELS
     COORDINATE: ClassVar = "angle"
 
     drive: Annotated[Profile | None, Quantity("angle")] = None
@@ -82,6 +98,9 @@ class Hinge(Joint):
     def rotational(self) -> tuple[bool, ...]:
         """With the row of the drive."""
         return self.ROTATIONAL if self.drive is None else (*self.ROTATIONAL, True)
+
+
+hinge_outputs = outputs_at(HingeOutputs)
 
 
 class HingeEntry(JointEntry):
@@ -170,8 +189,10 @@ def record_hinges(
     """Reaction on b, angle."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        write_reaction(system, block, row, column)
-        add_moment(system, block, 3, work, entry.x_b, entry.z_a, row, column)
-        add_moment(system, block, 4, work, entry.y_b, entry.z_a, row, column)
-        record_angle(work, entry.angle, kind.state[j], time, row, column + REACTION_WIDTH)
+        write_reaction(system, entry.block, hinge_outputs(row, entry.column).reaction)
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, out = entry.block, hinge_outputs(row, entry.column)
+        add_moment(system, block, 3, work, entry.x_b, entry.z_a, out.reaction)
+        add_moment(system, block, 4, work, entry.y_b, entry.z_a, out.reaction)
+        record_angle(work, entry.angle, kind.state[j], time, out.turn)

@@ -19,7 +19,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers, refuse_opposite
-from heavylift.solver.joints.reactions import add_force, add_moment, clear_reaction
+from heavylift.solver.joints.reactions import add_force, add_moment, clear_reaction, reaction_outputs
 from heavylift.solver.joints.row_writing import (
     residuals,
     square_bias,
@@ -109,8 +109,8 @@ def record_planar_joints(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        clear_reaction(row, column)
-        add_force(system, block, 0, work, entry.z_a, row, column)
-        add_moment(system, block, 1, work, entry.x_b, entry.z_a, row, column)
-        add_moment(system, block, 2, work, entry.y_b, entry.z_a, row, column)
+        block, out = entry.block, reaction_outputs(row, entry.column)
+        clear_reaction(out)
+        add_force(system, block, 0, work, entry.z_a, out)
+        add_moment(system, block, 1, work, entry.x_b, entry.z_a, out)
+        add_moment(system, block, 2, work, entry.y_b, entry.z_a, out)

@@ -19,24 +19,25 @@ from heavylift.solver.joints.row_writing import (
     travel_rate,
     vector,
 )
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import AngleOutputs, ReactionOutputs, TravelOutputs
 
 __all__ = [
-    "REACTION_WIDTH",
     "AngleState",
     "add_force",
     "add_moment",
     "add_pull",
     "add_torque",
     "clear_reaction",
+    "reaction_outputs",
     "reactions",
     "record_angle",
     "record_travel",
     "write_reaction",
 ]
 
-REACTION_WIDTH = 6
-"""Columns of the reaction, before those of angle and travel."""
+reaction_outputs = outputs_at(ReactionOutputs)
 
 
 class AngleState(Record):
@@ -54,19 +55,26 @@ def reactions(system: RowArrays, block: int) -> NDArray[np.float64]:
 
 
 @kernel(internal=True)
-def write_reaction(system: RowArrays, block: int, row: NDArray[np.float64], column: int) -> None:
-    """Force on b of three point rows; the moment, after it, is set to zero."""
+def write_reaction(system: RowArrays, block: int, out: ReactionOutputs) -> None:
+    """Force on b of three point rows; the moment, after it, is set to zero.
+
+    Notes
+    -----
+    A kind that adds to it does so in a second loop: where the compiler sees the zero, a sum of zeros may get either
+    sign.
+    """
     force = reactions(system, block)
     for k in range(3):
-        row[column + k] = force[k]
-        row[column + 3 + k] = 0.0
+        out.reaction_force[k] = force[k]
+        out.reaction_moment[k] = 0.0
 
 
 @kernel(internal=True)
-def clear_reaction(row: NDArray[np.float64], column: int) -> None:
+def clear_reaction(out: ReactionOutputs) -> None:
     """Set force and moment to zero."""
-    for k in range(REACTION_WIDTH):
-        row[column + k] = 0.0
+    for k in range(3):
+        out.reaction_force[k] = 0.0
+        out.reaction_moment[k] = 0.0
 
 
 @kernel(internal=True)
@@ -76,13 +84,12 @@ def add_force(
     index: int,
     work: Workspace,
     axis: int,
-    row: NDArray[np.float64],
-    column: int,
+    out: ReactionOutputs,
 ) -> None:
     """Force on b, at its point, of a row ``e . (p_b - p_a)`` with a direction marker e."""
     force, e = reactions(system, block)[index], vector(work, axis)
     for k in range(3):
-        row[column + k] += force * e[k]
+        out.reaction_force[k] += force * e[k]
 
 
 @kernel(internal=True)
@@ -93,15 +100,14 @@ def add_moment(
     work: Workspace,
     marker: int,
     partner: int,
-    row: NDArray[np.float64],
-    column: int,
+    out: ReactionOutputs,
 ) -> None:
     """Moment ``e x c`` on b of a row ``c . e``, with `marker` e on b and c on a, times its reaction."""
     e, c = vector(work, marker), vector(work, partner)
     moment = reactions(system, block)[index]
     turn = cross(e, c)
     for k in range(3):
-        row[column + 3 + k] += moment * turn[k]
+        out.reaction_moment[k] += moment * turn[k]
 
 
 @kernel(internal=True)
@@ -112,14 +118,13 @@ def add_pull(
     factor: float,
     arm: Vector,
     pull: Vector,
-    row: NDArray[np.float64],
-    column: int,
+    out: ReactionOutputs,
 ) -> None:
     """Moment ``factor arm x pull`` on b of a row that pulls at a vector `arm` on b, times its reaction."""
     moment = factor * reactions(system, block)[index]
     turn = cross(arm, pull)
     for k in range(3):
-        row[column + 3 + k] += moment * turn[k]
+        out.reaction_moment[k] += moment * turn[k]
 
 
 @kernel(internal=True)
@@ -129,13 +134,12 @@ def add_torque(
     index: int,
     work: Workspace,
     axis: int,
-    row: NDArray[np.float64],
-    column: int,
+    out: ReactionOutputs,
 ) -> None:
     """Moment on b of the row of an angle about a direction marker."""
     moment, e = reactions(system, block)[index], vector(work, axis)
     for k in range(3):
-        row[column + 3 + k] += moment * e[k]
+        out.reaction_moment[k] += moment * e[k]
 
 
 @kernel(internal=True)
@@ -144,8 +148,7 @@ def record_angle(
     markers: AngleMarkers,
     state: AngleState,
     time: float,
-    row: NDArray[np.float64],
-    column: int,
+    out: AngleOutputs,
 ) -> None:
     """Angle, whole turns included, and its rate.
 
@@ -158,11 +161,11 @@ def record_angle(
     expected = state.angle + 0.5 * (state.rate + speed) * (time - state.time)
     angle = near_angle(hinge_angle(work, markers.x_a, markers.x_b, markers.y_b), expected)
     state.angle, state.rate, state.time = angle, speed, time
-    row[column], row[column + 1] = angle, speed
+    out.angle, out.angular_rate = angle, speed
 
 
 @kernel(internal=True)
-def record_travel(work: Workspace, markers: TravelMarkers, row: NDArray[np.float64], column: int) -> None:
+def record_travel(work: Workspace, markers: TravelMarkers, out: TravelOutputs) -> None:
     """Travel and its rate."""
-    row[column] = travel(work, markers.point_a, markers.point_b, markers.axis)
-    row[column + 1] = travel_rate(work, markers.point_a, markers.point_b, markers.axis)
+    out.travel = travel(work, markers.point_a, markers.point_b, markers.axis)
+    out.travel_rate = travel_rate(work, markers.point_a, markers.point_b, markers.axis)

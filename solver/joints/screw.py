@@ -28,7 +28,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints import slider_hinge
 from heavylift.solver.joints.packing import JointPlace
-from heavylift.solver.joints.reactions import REACTION_WIDTH, add_force, reactions, record_travel
+from heavylift.solver.joints.reactions import add_force, clear_reaction, reactions, record_travel
 from heavylift.solver.joints.row_writing import (
     add_direction_row,
     angle_bias,
@@ -45,20 +45,29 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.joints.slider_hinge import (
     SliderHingeEntry,
+    add_slider_hinge_reaction,
     fill_slider_hinge_bias,
     fill_slider_hinge_rows,
-    write_slider_hinge_reaction,
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import ANGLE_CHANNELS, JOINTS, TRAVEL_CHANNELS, Joint, Place
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.connections import JOINTS, Joint, Place
+from heavylift.solver.scene.outputs import channel, outputs
+from heavylift.solver.scene.sliding_joints import SlidesAndTurnsOutputs
 
 __all__ = ["Screw", "Screws", "pack"]
 
 THREAD = 4
 """Row of the thread."""
+
+
+@outputs
+class ScrewOutputs(SlidesAndTurnsOutputs):
+    """What a screw records."""
+
+    thread_force: float = channel("force", "force of the thread of a screw on side b, along the axis")
 
 
 @JOINTS.describe("screw")
@@ -68,16 +77,14 @@ class Screw(Joint):
 
     PLACE: ClassVar = Place.AXIS
     ROTATIONAL: ClassVar = (False, False, True, True, False)
-    CHANNELS: ClassVar = (
-        *Joint.CHANNELS,
-        *ANGLE_CHANNELS,
-        *TRAVEL_CHANNELS,
-        ChannelKind("thread_force", "force", "force of the thread of a screw on side b, along the axis"),
-    )
+    CHANNELS: ClassVar = ScrewOutputs.CHANNELS
     COORDINATE: ClassVar = "angle"
 
     lead: Annotated[float, Quantity("length")]
     """Travel a turn [m], not zero; positive for a right-handed thread."""
+
+
+screw_outputs = outputs_at(ScrewOutputs)
 
 
 class ScrewEntry(SliderHingeEntry):
@@ -189,15 +196,16 @@ def record_screws(
     """Reaction on b, angle, travel, force of the thread."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        column, recorded = entry.column, entry.column + REACTION_WIDTH
-        write_slider_hinge_reaction(system, entry, work, row)
-        add_force(system, entry.block, THREAD, work, entry.z_a, row, column)
+        out = screw_outputs(row, entry.column)
+        clear_reaction(out.reaction)
+        add_slider_hinge_reaction(system, entry, work, out.reaction)
+        add_force(system, entry.block, THREAD, work, entry.z_a, out.reaction)
         force, e = reactions(system, entry.block)[THREAD], vector(work, entry.z_a)
         for k in range(3):
-            row[column + 3 + k] -= entry.pitch * force * e[k]
-        record_travel(work, entry.travel, row, recorded + 2)
+            out.reaction.reaction_moment[k] -= entry.pitch * force * e[k]
+        record_travel(work, entry.travel, out.slide)
         seen = entry.angle
         angle = hinge_angle(work, seen.x_a, seen.x_b, seen.y_b)
-        row[recorded] = near_angle(angle, row[recorded + 2] / entry.pitch)
-        row[recorded + 1] = hinge_rate(work, seen.x_a, seen.x_b, seen.y_b)
-        row[recorded + 4] = force
+        out.turn.angle = near_angle(angle, out.slide.travel / entry.pitch)
+        out.turn.angular_rate = hinge_rate(work, seen.x_a, seen.x_b, seen.y_b)
+        out.thread_force = force

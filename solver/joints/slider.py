@@ -28,7 +28,6 @@ from heavylift.solver.joints.packing import (
     travel_markers,
 )
 from heavylift.solver.joints.reactions import (
-    REACTION_WIDTH,
     add_force,
     add_moment,
     clear_reaction,
@@ -44,11 +43,13 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.bodies import Profile
-from heavylift.solver.scene.connections import JOINTS, TRAVEL_CHANNELS, Joint, Limits, Place
+from heavylift.solver.scene.connections import JOINTS, Joint, Limits, Place
+from heavylift.solver.scene.sliding_joints import SlidingOutputs
 
-__all__ = ["Slider", "SliderEntry", "Sliders", "pack", "pack_entries"]
+__all__ = ["Slider", "SliderEntry", "Sliders", "pack", "pack_entries", "slider_outputs"]
 
 
 @JOINTS.describe("slider")
@@ -58,7 +59,7 @@ class Slider(Joint):
 
     PLACE: ClassVar = Place.AXIS
     ROTATIONAL: ClassVar = (False, False, True, True, True)
-    CHANNELS: ClassVar = (*Joint.CHANNELS, *TRAVEL_CHANNELS)
+    CHANNELS: ClassVar = SlidingOutputs.CHANNELS
     COORDINATE: ClassVar = "travel"
 
     drive: Annotated[Profile | None, Quantity("length")] = None
@@ -77,6 +78,9 @@ class Slider(Joint):
     def rotational(self) -> tuple[bool, ...]:
         """With the row of the drive."""
         return self.ROTATIONAL if self.drive is None else (*self.ROTATIONAL, False)
+
+
+slider_outputs = outputs_at(SlidingOutputs)
 
 
 class SliderEntry(JointEntry):
@@ -158,11 +162,11 @@ def record_sliders(
     """Reaction on b, travel."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        clear_reaction(row, column)
-        add_force(system, block, 0, work, entry.x_a, row, column)
-        add_force(system, block, 1, work, entry.y_a, row, column)
-        add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
-        add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
-        add_moment(system, block, 4, work, entry.y_b, entry.x_a, row, column)
-        record_travel(work, entry.travel, row, column + REACTION_WIDTH)
+        block, out = entry.block, slider_outputs(row, entry.column)
+        clear_reaction(out.reaction)
+        add_force(system, block, 0, work, entry.x_a, out.reaction)
+        add_force(system, block, 1, work, entry.y_a, out.reaction)
+        add_moment(system, block, 2, work, entry.x_b, entry.z_a, out.reaction)
+        add_moment(system, block, 3, work, entry.y_b, entry.z_a, out.reaction)
+        add_moment(system, block, 4, work, entry.y_b, entry.x_a, out.reaction)
+        record_travel(work, entry.travel, out.slide)

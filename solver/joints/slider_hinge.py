@@ -34,7 +34,6 @@ from heavylift.solver.joints.packing import (
     travel_markers,
 )
 from heavylift.solver.joints.reactions import (
-    REACTION_WIDTH,
     AngleState,
     add_force,
     add_moment,
@@ -52,20 +51,21 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import JOINTS, Joint, axes_about
-from heavylift.solver.scene.sliding_joints import SlidesAndTurns
+from heavylift.solver.scene.connections import JOINTS, Joint, ReactionOutputs, axes_about
+from heavylift.solver.scene.sliding_joints import SlidesAndTurns, SlidesAndTurnsOutputs
 
 __all__ = [
     "Cylindrical",
     "SliderHinge",
     "SliderHingeEntry",
     "SliderHinges",
+    "add_slider_hinge_reaction",
     "fill_slider_hinge_bias",
     "fill_slider_hinge_rows",
     "pack",
     "pack_entries",
-    "write_slider_hinge_reaction",
 ]
 
 
@@ -87,6 +87,9 @@ class SliderHinge(SlidesAndTurns):
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cylindrical(SlidesAndTurns):
     """The point of b slides along the axis, and b turns about it."""
+
+
+slider_hinge_outputs = outputs_at(SlidesAndTurnsOutputs)
 
 
 class SliderHingeEntry(JointEntry):
@@ -178,16 +181,15 @@ def fill_slider_hinge_bias(kind: SliderHinges, time: float, work: Workspace, sys
 
 
 @kernel(internal=True)
-def write_slider_hinge_reaction(
-    system: RowArrays, entry: SliderHingeEntry, work: Workspace, row: NDArray[np.float64]
+def add_slider_hinge_reaction(
+    system: RowArrays, entry: SliderHingeEntry, work: Workspace, out: ReactionOutputs
 ) -> None:
     """Force and moment of the four rows on b."""
-    block, column = entry.block, entry.column
-    clear_reaction(row, column)
-    add_force(system, block, 0, work, entry.m_a, row, column)
-    add_force(system, block, 1, work, entry.n_a, row, column)
-    add_moment(system, block, 2, work, entry.x_b, entry.z_a, row, column)
-    add_moment(system, block, 3, work, entry.y_b, entry.z_a, row, column)
+    block = entry.block
+    add_force(system, block, 0, work, entry.m_a, out)
+    add_force(system, block, 1, work, entry.n_a, out)
+    add_moment(system, block, 2, work, entry.x_b, entry.z_a, out)
+    add_moment(system, block, 3, work, entry.y_b, entry.z_a, out)
 
 
 @implement(record_joints, SliderHinges)
@@ -197,8 +199,10 @@ def record_slider_hinges(
 ) -> None:
     """Reaction on b, angle, travel."""
     for j in range(kind.table.shape[0]):
+        clear_reaction(slider_hinge_outputs(row, kind.table[j].column).reaction)
+    for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        write_slider_hinge_reaction(system, entry, work, row)
-        column = entry.column
-        record_angle(work, entry.angle, kind.state[j], time, row, column + REACTION_WIDTH)
-        record_travel(work, entry.travel, row, column + REACTION_WIDTH + 2)
+        out = slider_hinge_outputs(row, entry.column)
+        add_slider_hinge_reaction(system, entry, work, out.reaction)
+        record_angle(work, entry.angle, kind.state[j], time, out.turn)
+        record_travel(work, entry.travel, out.slide)

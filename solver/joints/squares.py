@@ -25,7 +25,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import SquareJoint
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
-from heavylift.solver.joints.reactions import add_pull, write_reaction
+from heavylift.solver.joints.reactions import add_pull, reaction_outputs, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
     dot,
@@ -133,9 +133,9 @@ def record_square_joints(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        write_reaction(system, block, row, column)
+        block, out = entry.block, reaction_outputs(row, entry.column)
+        write_reaction(system, block, out)
         for k in range(entry.count):
             c = vector(work, entry.vectors_a[k])
             e = vector(work, entry.vectors_b[k])
-            add_pull(system, block, 3 + k, entry.factors[k], e, c, row, column)
+            add_pull(system, block, 3 + k, entry.factors[k], e, c, out)

@@ -18,7 +18,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
-from heavylift.solver.joints.reactions import add_moment, write_reaction
+from heavylift.solver.joints.reactions import add_moment, reaction_outputs, write_reaction
 from heavylift.solver.joints.row_writing import (
     difference,
     put_point_rows,
@@ -123,6 +123,8 @@ def record_universal_joints(
     """Reaction on b."""
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        block, column = entry.block, entry.column
-        write_reaction(system, block, row, column)
-        add_moment(system, block, 3, work, entry.z_b, entry.z_a, row, column)
+        write_reaction(system, entry.block, reaction_outputs(row, entry.column))
+    for j in range(kind.table.shape[0]):
+        entry = kind.table[j]
+        block, out = entry.block, reaction_outputs(row, entry.column)
+        add_moment(system, block, 3, work, entry.z_b, entry.z_a, out)

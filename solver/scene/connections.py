@@ -33,26 +33,24 @@ from heavylift.solver.scene.descriptions import (
     no_rows,
     upwards,
 )
+from heavylift.solver.scene.outputs import Components, Outputs, channel, outputs
 from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 __all__ = [
-    "ANGLE_CHANNELS",
     "CONTROL_CHANNELS",
     "FORCES",
     "GROUND",
     "JOINTS",
     "LOAD_CHANNELS",
     "MEASURES",
-    "REACTION_FORCE",
-    "REACTION_MOMENT",
     "ROPES",
     "ROPE_CHANNELS",
     "SHEAVE_CHANNELS",
-    "TRAVEL_CHANNELS",
     "AlongJoint",
+    "AngleOutputs",
     "Between",
     "EdgeJoint",
     "Joint",
@@ -61,7 +59,9 @@ __all__ = [
     "OnBody",
     "PackedForce",
     "Place",
+    "ReactionOutputs",
     "RopePoint",
+    "TravelOutputs",
     "Winch",
     "as_joint",
     "axes_about",
@@ -86,18 +86,32 @@ class Place(Enum):
     """Edges of shells."""
 
 
-REACTION_FORCE = ChannelKind("reaction_force", "force", "force on side b, world axes", XYZ)
-REACTION_MOMENT = ChannelKind(
-    "reaction_moment", "moment or energy", "moment on side b at its point, world axes", XYZ
-)
-ANGLE_CHANNELS = (
-    ChannelKind("angle", "angle", "angle of side b to side a about the axis of the joint"),
-    ChannelKind("angular_rate", "angular velocity", "rate of that angle"),
-)
-TRAVEL_CHANNELS = (
-    ChannelKind("travel", "length", "travel of side b to side a along the axis of the joint"),
-    ChannelKind("travel_rate", "velocity", "rate of that travel"),
-)
+@outputs
+class ReactionOutputs(Outputs):
+    """What every joint records."""
+
+    reaction_force: Components = channel("force", "force on side b, world axes", XYZ)
+    reaction_moment: Components = channel(
+        "moment or energy", "moment on side b at its point, world axes", XYZ
+    )
+
+
+@outputs
+class AngleOutputs(Outputs):
+    """What a joint records whose sides turn about one axis."""
+
+    angle: float = channel("angle", "angle of side b to side a about the axis of the joint")
+    angular_rate: float = channel("angular velocity", "rate of that angle")
+
+
+@outputs
+class TravelOutputs(Outputs):
+    """What a joint records whose sides slide along one axis."""
+
+    travel: float = channel("length", "travel of side b to side a along the axis of the joint")
+    travel_rate: float = channel("velocity", "rate of that travel")
+
+
 LOAD_CHANNELS: Mapping[str, ChannelKind] = {
     "angle": ChannelKind("load", "moment or energy", "torque about the axis of the joint on its side b"),
     "travel": ChannelKind("load", "force", "force along the axis of the joint on its side b", by_owner=True),
@@ -227,7 +241,7 @@ class Joint:
     """What a case file says of where it is."""
     ROTATIONAL: ClassVar[tuple[bool, ...]] = ()
     """Whether each of its rows is an angle, not a length."""
-    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = (REACTION_FORCE, REACTION_MOMENT)
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = ReactionOutputs.CHANNELS
     """What it records, in the order of its columns."""
     COORDINATE: ClassVar[Literal["", "angle", "travel"]] = ""
     """The one scalar on which springs, motors, stops and friction act, if it has one."""

@@ -1,4 +1,4 @@
-"""Joints that both turn and slide, and what acts on the angle and on the travel of any joint: stops and friction."""
+"""Joints that slide or turn and slide, and what acts on the angle and travel of any joint: stops and friction."""
 
 from __future__ import annotations
 
@@ -7,9 +7,34 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from heavylift.numerics.quantity import Quantity
-from heavylift.solver.scene.connections import ANGLE_CHANNELS, TRAVEL_CHANNELS, Joint, Limits, Place
+from heavylift.solver.scene.connections import (
+    AngleOutputs,
+    Joint,
+    Limits,
+    Place,
+    ReactionOutputs,
+    TravelOutputs,
+)
+from heavylift.solver.scene.outputs import Outputs, nested, outputs
 
-__all__ = ["SlidesAndTurns", "joint_friction", "joint_stops"]
+__all__ = ["SlidesAndTurns", "SlidesAndTurnsOutputs", "SlidingOutputs", "joint_friction", "joint_stops"]
+
+
+@outputs
+class SlidingOutputs(Outputs):
+    """What a joint records that slides."""
+
+    reaction: ReactionOutputs = nested(ReactionOutputs)
+    slide: TravelOutputs = nested(TravelOutputs)
+
+
+@outputs
+class SlidesAndTurnsOutputs(Outputs):
+    """What a joint records that turns and slides."""
+
+    reaction: ReactionOutputs = nested(ReactionOutputs)
+    turn: AngleOutputs = nested(AngleOutputs)
+    slide: TravelOutputs = nested(TravelOutputs)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -18,7 +43,7 @@ class SlidesAndTurns(Joint):
 
     PLACE: ClassVar = Place.AXIS
     ROTATIONAL: ClassVar = (False, False, True, True)
-    CHANNELS: ClassVar = (*Joint.CHANNELS, *ANGLE_CHANNELS, *TRAVEL_CHANNELS)
+    CHANNELS: ClassVar = SlidesAndTurnsOutputs.CHANNELS
 
     angle_limits: Annotated[Limits | None, Quantity("angle")] = None
     """Stops of the angle."""
