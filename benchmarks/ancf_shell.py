@@ -32,9 +32,9 @@ from heavylift.solver.bodies.ancf.kind import (
     SHELL_PAIRS,
     STRAIN_VECTORS,
     MeshNumbers,
-    MeshPlaces,
     ShellMeshElement,
     ShellMeshes,
+    ShellPlaces,
 )
 from heavylift.solver.bodies.ancf.shell_packing import (
     body_constants,
@@ -141,7 +141,7 @@ def scene(gauss_points: int, *, equal: bool) -> ShellMeshes:
             m, n = int(line.nodes[i]), int(line.nodes[j])
             place = places.setdefault((max(m, n), min(m, n)), len(places) * ROWS * LANES)
             line.blocks[p] = place, int(m < n)
-    table = records(MeshPlaces, 1)
+    table = records(ShellPlaces, 1)
     table[0].element_count = len(elements)
     start = start_coordinates(body)
     start += 0.05 * np.random.default_rng(0).normal(size=start.shape)

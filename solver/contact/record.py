@@ -22,7 +22,11 @@ from heavylift.solver.interface import (
     record_rows,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.impulses import add_reactions
+from heavylift.solver.scene.contacts import ContactOutputs
+
+contact_outputs = outputs_at(ContactOutputs)
 
 
 @kernel(internal=True)
@@ -57,18 +61,16 @@ def record_contacts(
     _gather(contacts, bodies, work)
     record_pairs(contacts.meshes, contacts, work, row)
     for c in range(contacts.counts.of_contours):
-        state, at = contacts.state[c], contacts.table[c].column
-        row[at], row[at + 1], row[at + 2] = state.gap, state.normal_force, state.friction_force
+        state, out = contacts.state[c], contact_outputs(row, contacts.table[c].column)
+        out.gap, out.normal_force, out.friction_force = state.gap, state.normal_force, state.friction_force
         for k in range(3):
-            row[at + 3 + k] = state.force[k]
-        row[at + 6], row[at + 7], row[at + 8] = state.impulse, state.slip_speed, state.slip_path
-        row[at + 9], row[at + 10] = state.u, state.v
-        for k in range(3):
-            row[at + 11 + k] = state.touched[k]
-        row[at + 14], row[at + 15] = state.loss, state.impacts
-        row[at + 16] = largest_of(state.forces, work.control.interval, state.normal_force)
-        row[at + 17] = smallest_of(state.forces, work.control.interval, state.normal_force)
-        row[at + 18] = smallest_of(state.gaps, work.control.interval, state.gap)
+            out.force[k], out.point[k] = state.force[k], state.touched[k]
+        out.impulse, out.slip, out.slip_path = state.impulse, state.slip_speed, state.slip_path
+        out.coordinate[0], out.coordinate[1] = state.u, state.v
+        out.dissipated, out.impacts = state.loss, state.impacts
+        out.normal_force_max = largest_of(state.forces, work.control.interval, state.normal_force)
+        out.normal_force_min = smallest_of(state.forces, work.control.interval, state.normal_force)
+        out.gap_min = smallest_of(state.gaps, work.control.interval, state.gap)
         work.sums.dissipated += state.loss
         if contacts.table[c].law == COMPLIANT:
             values = contacts.values[c]

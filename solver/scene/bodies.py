@@ -19,6 +19,7 @@ from heavylift.numerics.quantity import (
     WorldDirection,
 )
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
+from heavylift.solver.scene.outputs import Components, Outputs, Part, Parts, channel, outputs
 from heavylift.solver.scene.speed_profiles import check_speeds
 
 if TYPE_CHECKING:
@@ -26,16 +27,18 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BODIES",
-    "FRAME_CHANNELS",
     "GROUND",
     "MOTIONS",
-    "POINT_CHANNELS",
     "Driven",
     "Fixed",
     "FlexibleBody",
+    "FrameOutputs",
     "Free",
     "Harmonic",
+    "HeldOutputs",
+    "ModalOutputs",
     "Motion",
+    "PointOutputs",
     "Profile",
     "RigidBody",
 ]
@@ -43,29 +46,46 @@ __all__ = [
 GROUND = "ground"
 """Name of the world as a side of a joint, rope or spring; no body may take it."""
 
-POSITION = ChannelKind("position", "length", "position in the world", XYZ)
-VELOCITY = ChannelKind("velocity", "velocity", "velocity in world axes", XYZ)
-POINT_CHANNELS = (POSITION, VELOCITY)
-"""What is recorded of a material point."""
-FRAME_CHANNELS = (
-    POSITION,
-    ChannelKind(
-        "orientation",
-        "number",
-        "unit quaternion from body to world axes, scalar first",
-        ("q0", "q1", "q2", "q3"),
-    ),
-    VELOCITY,
-    ChannelKind("angular_velocity", "angular velocity", "angular velocity in body axes", XYZ),
-)
-"""What is recorded of the frame of a body."""
-HELD_CHANNELS = (
-    ChannelKind("reaction_force", "force", "force that holds or drives the frame, world axes", XYZ),
-    ChannelKind(
-        "reaction_moment", "moment or energy", "moment that holds or drives the frame, world axes", XYZ
-    ),
-)
-"""What is recorded of a frame that does not move freely, behind what its body records."""
+POSITION = channel("length", "position in the world", XYZ)
+VELOCITY = channel("velocity", "velocity in world axes", XYZ)
+
+
+@outputs
+class PointOutputs(Outputs):
+    """Of a material point."""
+
+    position: Components = POSITION
+    velocity: Components = VELOCITY
+
+
+@outputs
+class FrameOutputs(Outputs):
+    """Of the frame of a body."""
+
+    position: Components = POSITION
+    orientation: Components = channel(
+        "number", "unit quaternion from body to world axes, scalar first", ("q0", "q1", "q2", "q3")
+    )
+    velocity: Components = VELOCITY
+    angular_velocity: Components = channel("angular velocity", "angular velocity in body axes", XYZ)
+
+
+@outputs
+class ModalOutputs(Parts):
+    """Of the modes of a body, one component each."""
+
+    modal_position: Part = channel("modal coordinate", "coordinates of the mass-normalised mode shapes", None)
+    modal_velocity: Part = channel("modal velocity", "speeds of the mass-normalised mode shapes", None)
+
+
+@outputs
+class HeldOutputs(Outputs):
+    """Of a frame that does not move freely, behind what its body records."""
+
+    reaction_force: Components = channel("force", "force that holds or drives the frame, world axes", XYZ)
+    reaction_moment: Components = channel(
+        "moment or energy", "moment that holds or drives the frame, world axes", XYZ
+    )
 
 
 def _zeros(count: int) -> NDArray[np.float64]:
@@ -159,7 +179,7 @@ class Free:
 class Fixed:
     """The frame stays where it is; its reaction is recorded."""
 
-    CHANNELS: ClassVar = HELD_CHANNELS
+    CHANNELS: ClassVar = HeldOutputs.CHANNELS
 
 
 @MOTIONS.describe("driven")
@@ -167,7 +187,7 @@ class Fixed:
 class Driven:
     """The frame follows functions of time; its reaction and the work of the drive are recorded."""
 
-    CHANNELS: ClassVar = HELD_CHANNELS
+    CHANNELS: ClassVar = HeldOutputs.CHANNELS
 
     x: Annotated[Profile | None, Quantity("length")] = None
     """Displacement along the world's x axis [m]."""
@@ -229,14 +249,8 @@ class FlexibleBody(Placed):
         Of critical, per mode, shape (nf,); zero if empty.
     """
 
-    CHANNELS: ClassVar = (
-        *FRAME_CHANNELS,
-        ChannelKind(
-            "modal_position", "modal coordinate", "coordinates of the mass-normalised mode shapes", None
-        ),
-        ChannelKind("modal_velocity", "modal velocity", "speeds of the mass-normalised mode shapes", None),
-    )
-    """What it records, in the order of its columns; one a mode."""
+    CHANNELS: ClassVar = (*FrameOutputs.CHANNELS, *ModalOutputs.CHANNELS)
+    """What it records, in the order of its columns."""
 
     name: str
     reduced: ReducedBody
@@ -250,7 +264,7 @@ class FlexibleBody(Placed):
 class RigidBody(Placed):
     """A body that does not deform."""
 
-    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = FRAME_CHANNELS
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = FrameOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
     name: str

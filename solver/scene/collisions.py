@@ -14,12 +14,19 @@ from annotated_types import Interval
 
 from heavylift.numerics.quantity import Absent, Positive, Quantity
 from heavylift.solver.scene.contacts import COLLISION_LAWS, ContactLaw, RigidLaw
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, interval_extremes
+from heavylift.solver.scene.descriptions import XYZ
+from heavylift.solver.scene.outputs import Components, Outputs, channel, largest, outputs, smallest
 
 if TYPE_CHECKING:
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
-__all__ = ["Collision", "CollisionPlace", "CollisionSurface"]
+__all__ = [
+    "Collision",
+    "CollisionOutputs",
+    "CollisionPlace",
+    "CollisionSurface",
+    "RecordedContactOutputs",
+]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,56 +75,63 @@ class CollisionPlace:
     law: ContactLaw = field(default_factory=RigidLaw)
 
 
+@outputs
+class CollisionOutputs(Outputs):
+    """Of two surfaces that may touch."""
+
+    gap: float = channel(
+        "length",
+        "smallest distance of the surfaces, negative inside; no number out of reach unless somebody asks for it",
+    )
+    contacts: float = channel("number", "number of contacts")
+    patches: float = channel("number", "number of patches of contacts")
+    force: Components = channel("force", "force on the second surface, world axes", XYZ)
+    normal_force: float = channel("force", "sum of the forces of all contacts along their normals")
+    largest_force: float = channel("force", "largest sum of the normal forces of a patch of contacts")
+    impulse: float = channel(
+        "momentum", "sum of the impulses along the normals since the start, impacts included", unit="N s"
+    )
+    point: Components = channel("length", "centre of the forces, in the world", XYZ)
+    slip: float = channel("velocity", "largest speed at which a contact slides")
+    dissipated: float = channel(
+        "moment or energy",
+        "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
+        unit="J",
+    )
+    impacts: float = channel("number", "number of impacts since the start")
+    impact_impulse: float = channel(
+        "momentum",
+        "sum of the impulses of impacts along the normals since the start; what bears a weight is not in it",
+        unit="N s",
+    )
+    normal_force_max: float = largest("force", "normal_force")
+    normal_force_min: float = smallest("force", "normal_force")
+    gap_min: float = smallest("length", "gap", seen="at the ends of all steps in which it was known")
+
+
+@outputs
+class RecordedContactOutputs(Outputs):
+    """Of a contact of a collision."""
+
+    point: Components = channel("length", "point of the contact, in the world", XYZ)
+    normal: Components = channel(
+        "number", "unit normal from the first surface to the second, world axes", XYZ
+    )
+    gap: float = channel("length", "distance of the surfaces at the contact; negative inside")
+    force: float = channel("force", "force of the contact along its normal")
+    friction: float = channel("force", "force of the contact across its normal, its amount")
+    impulse: float = channel("momentum", "impulse of the last step along the normal", unit="N s")
+    patch: float = channel("number", "number of the patch of the contact; -1 where none is recorded")
+
+
 @COLLISION_LAWS.part
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Collision(CollisionPlace):
     """Two surfaces that may touch."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind(
-            "gap",
-            "length",
-            "smallest distance of the surfaces, negative inside; no number out of reach unless somebody asks for it",
-        ),
-        ChannelKind("contacts", "number", "number of contacts"),
-        ChannelKind("patches", "number", "number of patches of contacts"),
-        ChannelKind("force", "force", "force on the second surface, world axes", XYZ),
-        ChannelKind("normal_force", "force", "sum of the forces of all contacts along their normals"),
-        ChannelKind("largest_force", "force", "largest sum of the normal forces of a patch of contacts"),
-        ChannelKind(
-            "impulse",
-            "momentum",
-            "sum of the impulses along the normals since the start, impacts included",
-            unit="N s",
-        ),
-        ChannelKind("point", "length", "centre of the forces, in the world", XYZ),
-        ChannelKind("slip", "velocity", "largest speed at which a contact slides"),
-        ChannelKind(
-            "dissipated",
-            "moment or energy",
-            "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
-            unit="J",
-        ),
-        ChannelKind("impacts", "number", "number of impacts since the start"),
-        ChannelKind(
-            "impact_impulse",
-            "momentum",
-            "sum of the impulses of impacts along the normals since the start; what bears a weight is not in it",
-            unit="N s",
-        ),
-        *interval_extremes("normal_force", "force"),
-        interval_extremes("gap", "length", "at the ends of all steps in which it was known")[1],
-    )
+    CHANNELS: ClassVar = CollisionOutputs.CHANNELS
     """What it records, in the order of its columns."""
-    CONTACT_CHANNELS: ClassVar = (
-        ChannelKind("point", "length", "point of the contact, in the world", XYZ),
-        ChannelKind("normal", "number", "unit normal from the first surface to the second, world axes", XYZ),
-        ChannelKind("gap", "length", "distance of the surfaces at the contact; negative inside"),
-        ChannelKind("force", "force", "force of the contact along its normal"),
-        ChannelKind("friction", "force", "force of the contact across its normal, its amount"),
-        ChannelKind("impulse", "momentum", "impulse of the last step along the normal", unit="N s"),
-        ChannelKind("patch", "number", "number of the patch of the contact; -1 where none is recorded"),
-    )
+    CONTACT_CHANNELS: ClassVar = RecordedContactOutputs.CHANNELS
     """What it records of each of its `recorded` contacts, behind its own channels: ``NAME.contact_1.point``, ..."""
 
     friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0

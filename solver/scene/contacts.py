@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, ByExponent, Positive, Quantity, Shape
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, interval_extremes
+from heavylift.solver.scene.descriptions import XYZ, Family
+from heavylift.solver.scene.outputs import Components, Outputs, channel, largest, outputs, smallest
 
 if TYPE_CHECKING:
     from heavylift.contours.splines.neutral import NeutralContour
@@ -30,6 +31,7 @@ __all__ = [
     "CircleShape",
     "Contact",
     "ContactLaw",
+    "ContactOutputs",
     "ContactPlace",
     "ContactShape",
     "Contour",
@@ -365,43 +367,42 @@ class ContactPlace:
     law: ContactLaw = field(default_factory=RigidLaw)
 
 
+@outputs
+class ContactOutputs(Outputs):
+    """Of a contact with a contour."""
+
+    gap: float = channel("length", "distance of what touches from the contour; negative inside")
+    normal_force: float = channel("force", "force on what touches along the normal of the contour")
+    friction_force: float = channel("force", "force across the normal of the contour, its amount")
+    force: Components = channel("force", "force on what touches, world axes", XYZ)
+    impulse: float = channel(
+        "momentum", "sum of the impulses along the normal since the start, impacts included", unit="N s"
+    )
+    slip: float = channel("velocity", "speed at which what touches slides")
+    slip_path: float = channel("length", "length of the path that it has slid")
+    coordinate: Components = channel(
+        "number", "parameters u and v of the touched point on the contour, 0 to 1", ("u", "v")
+    )
+    point: Components = channel("length", "touched point of the contour, in the world", XYZ)
+    dissipated: float = channel(
+        "moment or energy",
+        "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
+        unit="J",
+    )
+    impacts: float = channel("number", "number of impacts since the start")
+    normal_force_max: float = largest("force", "normal_force")
+    normal_force_min: float = smallest("force", "normal_force")
+    gap_min: float = smallest(
+        "length", "gap", seen="at the ends of the steps in which it was near enough to be searched"
+    )
+
+
 @CONTACT_LAWS.part
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Contact(ContactPlace):
     """Something of a body that touches a contour of another."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("gap", "length", "distance of what touches from the contour; negative inside"),
-        ChannelKind("normal_force", "force", "force on what touches along the normal of the contour"),
-        ChannelKind("friction_force", "force", "force across the normal of the contour, its amount"),
-        ChannelKind("force", "force", "force on what touches, world axes", XYZ),
-        ChannelKind(
-            "impulse",
-            "momentum",
-            "sum of the impulses along the normal since the start, impacts included",
-            unit="N s",
-        ),
-        ChannelKind("slip", "velocity", "speed at which what touches slides"),
-        ChannelKind("slip_path", "length", "length of the path that it has slid"),
-        ChannelKind(
-            "coordinate",
-            "number",
-            "parameters u and v of the touched point on the contour, 0 to 1",
-            ("u", "v"),
-        ),
-        ChannelKind("point", "length", "touched point of the contour, in the world", XYZ),
-        ChannelKind(
-            "dissipated",
-            "moment or energy",
-            "energy lost to impacts, damping and friction since the start, part of energy.dissipated",
-            unit="J",
-        ),
-        ChannelKind("impacts", "number", "number of impacts since the start"),
-        *interval_extremes("normal_force", "force"),
-        interval_extremes(
-            "gap", "length", "at the ends of the steps in which it was near enough to be searched"
-        )[1],
-    )
+    CHANNELS: ClassVar = ContactOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
     friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0

@@ -14,22 +14,27 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from heavylift.solver.scene.bodies import Free
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, outputs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from heavylift.solver.scene.descriptions import ChannelKind
 
 __all__ = [
     "FRAME_VECTORS",
     "SHELL_VECTORS",
     "DistributedLoad",
+    "DriftOutputs",
     "Elasticity",
     "FollowerLoad",
     "FrameBody",
+    "FrameMeshOutputs",
     "FrameModel",
     "FrameSection",
     "MeshBody",
     "ShellBody",
+    "ShellMeshOutputs",
     "ShellSection",
     "ShellSide",
     "Support",
@@ -50,11 +55,69 @@ FrameModel = Literal["green-lagrange", "exact"]
 ShellSide = Literal["largest", "top", "middle", "bottom"]
 """Of a shell, whose stress is meant; the largest of the other three."""
 
-NODE_POSITION = ChannelKind("position", "length", "position of every node in the world", None)
-NODE_VELOCITY = ChannelKind("velocity", "velocity", "velocity of every node in world axes", None)
-STRAIN_DRIFT = ChannelKind(
-    "strain_drift", "number", "largest distance of carried strains from those of the shape"
-)
+NODE_POSITION = channel("length", "position of every node in the world", None)
+NODE_VELOCITY = channel("velocity", "velocity of every node in world axes", None)
+
+
+@outputs
+class FrameMeshOutputs(Parts):
+    """Of a frame: vectors of all nodes, then results of all elements."""
+
+    position: Part = NODE_POSITION
+    tangent: Part = channel(
+        "number", "derivative of the position of every node by the length, world axes", None
+    )
+    velocity: Part = NODE_VELOCITY
+    axial_force: Part = channel("force", "tension in the middle of every element", None)
+    bending_moment: Part = channel("moment or energy", "bending moment at both ends of every element", None)
+    axial_stress: Part = channel(
+        "pressure",
+        "stress of largest amount of the outermost fibres of every element, N/A ± M c/I, of 13 places along it",
+        None,
+    )
+
+
+@outputs
+class ShellMeshOutputs(Parts):
+    """Of a shell: vectors of all nodes, then results of all elements."""
+
+    position: Part = NODE_POSITION
+    slope_x: Part = channel(
+        "number",
+        "derivative of the position of every node by the length along x of the mesh, world axes",
+        None,
+    )
+    slope_y: Part = channel(
+        "number",
+        "derivative of the position of every node by the length along y of the mesh, world axes",
+        None,
+    )
+    twist: Part = channel(
+        "slope per length", "derivative of the position of every node by both lengths, world axes", None
+    )
+    velocity: Part = NODE_VELOCITY
+    membrane_force: Part = channel(
+        "force per length", "force in the plane by the length, in the middle of every element", None
+    )
+    bending_moment: Part = channel(
+        "moment per length",
+        "bending moment by the length, in the middle of every element",
+        None,
+        by_owner=True,
+    )
+    von_mises: Part = channel(
+        "pressure",
+        "von Mises stress of top, middle and bottom of every element: the largest of a grid of 7 x 7 places, sides "
+        "and corners included; elements are not averaged",
+        None,
+    )
+
+
+@outputs
+class DriftOutputs(Outputs):
+    """Of a frame or shell, behind the results of its elements."""
+
+    strain_drift: float = channel("number", "largest distance of carried strains from those of the shape")
 
 
 def _zeros(count: int) -> NDArray[np.float64]:
@@ -231,24 +294,7 @@ class FrameBody(MeshBody):
         Strain of each element in the given shape, which pre-stresses it, shape (e,); none if empty.
     """
 
-    CHANNELS: ClassVar = (
-        NODE_POSITION,
-        ChannelKind(
-            "tangent", "number", "derivative of the position of every node by the length, world axes", None
-        ),
-        NODE_VELOCITY,
-        ChannelKind("axial_force", "force", "tension in the middle of every element", None),
-        ChannelKind(
-            "bending_moment", "moment or energy", "bending moment at both ends of every element", None
-        ),
-        ChannelKind(
-            "axial_stress",
-            "pressure",
-            "stress of largest amount of the outermost fibres of every element, N/A ± M c/I, of 13 places along it",
-            None,
-        ),
-        STRAIN_DRIFT,
-    )
+    CHANNELS: ClassVar = (*FrameMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
     tangents: NDArray[np.float64]
     elements: NDArray[np.int64]
@@ -278,49 +324,7 @@ class ShellBody(MeshBody):
         For membrane strains, along each direction, 3 to 7.
     """
 
-    CHANNELS: ClassVar = (
-        NODE_POSITION,
-        ChannelKind(
-            "slope_x",
-            "number",
-            "derivative of the position of every node by the length along x of the mesh, world axes",
-            None,
-        ),
-        ChannelKind(
-            "slope_y",
-            "number",
-            "derivative of the position of every node by the length along y of the mesh, world axes",
-            None,
-        ),
-        ChannelKind(
-            "twist",
-            "slope per length",
-            "derivative of the position of every node by both lengths, world axes",
-            None,
-        ),
-        NODE_VELOCITY,
-        ChannelKind(
-            "membrane_force",
-            "force per length",
-            "force in the plane by the length, in the middle of every element",
-            None,
-        ),
-        ChannelKind(
-            "bending_moment",
-            "moment per length",
-            "bending moment by the length, in the middle of every element",
-            None,
-            by_owner=True,
-        ),
-        ChannelKind(
-            "von_mises",
-            "pressure",
-            "von Mises stress of top, middle and bottom of every element: the largest of a grid of 7 x 7 places, sides "
-            "and corners included; elements are not averaged",
-            None,
-        ),
-        STRAIN_DRIFT,
-    )
+    CHANNELS: ClassVar = (*ShellMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
     slopes: NDArray[np.float64]
     elements: NDArray[np.int64]

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from heavylift.solver.scene.bodies import (
-    POINT_CHANNELS,
     Driven,
     Fixed,
     FlexibleBody,
     Free,
     Harmonic,
     Motion,
+    PointOutputs,
     Profile,
     RigidBody,
 )
@@ -73,7 +73,7 @@ SENSORS: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
 class Sensor(OnBody):
     """A material point whose position and velocity are recorded."""
 
-    CHANNELS: ClassVar = POINT_CHANNELS
+    CHANNELS: ClassVar = PointOutputs.CHANNELS
     """What it records, in the order of its columns."""
     SENTENCES: ClassVar = {
         "name": "Name; its channels are ``NAME.position`` and ``NAME.velocity``; checks may ask for the stress at it.",

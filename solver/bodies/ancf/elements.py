@@ -8,9 +8,6 @@ constant, see `constants`. Two of them follow from others, and elements that kno
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.ancf.assembly import add_matrix_products
@@ -106,8 +103,8 @@ def add_follower_load(
 
 
 @generic()
-def record_elements(kinds: Meshes, body: int, row: NDArray[np.float64], column: int) -> None:
-    """Section forces and stresses of the carried coordinates into a record from a column on."""
+def record_elements(kinds: Meshes, body: int, row: Floats1) -> None:
+    """Vectors of the nodes, section forces and stresses of the carried state into a record."""
 
 
 # ---- what follows from others ----

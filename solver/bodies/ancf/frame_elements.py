@@ -19,9 +19,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import add_scaled, cross, dot, scaled
@@ -66,7 +63,9 @@ from heavylift.solver.bodies.ancf.frame_green_lagrange import (
     find_green_lagrange_strains,
 )
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
+from heavylift.solver.bodies.ancf.record import write_nodes
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import part
 
 __all__: list[str] = []
 
@@ -230,26 +229,31 @@ def section_forces(kind: FrameMeshes, element: int, place: int, exact: bool) -> 
 
 @implement(record_elements, FrameMeshes)
 @kernel(internal=True)
-def record_frame_elements(kind: FrameMeshes, body: int, row: NDArray[np.float64], column: int) -> None:
-    """Axial forces of all elements, then two moments of each, then the stress of largest amount of each."""
-    exact = _is_exact(kind, body)
-    first, count = kind.table[body].first_element, kind.table[body].element_count
-    for number in range(count):
+def record_frame_elements(kind: FrameMeshes, body: int, row: Floats1) -> None:
+    """Positions, tangents and velocities; axial forces, two moments and the stress of largest amount of elements."""
+    entry, parts, exact = kind.table[body], kind.table[body].parts, _is_exact(kind, body)
+    write_nodes(kind, body, kind.position, 0, 1.0, part(row, parts.position))
+    write_nodes(kind, body, kind.position, 1, 0.0, part(row, parts.tangent))
+    write_nodes(kind, body, kind.velocity, 0, 0.0, part(row, parts.velocity))
+    tensions, moments = part(row, parts.axial_force), part(row, parts.bending_moment)
+    stresses = part(row, parts.axial_stress)
+    first = entry.first_element
+    for number in range(entry.element_count):
         own = frame_data(kind.constants, kind.elements[first + number].data)
-        row[column + number], _ = section_forces(kind, first + number, STRESS_PLACES // 2, exact)
+        tensions[number], _ = section_forces(kind, first + number, STRESS_PLACES // 2, exact)
         largest = lost = 0.0
         for place in range(STRESS_PLACES):
             force, moment = section_forces(kind, first + number, place, exact)
             if place == 0:
-                row[column + count + 2 * number] = moment
+                moments[2 * number] = moment
             elif place == STRESS_PLACES - 1:
-                row[column + count + 2 * number + 1] = moment
+                moments[2 * number + 1] = moment
             bending = moment * own.stress
             stress = force / own.area + (-bending if force < 0.0 else bending)
             if abs(stress) > abs(largest):
                 largest = stress
             lost += 0.0 * stress  # NaN, which a comparison passes over
-        row[column + 3 * count + number] = largest + lost
+        stresses[number] = largest + lost
 
 
 # ---- in one pass, for explicit schemes ----

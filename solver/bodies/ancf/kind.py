@@ -30,11 +30,13 @@ from heavylift.solver.combination import padded
 from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Bodies, BodyKind, Coordinates, Workspace
 from heavylift.solver.kinds import optional
+from heavylift.solver.scene.meshes import FrameMeshOutputs, ShellMeshOutputs
 
 __all__ = [
     "BaseBlock",
     "FixedCoordinate",
     "FrameMeshes",
+    "FramePlaces",
     "MeshBase",
     "MeshElement",
     "MeshLoad",
@@ -48,6 +50,7 @@ __all__ = [
     "PointsOfBody",
     "ShellMeshElement",
     "ShellMeshes",
+    "ShellPlaces",
     "read_bases",
     "spread_base",
 ]
@@ -101,8 +104,8 @@ class MeshPlaces(Record):
         Of the body in the scene.
     dof
         First velocity of its bases in the workspace.
-    column, last_result
-        First record column, and that of the drift, the last of the body.
+    drift
+        Record column of the drift.
     first_node, node_count, base_node_count
         Nodes of the mesh, and nodes of the factor that hold its bases; they follow those of the mesh.
     first_element, element_count, first_base, base_count, first_load, load_count
@@ -131,7 +134,7 @@ class MeshPlaces(Record):
 
     number: int
     dof: int
-    column: int
+    drift: int
     first_node: int
     node_count: int
     base_node_count: int
@@ -152,10 +155,33 @@ class MeshPlaces(Record):
     first_block: int
     last_block: int
     base_step: int
-    last_result: int
     work_place: int
     state_place: int
     moving_count: int
+
+
+class FramePlaces(MeshPlaces):
+    """Of a frame.
+
+    Attributes
+    ----------
+    parts
+        What is recorded of its nodes and elements.
+    """
+
+    parts: FrameMeshOutputs
+
+
+class ShellPlaces(MeshPlaces):
+    """Of a shell.
+
+    Attributes
+    ----------
+    parts
+        What is recorded of its nodes and elements.
+    """
+
+    parts: ShellMeshOutputs
 
 
 class MeshNumbers(Record, whole_lines=True):
@@ -651,6 +677,8 @@ def spread_base(kinds: Bodies, body: int) -> None:
 class FrameMeshes(Meshes):
     """All frames of a scene: 6 rows, 8 lanes: ``r``, ``r'``, two of padding in a nodal vector."""
 
+    table: Records[FramePlaces]
+
     shape: ClassVar[Any] = block_shape(6)
     kernel_modules: ClassVar[tuple[str, ...]] = (
         *Meshes.kernel_modules,
@@ -661,6 +689,7 @@ class FrameMeshes(Meshes):
 class ShellMeshes(Meshes):
     """All shells of a scene: 12 rows, 16 lanes: ``r``, ``r_x``, ``r_y``, ``r_xy``."""
 
+    table: Records[ShellPlaces]
     elements: Records[ShellMeshElement]
 
     shape: ClassVar[Any] = block_shape(12)

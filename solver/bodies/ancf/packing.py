@@ -48,7 +48,7 @@ from heavylift.solver.bodies.ancf.kind import (
 from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
 from heavylift.solver.markers import BodyMarkers
-from heavylift.solver.scene.meshes import DistributedLoad, FollowerLoad, FrameBody, MeshBody
+from heavylift.solver.scene.meshes import DistributedLoad, DriftOutputs, FollowerLoad, FrameBody, MeshBody
 from heavylift.solver.scene.outputs import Columns
 
 __all__ = [
@@ -368,7 +368,8 @@ class _Builder:
         self.lanes = len(self.shape[1])
         self.per_node = len(of_type.vectors)
         self.body_count = 0
-        self.table, self.body = records(MeshPlaces, bodies), records(MeshNumbers, bodies)
+        self.table: Records[MeshPlaces] = records(of_type.places, bodies)
+        self.body = records(MeshNumbers, bodies)
         self.elements: list[Records[MeshElement]] = []
         self.constants: list[NDArray[np.float64]] = []
         self.constant_count = 0
@@ -406,7 +407,7 @@ class _Builder:
         body: MeshBody,
         number: int,
         dof: int,
-        column: Columns,
+        columns: Columns,
         bases: Bases,
         sensors: BodyMarkers,
         moving: int = 0,
@@ -470,7 +471,8 @@ class _Builder:
         numbers.drift_tolerance, numbers.mass = body.drift_tolerance, mass
         numbers.size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
         line.number, line.dof = number, dof
-        line.column, line.last_result = column, column.of(body.CHANNELS[-1].name).first
+        line.drift = columns.at(DriftOutputs)
+        self.table["parts"][row] = columns.parts(self.type.outputs)
         line.first_node, line.node_count, line.base_node_count = first_node, nodes, base_nodes
         line.first_element, line.element_count = first_element, count
         line.first_base, line.base_count, line.moving_count = first_base, len(bases.bases), moving
@@ -621,10 +623,10 @@ def pack_meshes(
     """
     builder = _Builder(type_of(bodies[0]), len(bodies))
     counts = moving or (0,) * len(bodies)
-    for i, (body, dof, column, on_body, watched, count) in enumerate(
+    for i, (body, dof, place, on_body, watched, count) in enumerate(
         zip(bodies, dofs, columns, markers, sensors, counts, strict=True)
     ):
-        builder.add(body, first_number + i, dof, column, plan_bases(body, on_body), watched, count)
+        builder.add(body, first_number + i, dof, place, plan_bases(body, on_body), watched, count)
     kind = builder.finish(bodies)
     prepare_mass(kind)
     return kind

@@ -24,22 +24,25 @@ from heavylift.solver.interface import (
     record,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
+from heavylift.solver.scene.bodies import PointOutputs
+from heavylift.solver.scene.meshes import DriftOutputs
 
-__all__: list[str] = []
+__all__ = ["write_nodes"]
+
+point_outputs, drift_outputs = outputs_at(PointOutputs), outputs_at(DriftOutputs)
 
 
 @kernel(internal=True)
-def _write_rotated(
-    kind: Meshes, body: int, nodal: Floats1, vector: int, origin: float, out: NDArray[np.float64], at: int
-) -> None:
-    """A vector of all nodes in world axes; the origin is added to positions."""
+def write_nodes(kind: Meshes, body: int, nodal: Floats1, vector: int, origin: float, out: Floats1) -> None:
+    """A vector of all nodes in world axes, shape (3 nodes,); `origin` times that of the body is added."""
     lanes = len(kind.shape[1])
     R = kind.body[body]
     first = kind.table[body].first_node
     for node in range(kind.table[body].node_count):
         place = (first + node) * lanes + 3 * vector
         for k in range(3):
-            out[at + 3 * node + k] = (
+            out[3 * node + k] = (
                 R.rotation[k, 0] * nodal[place]
                 + R.rotation[k, 1] * nodal[place + 1]
                 + R.rotation[k, 2] * nodal[place + 2]
@@ -54,10 +57,12 @@ def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
     nodes = 2 if vectors == 2 else 4
     for sensor in range(kind.sensors.shape[0]):
         at_point = kind.sensors[sensor]
-        column, element, shape = at_point.column, at_point.element, at_point.shape_values
-        R = kind.body[at_point.body]
+        element, shape = at_point.element, at_point.shape_values
+        R, out = kind.body[at_point.body], point_outputs(row, at_point.column)
         for which in range(2):
-            nodal = kind.position if which == 0 else kind.velocity
+            nodal, seen = kind.position, out.position
+            if which == 1:
+                nodal, seen = kind.velocity, out.velocity
             x = y = z = 0.0
             for i in range(nodes):
                 for a in range(vectors):
@@ -70,24 +75,18 @@ def _write_sensors(kind: Meshes, row: NDArray[np.float64]) -> None:
                     z += value * nodal[at + 2]
             for k in range(3):
                 total = R.rotation[k, 0] * x + R.rotation[k, 1] * y + R.rotation[k, 2] * z
-                row[column + 3 * which + k] = total + (R.origin[k] if which == 0 else 0.0)
+                seen[k] = total + (R.origin[k] if which == 0 else 0.0)
 
 
 @implement(record, Meshes)
 @kernel(internal=True)
 def record_meshes(kind: Meshes, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
-    """Nodal vectors, velocities of the nodes, results of the elements, drift of the carried strains."""
-    vectors = len(kind.shape[0]) // 3
+    """Nodal vectors, velocities of the nodes, results of the elements, drift of the carried strains; sensors."""
     for body in range(kind.table.shape[0]):
-        column, count = kind.table[body].column, 3 * kind.table[body].node_count
-        for vector in range(vectors):
-            origin = 1.0 if vector == 0 else 0.0
-            _write_rotated(kind, body, kind.position, vector, origin, row, column + vector * count)
-        _write_rotated(kind, body, kind.velocity, 0, 0.0, row, column + vectors * count)
-        record_elements(kind, body, row, column + (vectors + 1) * count)
+        record_elements(kind, body, row)
         find_strains(kind, body, kind.position, kind.shape_strain)
         measure_drift(kind, body, kind.strain, kind.shape_strain)
-        row[kind.table[body].last_result] = kind.body[body].drift
+        drift_outputs(row, kind.table[body].drift).strain_drift = kind.body[body].drift
     _write_sensors(kind, row)
 
 

@@ -25,6 +25,7 @@ from heavylift.solver.bodies.ancf.elements import (
     record_elements,
 )
 from heavylift.solver.bodies.ancf.kind import ShellMeshes
+from heavylift.solver.bodies.ancf.record import write_nodes
 from heavylift.solver.bodies.ancf.shell_data import (
     LANES,
     STRAINS_PER_LINE,
@@ -41,6 +42,7 @@ from heavylift.solver.bodies.ancf.shell_lanes import (
 )
 from heavylift.solver.bodies.ancf.shell_lanes_stiffness import BLOCK_ORDER, add_element_stiffness
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import part
 
 __all__: list[str] = []
 
@@ -277,14 +279,21 @@ def largest_stresses(kind: ShellMeshes, body: int, element: int) -> Vector:
 
 @implement(record_elements, ShellMeshes)
 @kernel(internal=True)
-def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column: int) -> None:
-    """Membrane forces and bending moments at the centres, then the largest equivalent stresses, each for all elements.
+def record_shell(kind: ShellMeshes, body: int, row: Floats1) -> None:
+    """Vectors and velocities of nodes; forces and moments at the centres of elements, largest equivalent stresses.
 
     Axes are those of the surface, the first along ``X_xi`` of the unloaded shape. Curvatures are ``n.r_ab`` with
     ``n`` along ``r_1 x r_2``; a fibre at the height z along n has the strain of the middle less z times the curvature.
     """
-    begin, count = kind.table[body].first_element, kind.table[body].element_count
-    for e in range(count):
+    entry, parts, begin = kind.table[body], kind.table[body].parts, kind.table[body].first_element
+    write_nodes(kind, body, kind.position, 0, 1.0, part(row, parts.position))
+    write_nodes(kind, body, kind.position, 1, 0.0, part(row, parts.slope_x))
+    write_nodes(kind, body, kind.position, 2, 0.0, part(row, parts.slope_y))
+    write_nodes(kind, body, kind.position, 3, 0.0, part(row, parts.twist))
+    write_nodes(kind, body, kind.velocity, 0, 0.0, part(row, parts.velocity))
+    forces, moments = part(row, parts.membrane_force), part(row, parts.bending_moment)
+    stresses = part(row, parts.von_mises)
+    for e in range(entry.element_count):
         own = shell_data(kind.constants, kind.elements[begin + e].data)
         stretch, nu, bend = own.stretching, own.poissons_ratio, own.plate_stiffness
         a = centre_vector(kind, begin + e, own.centre[0])
@@ -297,9 +306,7 @@ def record_shell(kind: ShellMeshes, body: int, row: NDArray[np.float64], column:
         ky = dot(n, centre_vector(kind, begin + e, own.centre[3])) / length
         kxy = dot(n, centre_vector(kind, begin + e, own.centre[4])) / length
         Mx, My, Mxy = bend * (kx + nu * ky), bend * (ky + nu * kx), bend * (1.0 - nu) * kxy
-        at = column + 3 * e
-        row[at], row[at + 1], row[at + 2] = Nx, Ny, Nxy
-        at += 3 * count
-        row[at], row[at + 1], row[at + 2] = Mx, My, Mxy
-        at += 3 * count
-        row[at], row[at + 1], row[at + 2] = largest_stresses(kind, body, begin + e)
+        at = 3 * e
+        forces[at], forces[at + 1], forces[at + 2] = Nx, Ny, Nxy
+        moments[at], moments[at + 1], moments[at + 2] = Mx, My, Mxy
+        stresses[at], stresses[at + 1], stresses[at + 2] = largest_stresses(kind, body, begin + e)

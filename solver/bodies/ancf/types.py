@@ -15,10 +15,13 @@ from heavylift.solver.bodies.ancf.kind import (
     FRAME_PAIRS,
     SHELL_PAIRS,
     FrameMeshes,
+    FramePlaces,
     MeshElement,
     Meshes,
+    MeshPlaces,
     ShellMeshElement,
     ShellMeshes,
+    ShellPlaces,
 )
 from heavylift.solver.scene.meshes import (
     FRAME_VECTORS,
@@ -26,8 +29,11 @@ from heavylift.solver.scene.meshes import (
     DistributedLoad,
     FollowerLoad,
     FrameBody,
+    FrameMeshOutputs,
     MeshBody,
+    ShellMeshOutputs,
 )
+from heavylift.solver.scene.outputs import Parts
 
 __all__ = [
     "MeshType",
@@ -41,9 +47,11 @@ __all__ = [
 
 @dataclass(frozen=True)
 class MeshType:
-    """A type of mesh: its kind, its elements, nodal vectors, pairs of nodes, functions of its packing module."""
+    """A type of mesh: its kind, places, outputs, elements, nodal vectors, pairs of nodes, functions of its packing."""
 
     kind: type[Meshes]
+    places: type[MeshPlaces]
+    outputs: type[Parts]
     element: type[MeshElement]
     vectors: tuple[str, ...]
     nodes_per_element: int
@@ -71,6 +79,8 @@ def type_of(body: MeshBody) -> MeshType:
     frame = name == "frame"
     return MeshType(
         kind=FrameMeshes if frame else ShellMeshes,
+        places=FramePlaces if frame else ShellPlaces,
+        outputs=FrameMeshOutputs if frame else ShellMeshOutputs,
         element=MeshElement if frame else ShellMeshElement,
         vectors=FRAME_VECTORS if frame else SHELL_VECTORS,
         nodes_per_element=2 if frame else 4,

@@ -17,8 +17,15 @@ from heavylift.numerics.vectors import cross, rotate, rotate_back
 from heavylift.solver.bodies.floating_frame.inertia import deformed_inertia, stacked_products
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies, product_columns, shape_of
 from heavylift.solver.bodies.floating_frame.stage import add_joint_forces
-from heavylift.solver.bodies.frames.motion import add_momenta, pose_stage, write_motion
+from heavylift.solver.bodies.frames.motion import (
+    add_momenta,
+    frame_outputs,
+    held_outputs,
+    pose_stage,
+    write_motion,
+)
 from heavylift.solver.interface import Sums, Workspace
+from heavylift.solver.recording import part
 
 __all__ = [
     "add_totals_of_fixed",
@@ -174,7 +181,7 @@ def _deform(kind: FloatingFrameBodies, body: int) -> None:
 
 @kernel(internal=True, reassociate=True)
 def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDArray[np.float64]) -> None:
-    """Position, quaternion, velocity, spin, q, qd, and the reaction of the frame.
+    """Motion of the frame, modal coordinates and rates, and the reaction.
 
     Notes
     -----
@@ -183,17 +190,17 @@ def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDA
     """
     add_joint_forces(kind, body, work)
     _gather_loads(kind, body, work)
-    n, first, column = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].column
+    entry, n, first = kind.table[body], kind.table[body].mode_count, kind.table[body].first_mode
     frame, shape = kind.frame[body], shape_of(kind, body)
     R = frame.mid_rotation
     _deform(kind, body)
-    write_motion(frame, row, column)
+    write_motion(frame, frame_outputs(row, entry.column))
+    q, rates = part(row, entry.parts.modal_position), part(row, entry.parts.modal_velocity)
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):
         m = first + i
-        row[column + 13 + i] = kind.modal_position[m]
-        row[column + 13 + n + i] = kind.modal_velocity[m]
+        q[i], rates[i] = kind.modal_position[m], kind.modal_velocity[m]
         a = (
             kind.modal_right_hand_side[m]
             - kind.stiffness[m] * kind.modal_position[m]
@@ -212,9 +219,10 @@ def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDA
     moment = rotate(
         R, (l1 - t[0] - frame.moment[0], l2 - t[1] - frame.moment[1], l3 - t[2] - frame.moment[2])
     )
+    out = held_outputs(row, entry.held)
     for k in range(3):
-        row[column + 13 + 2 * n + k] = force[k] - frame.force[k]
-        row[column + 16 + 2 * n + k] = moment[k]
+        out.reaction_force[k] = force[k] - frame.force[k]
+        out.reaction_moment[k] = moment[k]
 
 
 @kernel(internal=True, reassociate=True)

@@ -28,6 +28,7 @@ from heavylift.numerics.records import Records, Vector, Vector6
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameIndex
 from heavylift.solver.interface import Workspace
+from heavylift.solver.scene.bodies import ModalOutputs
 
 __all__ = [
     "FlexibleIndex",
@@ -48,11 +49,14 @@ class FlexibleIndex(FrameIndex):
         Modes, and place of the first of them among those of all bodies.
     shape_start
         Place of its shape in the constants.
+    parts
+        Of its modes in a record.
     """
 
     mode_count: int
     first_mode: int
     shape_start: int
+    parts: ModalOutputs
 
 
 class FloatingFrame(Frame, whole_lines=True):

@@ -15,7 +15,8 @@ from heavylift.solver.bodies.floating_frame.kind import FlexibleIndex, FloatingF
 from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
-from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, Free
+from heavylift.solver.recording import placed
+from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, Free, HeldOutputs, ModalOutputs
 from heavylift.solver.scene.outputs import Columns
 
 __all__ = ["frame_inertia", "pack_floating_frames", "pack_shape"]
@@ -91,22 +92,19 @@ def pack_floating_frames(
             shape_starts[id(body.reduced)] = sum(map(len, constants))
             constants.append(pack_shape(body.reduced.integrals))
     dof = first_dof
-    for row, body in enumerate(bodies):
+    for row, (body, place) in enumerate(zip(bodies, columns, strict=True)):
         reduced = body.reduced
         if isinstance(body.motion, Free) and not reduced.mean_axis:
             _check_free_modes(body.name, reduced.integrals)
         modes = slice(modal_starts[row], modal_starts[row + 1])
-        motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        kind.table[row] = (
-            dof,
-            motion,
-            sum(map(len, constants)),
-            columns[row],
-            first_number + row,
-            counts[row],
-            modal_starts[row],
-            shape_starts[id(reduced)],
-        )
+        entry = kind.table[row]
+        entry.dof, entry.number = dof, first_number + row
+        entry.motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
+        entry.drive = sum(map(len, constants))
+        entry.column, entry.held = place, place.at(HeldOutputs)
+        entry.parts = placed(ModalOutputs, place)
+        entry.mode_count, entry.first_mode = counts[row], modal_starts[row]
+        entry.shape_start = shape_starts[id(reduced)]
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         frame, integrals = kind.frame[row], reduced.integrals

@@ -25,7 +25,7 @@ from heavylift.solver.bodies.floating_frame.stage import (
     stage_at_state,
     write_sensor,
 )
-from heavylift.solver.bodies.frames.motion import add_momenta, write_motion
+from heavylift.solver.bodies.frames.motion import add_momenta, frame_outputs, held_outputs, write_motion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
     Workspace,
@@ -34,6 +34,8 @@ from heavylift.solver.interface import (
     start,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import part
+from heavylift.solver.scene.bodies import HeldOutputs
 
 __all__: list[str] = []
 
@@ -74,22 +76,20 @@ def start_floating_frames(kind: FloatingFrameBodies, time: float, work: Workspac
 def record_floating_frames(
     kind: FloatingFrameBodies, time: float, work: Workspace, row: NDArray[np.float64]
 ) -> None:
-    """Columns of a body: position, quaternion, velocity, spin, q, qd, and the reaction of a held frame."""
+    """Motion of the frames, modal coordinates and rates, reactions of frames that are held, sensors."""
     gather_marker_forces(kind, work)
     for body in range(kind.table.shape[0]):
-        n, first, column = kind.table[body].mode_count, kind.table[body].first_mode, kind.table[body].column
-        frame = kind.frame[body]
-        if kind.table[body].motion == FIXED:
+        entry, first = kind.table[body], kind.table[body].first_mode
+        if entry.motion == FIXED:
             record_fixed(kind, body, work, row)
             continue
-        write_motion(frame, row, column)
-        for i in range(n):
-            row[column + 13 + i] = kind.modal_position[first + i]
-            row[column + 13 + n + i] = kind.modal_velocity[first + i]
-        if kind.table[body].motion != FREE:
+        write_motion(kind.frame[body], frame_outputs(row, entry.column))
+        q, rates = part(row, entry.parts.modal_position), part(row, entry.parts.modal_velocity)
+        for i in range(entry.mode_count):
+            q[i], rates[i] = kind.modal_position[first + i], kind.modal_velocity[first + i]
+        if entry.motion != FREE:
             add_joint_forces(kind, body, work)
-            reaction = row[column + 13 + 2 * n : column + 19 + 2 * n]
-            _write_reaction(kind, body, time, work, reaction)
+            _write_reaction(kind, body, time, work, held_outputs(row, entry.held))
         elif kind.sensors.shape[0] > 0:
             stage_at_state(kind, body, False)
     for sensor in range(kind.sensors.shape[0]):
@@ -98,7 +98,7 @@ def record_floating_frames(
 
 @kernel(reassociate=True, internal=True)
 def _write_reaction(
-    kind: FloatingFrameBodies, body: int, time: float, work: Workspace, reaction: NDArray[np.float64]
+    kind: FloatingFrameBodies, body: int, time: float, work: Workspace, out: HeldOutputs
 ) -> None:
     """Force and moment about the frame origin, world axes, that hold a driven frame on its course.
 
@@ -157,8 +157,8 @@ def _write_reaction(
     force = rotate(R, subtract(p, f))
     moment = rotate(R, subtract(subtract(l, m), frame.moment))
     for k in range(3):
-        reaction[k] = force[k] - frame.force[k]
-        reaction[3 + k] = moment[k]
+        out.reaction_force[k] = force[k] - frame.force[k]
+        out.reaction_moment[k] = moment[k]
 
 
 @implement(add_totals, FloatingFrameBodies)

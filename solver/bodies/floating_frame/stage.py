@@ -20,7 +20,14 @@ from heavylift.solver.bodies.floating_frame.kind import (
     product_columns,
     shape_of,
 )
-from heavylift.solver.bodies.frames.motion import add_wrench, columns_of, pose_stage, write_point, write_turn
+from heavylift.solver.bodies.frames.motion import (
+    add_wrench,
+    columns_of,
+    point_outputs,
+    pose_stage,
+    write_point,
+    write_turn,
+)
 from heavylift.solver.drive import FREE, drive_pose
 from heavylift.solver.interface import ROWS, Workspace, fill_markers
 from heavylift.solver.kinds import implement
@@ -143,7 +150,7 @@ def write_sensor(kind: FloatingFrameBodies, sensor: int, row: NDArray[np.float64
         d1 += data[3 + i] * qd
         d2 += data[3 + n + i] * qd
         d3 += data[3 + 2 * n + i] * qd
-    write_point(frame, (u1, u2, u3), (d1, d2, d3), row, column)
+    write_point(frame, (u1, u2, u3), (d1, d2, d3), point_outputs(row, column))
 
 
 # ---- one body ----

@@ -41,8 +41,8 @@ class FrameIndex(Record):
         How the frame moves: `FREE`, `FIXED` or `DRIVEN`.
     drive
         Start of its drive in the constants.
-    column
-        First record column.
+    column, held
+        First record column, and that of the reaction; -1 of a frame that moves freely.
     number
         Of the body in the scene.
     """
@@ -51,6 +51,7 @@ class FrameIndex(Record):
     motion: int
     drive: int
     column: int
+    held: int
     number: int
 
 

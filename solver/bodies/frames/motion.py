@@ -26,8 +26,10 @@ from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameMotion
 from heavylift.solver.drive import DRIVEN, FREE
 from heavylift.solver.interface import Sums, Workspace, add_row_work, check, write_velocity
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.impulses import row_power
 from heavylift.solver.rows.structure import FACTORED, PRESCRIBED, RowArrays
+from heavylift.solver.scene.bodies import FrameOutputs, HeldOutputs, PointOutputs
 
 __all__ = [
     "add_momenta",
@@ -38,7 +40,10 @@ __all__ = [
     "check_frames",
     "columns_of",
     "combine_axes",
+    "frame_outputs",
+    "held_outputs",
     "orientation_of",
+    "point_outputs",
     "pose_stage",
     "predict_pose",
     "write_frame_velocities",
@@ -49,6 +54,8 @@ __all__ = [
 
 
 Axes = tuple[Vector, Vector, Vector]
+
+point_outputs, frame_outputs, held_outputs = map(outputs_at, (PointOutputs, FrameOutputs, HeldOutputs))
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
 
@@ -161,32 +168,26 @@ def check_frames(kind: FrameBodies, step: float, work: Workspace) -> None:
 
 
 @kernel(internal=True)
-def write_motion(frame: FrameMotion, row: NDArray[np.float64], column: int) -> None:
-    """Position, quaternion, velocity and spin into 13 columns of a record."""
+def write_motion(frame: FrameMotion, out: FrameOutputs) -> None:
+    """Position, quaternion, velocity and spin into a record."""
     for k in range(3):
-        row[column + k] = frame.position[k]
-        row[column + 7 + k] = frame.velocity[k]
-        row[column + 10 + k] = frame.spin[k]
+        out.position[k] = frame.position[k]
+        out.velocity[k] = frame.velocity[k]
+        out.angular_velocity[k] = frame.spin[k]
     for k in range(4):
-        row[column + 3 + k] = frame.orientation[k]
+        out.orientation[k] = frame.orientation[k]
 
 
 @kernel(internal=True)
-def write_point(
-    frame: Frame,
-    place: Vector,
-    rate: Vector,
-    row: NDArray[np.float64],
-    column: int,
-) -> None:
-    """World position and velocity of a point, of which place and rate in body axes are known, into six columns."""
+def write_point(frame: Frame, place: Vector, rate: Vector, out: PointOutputs) -> None:
+    """World position and velocity of a point, of which place and rate in body axes are known, into a record."""
     u, d = place, rate
     c = cross(frame.spin, u)
     point = rotate(frame.mid_rotation, u)
     moved = rotate(frame.mid_rotation, add(c, d))
     for k in range(3):
-        row[column + k] = frame.position[k] + point[k]
-        row[column + 3 + k] = frame.velocity[k] + moved[k]
+        out.position[k] = frame.position[k] + point[k]
+        out.velocity[k] = frame.velocity[k] + moved[k]
 
 
 @kernel(internal=True)

@@ -14,7 +14,7 @@ from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidIndex
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
-from heavylift.solver.scene.bodies import Driven, Fixed, Free, RigidBody
+from heavylift.solver.scene.bodies import Driven, Fixed, Free, HeldOutputs, RigidBody
 from heavylift.solver.scene.outputs import Columns
 
 __all__ = ["pack_rigid_bodies", "principal_frame"]
@@ -32,7 +32,7 @@ def pack_rigid_bodies(
     table = records(RigidIndex, len(bodies))
     frame = records(RigidFrame, len(bodies))
     constants: list[NDArray[np.float64]] = []
-    for row, body in enumerate(bodies):
+    for row, (body, place) in enumerate(zip(bodies, columns, strict=True)):
         moments, axes = _principal_axes(body)
         one = frame[row]
         one.mass, one.inverse_mass = body.mass, 1.0 / body.mass
@@ -40,15 +40,11 @@ def pack_rigid_bodies(
         one.centre[:], one.axes[:] = body.centre_of_mass, quaternion_from_matrix(axes)
         one.arc = 0.125
         one.slender = int(moments[0] < SLENDER * moments[1])
-        motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
-        table[row] = (
-            first_dof + 6 * row,
-            motion,
-            sum(map(len, constants)),
-            columns[row],
-            first_number + row,
-            0,
-        )
+        entry = table[row]
+        entry.dof, entry.number = first_dof + 6 * row, first_number + row
+        entry.motion = {Free: FREE, Fixed: FIXED, Driven: DRIVEN}[type(body.motion)]
+        entry.drive = sum(map(len, constants))
+        entry.column, entry.held = place, place.at(HeldOutputs)
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         R = rotation_matrix(body.orientation)

@@ -9,7 +9,15 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.rotation import quaternion_product, rotate_by_quaternion
 from heavylift.numerics.vectors import Vector, cross, rotate
 from heavylift.solver.bodies.frames.base import FrameMotion
-from heavylift.solver.bodies.frames.motion import add_momenta, orientation_of, write_motion, write_point
+from heavylift.solver.bodies.frames.motion import (
+    add_momenta,
+    frame_outputs,
+    held_outputs,
+    orientation_of,
+    point_outputs,
+    write_motion,
+    write_point,
+)
 from heavylift.solver.bodies.rigid.kind import RigidFrame, RigidFrames
 from heavylift.solver.bodies.rigid.step import (
     gather_marker_forces,
@@ -24,6 +32,7 @@ from heavylift.solver.interface import (
     record,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.scene.bodies import HeldOutputs
 
 __all__: list[str] = []
 
@@ -31,19 +40,20 @@ __all__: list[str] = []
 @implement(record, RigidFrames)
 @kernel(internal=True)
 def record_rigid_bodies(kind: RigidFrames, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
-    """Columns of a body: position, quaternion, velocity, spin of the body frame, reaction of a held body."""
+    """Motion of the frames of the user, reactions of those that are held, sensors."""
     gather_marker_forces(kind, work)
     stage_at_state(kind)
     for body in range(kind.table.shape[0]):
-        column, frame = kind.table[body].column, kind.frame[body]
+        entry, frame = kind.table[body], kind.frame[body]
         arm = _put_user_motion(frame, frame.end)
-        write_motion(frame.end, row, column)
-        if kind.table[body].motion != FREE:
-            _write_reaction(kind, body, work, arm, row[column + 13 : column + 19])
+        write_motion(frame.end, frame_outputs(row, entry.column))
+        if entry.motion != FREE:
+            _write_reaction(kind, body, work, arm, held_outputs(row, entry.held))
     for i in range(kind.sensors.shape[0]):
         sensor = kind.sensors[i]
         u = kind.constants[sensor.data :]
-        write_point(kind.frame[sensor.body], (u[0], u[1], u[2]), (0.0, 0.0, 0.0), row, sensor.number)
+        out = point_outputs(row, sensor.number)
+        write_point(kind.frame[sensor.body], (u[0], u[1], u[2]), (0.0, 0.0, 0.0), out)
 
 
 @kernel(internal=True)
@@ -70,7 +80,7 @@ def _write_reaction(
     body: int,
     work: Workspace,
     arm: Vector,
-    reaction: NDArray[np.float64],
+    out: HeldOutputs,
 ) -> None:
     """Force, and moment about the origin of the body frame, world axes, that keep a body on its course."""
     frame, dof = kind.frame[body], kind.table[body].dof
@@ -91,14 +101,14 @@ def _write_reaction(
         ),
     )
     for k in range(3):
-        reaction[k] = (
+        out.reaction_force[k] = (
             frame.mass * (driven * frame.acceleration[k] - work.sums.gravity[k])
             - frame.force[k]
             - work.row_force[dof + k]
         )
-    about_origin = cross(arm, reaction)
+    about_origin = cross(arm, out.reaction_force)
     for k in range(3):
-        reaction[3 + k] = moment[k] + about_origin[k]
+        out.reaction_moment[k] = moment[k] + about_origin[k]
 
 
 @implement(add_totals, RigidFrames)

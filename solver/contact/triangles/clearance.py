@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from heavylift.contours.triangles.clearance import WaitingNodes, clearance, clearance_stack_size
 from heavylift.contours.triangles.surface_layout import RelativePose
@@ -24,6 +23,7 @@ from heavylift.solver.contact.triangles.slots import surface_count
 from heavylift.solver.contact.triangles.touch import relative_pose
 from heavylift.solver.extremes import note_value
 from heavylift.solver.kinds import implement
+from heavylift.solver.scene.collisions import CollisionOutputs
 
 __all__ = ["Clearances", "make_clearances"]
 
@@ -75,17 +75,16 @@ def record_mesh_clearance(
     meshes: SurfacePairs,
     contacts: ContactRows,
     pair: int,
-    row: NDArray[np.float64],
-    at: int,
+    out: CollisionOutputs,
 ) -> None:
     """At the end of the last step; a pair that has contacts in reach has its gap already."""
-    if clearances.wanted[pair] == 0 or row[at] < meshes.pairs[pair].reach:
+    if clearances.wanted[pair] == 0 or out.gap < meshes.pairs[pair].reach:
         return
     first_row = contacts.poses.shape[0] - surface_count(contacts, meshes)
     a, b = meshes.pairs[pair].poses[0] - first_row, meshes.pairs[pair].poses[1] - first_row
     first, second = placed_pose(contacts.placed[a], 0), placed_pose(contacts.placed[b], 0)
     relative_pose(first, second, clearances.pose)
-    row[at] = clearances.last[pair] = clearance(
+    out.gap = clearances.last[pair] = clearance(
         meshes.surfaces,
         meshes.pairs[pair].surfaces[0],
         meshes.pairs[pair].surfaces[1],

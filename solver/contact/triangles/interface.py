@@ -7,6 +7,7 @@ from heavylift.solver.contact.kind import Colliding, ContactRows
 from heavylift.solver.contact.triangles.kind import Clearing, SurfacePairs
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import optional
+from heavylift.solver.scene.collisions import CollisionOutputs
 
 __all__ = [
     "keep_found",
@@ -73,9 +74,9 @@ def watch_clearance(
 
 @optional("record")
 def record_clearance(
-    clearances: Clearing, meshes: SurfacePairs, contacts: ContactRows, pair: int, row: Floats1, at: int
+    clearances: Clearing, meshes: SurfacePairs, contacts: ContactRows, pair: int, out: CollisionOutputs
 ) -> None:
-    """Distance of the surfaces of a pair into place `at` of a record, where it is more than the search reaches."""
+    """Distance of the surfaces of a pair into its record, where it is more than the search reaches."""
 
 
 @optional("record")

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Record, Vector, record_at
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.kind import COMPLIANT, ContactRows
 from heavylift.solver.contact.laws.normal_force import stored_energy
@@ -24,44 +21,12 @@ from heavylift.solver.contact.triangles.watch import judge_contact
 from heavylift.solver.extremes import largest_of, note_value, smallest_of
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at, width_of
+from heavylift.solver.scene.collisions import CollisionOutputs, RecordedContactOutputs
 
-
-class CollisionColumns(Record):
-    """Columns of a collision, see `heavylift.solver.scene.collisions.Collision`."""
-
-    gap: float
-    contacts: float
-    patches: float
-    force: Vector
-    normal_force: float
-    largest_force: float
-    impulse: float
-    point: Vector
-    slip: float
-    dissipated: float
-    impacts: float
-    impact_impulse: float
-    normal_force_max: float
-    normal_force_min: float
-    gap_min: float
-
-
-class ContactColumns(Record):
-    """Columns of a recorded contact, behind those of its collision."""
-
-    point: Vector
-    normal: Vector
-    gap: float
-    force: float
-    friction: float
-    impulse: float
-    patch: float
-
-
-CONTACTS_AT, ONE_WIDTH = (columns.layout.itemsize // 8 for columns in (CollisionColumns, ContactColumns))
-"""How many columns these are."""
-
-collision_columns, contact_columns = record_at(CollisionColumns), record_at(ContactColumns)
+collision_outputs, OWN_WIDTH = outputs_at(CollisionOutputs), width_of(CollisionOutputs)
+recorded_outputs, RECORDED_WIDTH = outputs_at(RecordedContactOutputs), width_of(RecordedContactOutputs)
+"""Recorded contacts stand one after another behind what their collision records."""
 
 
 @implement(watch_pairs, SurfacePairs)
@@ -93,26 +58,28 @@ def watch_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, work: Workspac
 
 @implement(record_pairs, SurfacePairs)
 @kernel(internal=True)
-def record_mesh_pairs(
-    meshes: SurfacePairs, contacts: ContactRows, work: Workspace, row: NDArray[np.float64]
-) -> None:
+def record_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, work: Workspace, row: Floats1) -> None:
     """Pair by pair."""
     count_members(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         at = meshes.pairs[pair].column
-        _record_sums(meshes, contacts, pair, work, row, at)
-        _record_largest(meshes, contacts, pair, row, at + CONTACTS_AT)
+        _record_sums(meshes, contacts, pair, work, collision_outputs(row, at))
+        _record_largest(meshes, contacts, pair, row, at + OWN_WIDTH)
+
+
+@kernel(inline=True, internal=True)
+def _clear(words: Floats1) -> None:
+    for i in range(words.shape[0]):
+        words[i] = 0.0
 
 
 @kernel(internal=True)
 def _record_sums(
-    meshes: SurfacePairs, contacts: ContactRows, pair: int, work: Workspace, row: NDArray[np.float64], at: int
+    meshes: SurfacePairs, contacts: ContactRows, pair: int, work: Workspace, sums: CollisionOutputs
 ) -> None:
     """What all contacts of a pair do together; its gap is no number while nothing is within reach and nobody asks."""
     gone = gone_contacts(contacts.placed[surface_count(contacts, meshes) + pair], 0)
-    for k in range(CONTACTS_AT):
-        row[at + k] = 0.0
-    sums = collision_columns(row, at)
+    _clear(sums.words)
     sums.gap = meshes.pairs[pair].reach
     sums.impulse, sums.dissipated, sums.impacts = gone.impulse, gone.loss + max(gone.jumps, 0.0), gone.impacts
     sums.impact_impulse = gone.impact_impulse
@@ -146,7 +113,7 @@ def _record_sums(
     work.sums.dissipated += sums.dissipated
     if sums.gap >= meshes.pairs[pair].reach:
         sums.gap = math.nan
-    record_clearance(meshes.clearances, meshes, contacts, pair, row, at)
+    record_clearance(meshes.clearances, meshes, contacts, pair, sums)
     interval = work.control.interval
     sums.normal_force_max = largest_of(gone.forces, interval, sums.normal_force)
     sums.normal_force_min = smallest_of(gone.forces, interval, sums.normal_force)
@@ -168,33 +135,29 @@ def _record_sums(
 
 
 @kernel(internal=True)
-def _record_largest(
-    meshes: SurfacePairs, contacts: ContactRows, pair: int, row: NDArray[np.float64], at: int
-) -> None:
+def _record_largest(meshes: SurfacePairs, contacts: ContactRows, pair: int, row: Floats1, first: int) -> None:
     """Contacts in the order of their normal forces, those of equal ones in that of their places."""
     before, last = math.inf, -1
     for i in range(meshes.pairs[pair].recorded):
         best, largest = -1, -1.0
-        first, end = contacts.counts.of_contours, contact_count(contacts)
-        for c in range(first, end if meshes.pairs[pair].members > 0 else first):
+        begin, end = contacts.counts.of_contours, contact_count(contacts)
+        for c in range(begin, end if meshes.pairs[pair].members > 0 else begin):
             state = contacts.state[c]
             force = state.normal_force
             touches = force > 0.0 or state.closed
             later = force < before or (force == before and c > last)
             if state.pair == pair and touches and later and force > largest:
                 best, largest = c, force
-        place = at + i * ONE_WIDTH
-        for k in range(ONE_WIDTH):
-            row[place + k] = 0.0
-        columns = contact_columns(row, place)
-        columns.patch = -1.0
+        out = recorded_outputs(row, first + i * RECORDED_WIDTH)
+        _clear(out.words)
+        out.patch = -1.0
         if best < 0:
             continue
         before, last = largest, best
         state = contacts.state[best]
         for k in range(3):
-            columns.point[k] = state.touched[k]
-            columns.normal[k] = state.normal[k]
-        columns.gap, columns.force = state.gap, state.normal_force
-        columns.friction, columns.impulse = state.friction_force, state.step_impulse
-        columns.patch = state.patch
+            out.point[k] = state.touched[k]
+            out.normal[k] = state.normal[k]
+        out.gap, out.force = state.gap, state.normal_force
+        out.friction, out.impulse = state.friction_force, state.step_impulse
+        out.patch = state.patch

@@ -21,9 +21,9 @@ from heavylift.solver.bodies.ancf.kind import (
     NODAL_VECTORS,
     STRAIN_VECTORS,
     FrameMeshes,
+    FramePlaces,
     MeshElement,
     MeshNumbers,
-    MeshPlaces,
 )
 from tests.solver.groups import partly
 
@@ -54,7 +54,7 @@ def pack(body: FrameBody, *, swap: bool = False) -> FrameMeshes:
     for p, (i, j) in enumerate(FRAME_PAIRS):
         elements["blocks"][:, p, 0] = 48 * (3 * np.arange(count) + p)
         elements["blocks"][:, p, 1] = int(swap and i != j)
-    table = records(MeshPlaces, 1)
+    table = records(FramePlaces, 1)
     line = table[0]
     line.node_count, line.element_count, line.strain_count = nodes, count, strains.sum()
     used = {
@@ -136,5 +136,5 @@ def add_follower_load(kind, body, q, element, load, data, factor):
 
 
 @kernel
-def record_elements(kind, body, row, column):
-    generics.record_elements(kind, body, row, column)
+def record_elements(kind, body, row):
+    generics.record_elements(kind, body, row)

@@ -25,9 +25,9 @@ from heavylift.solver.bodies.ancf.kind import (
     SHELL_PAIRS,
     STRAIN_VECTORS,
     MeshNumbers,
-    MeshPlaces,
     ShellMeshElement,
     ShellMeshes,
+    ShellPlaces,
 )
 from heavylift.solver.bodies.ancf.shell_packing import (
     body_constants,
@@ -95,7 +95,7 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
     """The kind of some shells; `swaps` seeds which blocks are stored transposed (none at 0)."""
     constants: list[np.ndarray] = []
     table, elements = (
-        records(MeshPlaces, len(bodies)),
+        records(ShellPlaces, len(bodies)),
         records(ShellMeshElement, sum(len(b.elements) for b in bodies)),
     )
     number, nodes, start, strains, pairs = 0, 0, [], 0, 0
@@ -109,6 +109,7 @@ def pack(bodies: list[ShellBody], swaps: int = 0) -> ShellMeshes:
     for row, body in zip(table, bodies, strict=True):
         row.constants = store(body_constants(body))
         row.first_element, row.element_count = number, len(body.elements)
+        row.first_node, row.node_count = nodes, len(body.nodes)
         for own, data, count in zip(body.elements, element_data(body), strain_counts(body), strict=True):
             line = elements[number]
             line.nodes[:] = (nodes + own) * LANES
@@ -213,5 +214,5 @@ def follow(
 
 
 @kernel
-def recorded(kind: ShellMeshes, body: int, row: np.ndarray, column: int) -> None:
-    record_elements(kind, body, row, column)
+def recorded(kind: ShellMeshes, body: int, row: np.ndarray) -> None:
+    record_elements(kind, body, row)

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from frame_examples import EA, EI, EXAMPLES, MASS, SECTION, Example, arc, line
 from frame_meshes import get, matrix, pack, put
+from recorded_parts import place_parts
 from scipy.linalg import eigh, expm
 
 from heavylift.pipeline.pictures.meshes import MeshSkin
-from heavylift.solver.bodies.ancf.frame_packing import load_shape, result_columns
+from heavylift.solver.bodies.ancf.frame_packing import load_shape
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.bodies.ancf.stress import largest_frame_stress
 
@@ -315,16 +316,12 @@ def test_a_follower_load_has_the_resultant_of_its_chord(name: str) -> None:
 
 def recorded(kind: FrameMeshes, body: object) -> dict[str, np.ndarray]:
     """Channels by name; nothing beyond them is written."""
-    columns = result_columns(body)  # type: ignore[arg-type]
-    row = np.full(2 + sum(map(len, columns.values())) + 1, np.nan)
-    fm.record_elements(kind, 0, row, 2)
+    places = place_parts(kind, body, 2)  # type: ignore[arg-type]
+    row = np.full(max(place.stop for place in places.values()) + 1, np.nan)
+    fm.record_elements(kind, 0, row)
     assert np.isnan(row[[0, 1, -1]]).all()
     assert np.isfinite(row[2:-1]).all()
-    found, at = {}, 2
-    for name, parts in columns.items():
-        found[name] = row[at : at + len(parts)]
-        at += len(parts)
-    return found
+    return {name: row[place] for name, place in places.items()}
 
 
 @pytest.mark.parametrize("model", ["green-lagrange", "exact"])
@@ -393,9 +390,10 @@ def test_a_diverged_frame_has_no_stress() -> None:
     q = get(kind.position)
     q[6] = np.nan
     put(kind.position, q)
-    row = np.zeros(8)
-    fm.record_elements(kind, 0, row, 0)
-    assert np.isnan(row[6:]).all()
+    places = place_parts(kind, body, 0)
+    row = np.zeros(max(place.stop for place in places.values()))
+    fm.record_elements(kind, 0, row)
+    assert np.isnan(row[places["axial_stress"]]).all()
 
 
 def test_drift_is_the_largest_difference_and_names_its_element(example: Example) -> None:

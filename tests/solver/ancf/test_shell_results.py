@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from recorded_parts import place_parts
 from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
 
 from heavylift.pipeline.pictures.meshes import MeshSkin
-from heavylift.solver.bodies.ancf.shell_packing import result_columns, start_coordinates
+from heavylift.solver.bodies.ancf.shell_packing import start_coordinates
 from heavylift.solver.bodies.ancf.stress import largest_shell_stress
 from heavylift.solver.scene.mesh_shapes import rectangle
 from heavylift.solver.scene.meshes import ShellBody, ShellSection
@@ -16,14 +17,12 @@ from heavylift.solver.scene.meshes import ShellBody, ShellSection
 def record(body: ShellBody, coordinates: np.ndarray) -> dict[str, np.ndarray]:
     kind = pack([body])
     put(kind.position, coordinates)
-    columns = result_columns(body)
-    width = sum(map(len, columns.values()))
-    row = np.full(width + 4, np.nan)
-    recorded(kind, 0, row, 3)
+    places = place_parts(kind, body, 3)
+    row = np.full(max(place.stop for place in places.values()) + 1, np.nan)
+    recorded(kind, 0, row)
     assert np.isnan(row[[0, 1, 2, -1]]).all()
     assert np.isfinite(row[3:-1]).all()
-    ends = np.cumsum([3, *map(len, columns.values())])
-    return {name: row[a:b].reshape(-1, 3) for name, a, b in zip(columns, ends[:-1], ends[1:], strict=True)}
+    return {name: row[place].reshape(-1, 3) for name, place in places.items()}
 
 
 @pytest.mark.slow
@@ -101,9 +100,10 @@ def test_a_diverged_shell_has_no_stress() -> None:
     coordinates[2] = np.nan
     kind = pack([body])
     put(kind.position, coordinates)
-    row = np.zeros(9)
-    recorded(kind, 0, row, 0)
-    assert np.isnan(row[6:]).all()
+    places = place_parts(kind, body, 0)
+    row = np.zeros(max(place.stop for place in places.values()))
+    recorded(kind, 0, row)
+    assert np.isnan(row[places["von_mises"]]).all()
 
 
 def test_a_positive_moment_presses_the_top() -> None:
