@@ -55,6 +55,7 @@ __all__ = [
     "Records",
     "Vector",
     "Vector6",
+    "filled",
     "record_at",
     "records",
 ]
@@ -307,7 +308,7 @@ def records(record: type[R], rows: int | typing.Iterable[typing.Iterable[Any]]) 
     record
         Their class.
     rows
-        How many, all fields 0; or the values of their fields in order.
+        How many, all fields 0; or `filled` ones; or the values of their fields in order.
     """
     given = None if isinstance(rows, int) else [tuple(row) for row in rows]
     count = rows if isinstance(rows, int) else len(given or ())
@@ -319,7 +320,53 @@ def records(record: type[R], rows: int | typing.Iterable[typing.Iterable[Any]]) 
         made[i] = row
     return made
 
-    # ---- in kernels ----
+
+@cache
+def _own_fields(record: type[Record]) -> dict[str, None]:
+    """Names of its fields, without those that span others."""
+    found = declared_types(record)
+    return {name: None for name in record.fields_of if _first_of_span(found[name]) is None}
+
+
+def filled(record: type[R], **fields: Any) -> R:
+    """A record by the names of all its fields: what packers make rows of.
+
+    Parameters
+    ----------
+    record
+        Its class.
+    fields
+        Values: numbers, vectors, of a record within that record or a tuple.
+
+    Raises
+    ------
+    TypeError
+        If a field is missing, or there is none of that name.
+
+    Examples
+    --------
+    >>> class Spring(Record):
+    ...     marker: int
+    ...     stiffness: float
+    >>> records(Spring, [filled(Spring, stiffness=2e3, marker=k) for k in range(2)])["stiffness"]
+    array([2000., 2000.])
+    >>> filled(Spring, marker=1)
+    Traceback (most recent call last):
+    TypeError: Spring without 'stiffness'
+    """
+    own = _own_fields(record)
+    if fields.keys() != own.keys():
+        unknown, missing = fields.keys() - own.keys(), own.keys() - fields.keys()
+        said = [f"with unknown {', '.join(map(repr, sorted(unknown)))}"] if unknown else []
+        said += [f"without {', '.join(repr(name) for name in own if name in missing)}"] if missing else []
+        raise TypeError(f"{record.__name__} {' and '.join(said)}")
+    made = record.one()
+    for name, value in fields.items():
+        made[name] = value
+    return made
+
+
+# ---- in kernels ----
 
 
 class RecordType(Pointer):

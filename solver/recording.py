@@ -26,6 +26,7 @@ __all__ = [
     "placed",
     "unwritten",
     "width_of",
+    "zeros_of",
 ]
 
 P = TypeVar("P", bound=Parts)
@@ -43,6 +44,12 @@ def width_of(outputs: type[Outputs]) -> int:
 def placed(declared: type[P], columns: Columns) -> P:
     """Where the channels of a class of parts are, as the record that a kind keeps."""
     made: Any = records(declared.record(), [columns.parts(declared)])[0]
+    return made
+
+
+def zeros_of(declared: type[O]) -> O:
+    """Outputs in no row, all 0: for what is seen between two records."""
+    made: Any = declared.record().one()
     return made
 
 

@@ -5,7 +5,7 @@ The load acts on the markers of the angle or travel, so that load times rate is 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -16,7 +16,7 @@ from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import ByCoordinate, Quantity, Shape
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -27,8 +27,9 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.coordinate import ANGLE, CoordinateEntry, add_load
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowSystem
-from heavylift.solver.scene.connections import FORCES, AlongJoint
+from heavylift.solver.scene.connections import FORCES, AlongJoint, TorqueOutputs
 from heavylift.solver.scene.descriptions import check_table, no_rows
 
 __all__ = ["JointMotor", "Motors", "pack_motors"]
@@ -86,6 +87,9 @@ class MotorEntry(CoordinateEntry):
     count: int
 
 
+load_outputs = outputs_at(TorqueOutputs)
+
+
 class LoadRow(Record):
     """Time [s] and load [N m] or [N]."""
 
@@ -113,16 +117,17 @@ class Motors(Arrays):
     state: Floats1
 
 
-def pack_motors(motors: Sequence[tuple[JointMotor, tuple[int, ...]]]) -> Motors:
-    """Make the kind from the entries of a scene and what stands before the load table of each."""
-    table: list[tuple[int, ...]] = []
-    loads: list[tuple[float, float]] = []
+def pack_motors(motors: Sequence[tuple[JointMotor, Mapping[str, Any]]]) -> Motors:
+    """Make the kind from the entries of a scene and the fields of each beside its load table."""
+    table: list[MotorEntry] = []
     first = 0
-    for motor, place in motors:
-        table.append((*place, first, len(motor.times)))
-        loads += zip(motor.times, motor.loads, strict=True)
+    for motor, fields in motors:
+        table.append(filled(MotorEntry, **fields, first=first, count=len(motor.times)))
         first += len(motor.times)
-    return Motors(records(MotorEntry, table), records(LoadRow, loads), np.zeros(len(table)))
+    loads = records(LoadRow, first)
+    loads["time"] = np.concatenate([motor.times for motor, _ in motors])
+    loads["load"] = np.concatenate([motor.loads for motor, _ in motors])
+    return Motors(records(MotorEntry, table), loads, np.zeros(len(table)))
 
 
 @kernel(internal=True)
@@ -200,6 +205,6 @@ def record_motors(
 ) -> None:
     """Load; its work moves from that of outer forces, where the bodies count it, to that of drives."""
     for i in range(kind.table.shape[0]):
-        row[kind.table[i].column] = motor_load(kind, i, time)
+        load_outputs(row, kind.table[i].column).load = motor_load(kind, i, time)
         work.sums.drive_work += kind.state[i]
         work.sums.external_work -= kind.state[i]

@@ -13,7 +13,7 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity, Shape
-from heavylift.numerics.records import Record, Records, Vector, records
+from heavylift.numerics.records import Record, Records, Vector, filled, records
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -107,12 +107,17 @@ def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int
     first_markers
         Number of the point marker of each entry; the axes follow it.
     """
-    rows: list[tuple[int, int, int, int]] = []
-    tables: list[tuple[float, NDArray[np.float64]]] = []
+    rows: list[PointForceEntry] = []
+    first = 0
     for entry, marker in zip(entries, first_markers, strict=True):
-        rows.append((marker, marker + 1 if entry.frame == "body" else -1, len(tables), len(entry.times)))
-        tables += zip(entry.times, entry.forces, strict=True)
-    return PointForces(records(PointForceEntry, rows), records(ForceAtTime, tables))
+        axes = marker + 1 if entry.frame == "body" else -1
+        count = len(entry.times)
+        rows.append(filled(PointForceEntry, marker=marker, axes=axes, first=first, count=count))
+        first += count
+    tables = records(ForceAtTime, first)
+    tables["time"] = np.concatenate([entry.times for entry in entries])
+    tables["force"] = np.concatenate([entry.forces for entry in entries])
+    return PointForces(records(PointForceEntry, rows), tables)
 
 
 @implement(add_forces, PointForces)

@@ -48,10 +48,12 @@ from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.laws.rows import put_residual, row_rate
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
-from heavylift.solver.scene.connections import FORCES, AlongJoint, Between
-from heavylift.solver.scene.descriptions import ChannelKind, check_table, interval_extremes, named, no_rows
+from heavylift.solver.scene.connections import FORCES, AlongJoint, Between, TorqueOutputs
+from heavylift.solver.scene.descriptions import check_table, named, no_rows
+from heavylift.solver.scene.outputs import Outputs, channel, largest, outputs, smallest
 
 __all__ = [
     "JointSpring",
@@ -61,6 +63,7 @@ __all__ = [
     "Springs",
     "compare_load",
     "end_rate",
+    "put_spring",
     "spring_load",
     "stored_energy",
 ]
@@ -85,16 +88,22 @@ def _check_law(
     check_table(key, places, values_key, values, shortest=2)
 
 
+@outputs
+class SpringOutputs(Outputs):
+    """What a spring between two points records."""
+
+    force: float = channel("force", "tension of the spring with its damper; negative if it pushes")
+    length: float = channel("length", "distance of the ends of the spring")
+    force_max: float = largest("force", "force")
+    force_min: float = smallest("force", "force")
+
+
 @FORCES.describe("spring")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Spring(Between):
     """A spring and damper between two points, along their line: it pulls and pushes."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("force", "force", "tension of the spring with its damper; negative if it pushes"),
-        ChannelKind("length", "length", "distance of the ends of the spring"),
-        *interval_extremes("force", "force"),
-    )
+    CHANNELS: ClassVar = SpringOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
     length: Annotated[float, Quantity("length", minimum=0.0, closed=True), AsDrawn()]
@@ -188,6 +197,9 @@ class SpringEntry(CoordinateEntry):
     damping: float
     first: int
     count: int
+
+
+spring_outputs, load_outputs = outputs_at(SpringOutputs), outputs_at(TorqueOutputs)
 
 
 class SpringState(Record):
@@ -353,6 +365,26 @@ def watch_springs(kind: Springs, work: Workspace, system: RowArrays) -> None:
         note_value(state.extremes, work.control.interval, state.load)
 
 
+@kernel(internal=True)
+def put_spring(
+    row: NDArray[np.float64],
+    spring: SpringEntry,
+    extremes: Extremes,
+    interval: int,
+    load: float,
+    length: float,
+) -> None:
+    """What it records: between two points with its length, along a joint the load alone."""
+    if spring.coordinate == DISTANCE:
+        out = spring_outputs(row, spring.column)
+        out.force = load
+        out.length = length
+        out.force_max = largest_of(extremes, interval, load)
+        out.force_min = smallest_of(extremes, interval, load)
+    else:
+        load_outputs(row, spring.column).load = load
+
+
 @implement(record_joints, Springs)
 @kernel(internal=True)
 def record_springs(
@@ -371,11 +403,7 @@ def record_springs(
             load = spring_load(kind.curves, spring, e, end_rate(spring, work))
         elif state.paced:
             compare_load(state.agreement, kind.curves, spring, time, e, state.rate, state.growth, load)
-        row[spring.column] = load
-        if spring.coordinate == DISTANCE:
-            row[spring.column + 1] = q
-            row[spring.column + 2] = largest_of(state.extremes, work.control.interval, load)
-            row[spring.column + 3] = smallest_of(state.extremes, work.control.interval, load)
+        put_spring(row, spring, state.extremes, work.control.interval, load, q)
         energy = stored_energy(kind.curves, spring, e)
         work.sums.elastic += energy
         if spring.block >= 0:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.quantity import Quantity
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
@@ -68,10 +68,16 @@ class Tuggers(Arrays):
 
 def pack(forces: Sequence[Tugger], columns: Sequence[Columns], book: MarkerBook) -> Tuggers:
     """Make the kind."""
-    rows = []
-    for force, column in zip(forces, columns, strict=True):
-        a = book.point(force.body_a, force.point_a, FORCES)
-        rows.append((a, book.point(force.body_b, force.point_b, FORCES), column, force.tension))
+    rows = [
+        filled(
+            TuggerEntry,
+            a=book.point(force.body_a, force.point_a, FORCES),
+            b=book.point(force.body_b, force.point_b, FORCES),
+            column=column,
+            tension=force.tension,
+        )
+        for force, column in zip(forces, columns, strict=True)
+    ]
     return Tuggers(records(TuggerEntry, rows))
 
 

@@ -46,10 +46,11 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.rows import RETURN, check_drift, fit_law, put_law, put_residual, row_rate
+from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import ROPES, RopePoint
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, largest, outputs, smallest
 
 __all__ = [
     "EqualizedEntry",
@@ -78,26 +79,34 @@ SETTLING = 50
 """Rounds in which stops are found; each but the last sends a pulley to a stop or takes it off."""
 
 
+@outputs
+class EqualizedOutputs(Outputs):
+    """What lines of one force record together, before `EqualizedParts`."""
+
+    tension: float = channel("force", "tension of the rope over all pulleys")
+    tension_max: float = largest("force", "tension")
+    tension_min: float = smallest("force", "tension")
+
+
+@outputs
+class EqualizedParts(Parts):
+    """What each line records, as a segment of a rope."""
+
+    segment_tension: Part = channel("force", "tension of each line, from the first one on", None)
+    segment_tension_max: Part = largest("force", "segment_tension", None)
+    segment_tension_min: Part = smallest("force", "segment_tension", None)
+    stop: Part = channel(
+        "number", "of each line: -1 if its pulley is at the upper stop, 1 at the lower one, else 0", None
+    )
+    stopped_time: Part = channel("time", "of each line: how long so far its pulley has been at a stop", None)
+
+
 @ROPES.describe("equalized")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SharedLines:
     """Lines of one force: an equalizer without the masses of its pulleys, as `[[equalizers]]` writes it."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("tension", "force", "tension of the rope over all pulleys"),
-        *interval_extremes("tension", "force"),
-        ChannelKind("segment_tension", "force", "tension of each line, from the first one on", None),
-        *interval_extremes("segment_tension", "force", components=None),
-        ChannelKind(
-            "stop",
-            "number",
-            "of each line: -1 if its pulley is at the upper stop, 1 at the lower one, else 0",
-            None,
-        ),
-        ChannelKind(
-            "stopped_time", "time", "of each line: how long so far its pulley has been at a stop", None
-        ),
-    )
+    CHANNELS: ClassVar = (*EqualizedOutputs.CHANNELS, *EqualizedParts.CHANNELS)
     """What it records, in the order of its columns; of segments the lines."""
 
     SEGMENT_NAME: ClassVar = "line"
@@ -163,7 +172,7 @@ class SharedLines:
     def components(self) -> dict[str, tuple[str, ...]]:
         """Components of the channels that have one a line."""
         lines = tuple(str(i + 1) for i in range(self.segment_count))
-        return {kind.name: lines for kind in self.CHANNELS if kind.components is None}
+        return {kind.name: lines for kind in EqualizedParts.CHANNELS}
 
     @property
     def legs(self) -> list[tuple[RopePoint, ...]]:
@@ -182,8 +191,8 @@ class EqualizedEntry(Record):
         How many sides it has.
     first, count
         Its first line, and how many.
-    column
-        First record column.
+    column, parts
+        Of its `EqualizedOutputs`, and of its lines.
     shown
         Place in `EqualizedLines.pulls` of its first outlet, -1 if nothing watches what it pulls with.
     total
@@ -199,10 +208,14 @@ class EqualizedEntry(Record):
     first: int
     count: int
     column: int
+    parts: EqualizedParts
     shown: int
     total: float
     compliance: float
     damping: float
+
+
+equalized_outputs = outputs_at(EqualizedOutputs)
 
 
 class EqualizedLine(Record):
@@ -698,18 +711,18 @@ def record_equalized(
             _end_lines(kind, i, 0.0)
         elif state.paced and not state.rubbed:
             _compare_force(kind, i, time)
-        column, interval = entry.column, work.control.interval
-        row[column] = state.tension
-        row[column + 1] = largest_of(state.extremes, interval, state.tension)
-        row[column + 2] = smallest_of(state.extremes, interval, state.tension)
+        out, parts, interval = equalized_outputs(row, entry.column), entry.parts, work.control.interval
+        out.tension = state.tension
+        out.tension_max = largest_of(state.extremes, interval, state.tension)
+        out.tension_min = smallest_of(state.extremes, interval, state.tension)
         for k in range(entry.count):
-            own, place = kind.line[entry.first + k], column + 3 + k
+            own = kind.line[entry.first + k]
             tension = own.force / own.cosine
-            row[place] = tension
-            row[place + entry.count] = largest_of(own.extremes, interval, tension)
-            row[place + 2 * entry.count] = smallest_of(own.extremes, interval, tension)
-            row[place + 3 * entry.count] = float(own.stop)
-            row[place + 4 * entry.count] = own.stopped
+            part(row, parts.segment_tension)[k] = tension
+            part(row, parts.segment_tension_max)[k] = largest_of(own.extremes, interval, tension)
+            part(row, parts.segment_tension_min)[k] = smallest_of(own.extremes, interval, tension)
+            part(row, parts.stop)[k] = float(own.stop)
+            part(row, parts.stopped_time)[k] = own.stopped
         _show_lines(kind, i)
         work.sums.elastic += energy_of(kind, i)
         work.sums.dissipated += state.loss

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
@@ -16,6 +16,7 @@ from heavylift.solver.laws.equalized import (
     EqualizedEntry,
     EqualizedLine,
     EqualizedLines,
+    EqualizedParts,
     EqualizedState,
     LineState,
     SharedLines,
@@ -26,6 +27,7 @@ from heavylift.solver.laws.watched import WatchedRopes
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["pack_equalized"]
@@ -33,7 +35,7 @@ __all__ = ["pack_equalized"]
 
 def pack_equalized(
     members: Sequence[SharedLines],
-    columns: Sequence[int],
+    columns: Sequence[Columns],
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
@@ -57,8 +59,8 @@ def pack_equalized(
             key="type",
             expected="integrator 'dele2', or an equalizer with pulleys",
         )
-    table: list[tuple[Any, ...]] = []
-    lines: list[tuple[Any, ...]] = []
+    table: list[EqualizedEntry] = []
+    lines: list[EqualizedLine] = []
     for rope, column in zip(members, columns, strict=True):
         count, first = rope.segment_count, len(lines)
         level = FORCES if rope.damping > 0.0 else ROWS
@@ -71,25 +73,42 @@ def pack_equalized(
             cosine = _start_cosine(rope, k, direction, bodies)
             pair = list(dict.fromkeys(stop.body for stop in (outlet, lug) if stop.body != GROUND))
             own = _row(rope.name, pair, attachment, scales, add)
-            markers = (
-                book.point(outlet.body, outlet.point, level),
-                book.point(lug.body, lug.point, level),
-                book.direction(outlet.body, direction, level, at=outlet.point),
-            )
-            ends = [
-                -1 if stop.body == GROUND else 2 * number + names.index(stop.body)
-                for number, names in ((own, pair), (block, held))
-                for stop in (outlet, lug)
-            ]
             length = float(rope.lengths[k])
-            numbers = (length, rope.line_stiffness * cosine**2 / length)
-            drift = min(LARGEST_DRIFT, LARGEST_SHARE * length)
-            stops = (rope.depth - rope.up, rope.depth + rope.down)
-            lines.append((*markers, own, len(pair), *ends, *numbers, *stops, rope.damping, drift))
-        compliance = rope.rope_length / (4.0 * rope.axial_stiffness)
-        of_all = (count * rope.depth, compliance, rope.damping / count)
-        shown = watched.first.get(rope.name, -1)
-        table.append((block, len(held), first, count, column, shown, *of_all))
+            lines.append(
+                filled(
+                    EqualizedLine,
+                    outlet=book.point(outlet.body, outlet.point, level),
+                    lug=book.point(lug.body, lug.point, level),
+                    guide=book.direction(outlet.body, direction, level, at=outlet.point),
+                    block=own,
+                    attachments=len(pair),
+                    own_outlet=_side(outlet.body, own, pair),
+                    own_lug=_side(lug.body, own, pair),
+                    all_outlet=_side(outlet.body, block, held),
+                    all_lug=_side(lug.body, block, held),
+                    length=length,
+                    stiffness=rope.line_stiffness * cosine**2 / length,
+                    low=rope.depth - rope.up,
+                    high=rope.depth + rope.down,
+                    damping=rope.damping,
+                    largest_drift=min(LARGEST_DRIFT, LARGEST_SHARE * length),
+                )
+            )
+        table.append(
+            filled(
+                EqualizedEntry,
+                block=block,
+                attachments=len(held),
+                first=first,
+                count=count,
+                column=column,
+                parts=column.parts(EqualizedParts),
+                shown=watched.first.get(rope.name, -1),
+                total=count * rope.depth,
+                compliance=rope.rope_length / (4.0 * rope.axial_stiffness),
+                damping=rope.damping / count,
+            )
+        )
     state = records(EqualizedState, len(table))
     state["fresh"] = True
     kind = EqualizedLines(
@@ -107,10 +126,18 @@ def _with_friction(kind: EqualizedLines, members: Sequence[SharedLines]) -> Equa
     from heavylift.solver.laws.equalized_friction import HeldLine, LineSheave, RubbingEntry, RubbingLines
     from heavylift.solver.laws.sheave_states import make_search
 
-    rubs: list[tuple[Any, ...]] = []
+    rubs: list[RubbingEntry] = []
     sheaves = 0
     for entry, rope in zip(kind.table, members, strict=True):
-        rubs.append((sheaves, entry.compliance / entry.count, 1.0 - rope.efficiency, False))
+        rubs.append(
+            filled(
+                RubbingEntry,
+                sheave=sheaves,
+                share=entry.compliance / entry.count,
+                loss=1.0 - rope.efficiency,
+                acting=False,
+            )
+        )
         sheaves += 2 * int(entry.count) - 1
     most = max(rope.segment_count for rope in members)
     return RubbingLines(
@@ -137,6 +164,11 @@ def _row(
     return add(
         LawBlock(name, tuple(attachment(body) for body in held), sum(scales(body)[0] for body in held))
     )
+
+
+def _side(body: str, block: int, held: Sequence[str]) -> int:
+    """Attachment of a body in a row on some, -1 on the ground."""
+    return -1 if body == GROUND else 2 * block + held.index(body)
 
 
 def _start_cosine(rope: SharedLines, k: int, direction: Any, bodies: Sequence[AnyBody]) -> float:

@@ -29,7 +29,7 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.quantity import Absent, BodyDirection, Positive, Quantity
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.numerics.records import Vector as VectorField
 from heavylift.solver.extremes import (
     Agreement,
@@ -55,10 +55,20 @@ from heavylift.solver.joints.row_writing import residuals, travel, travel_row
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import pull
 from heavylift.solver.laws.rows import FITTED, RETURN, check_drift, fit_row_law, put_row_law, rate_of_row
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import FORCES, GROUND, Between, as_joint
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes, upwards
+from heavylift.solver.scene.descriptions import upwards
+from heavylift.solver.scene.outputs import (
+    Columns,
+    Components,
+    Outputs,
+    channel,
+    largest,
+    outputs,
+    smallest,
+)
 
 if TYPE_CHECKING:
     from heavylift.solver.laws.system import LawBlock
@@ -89,27 +99,30 @@ PLAIN_ROUNDS = 5
 """Rounds of the iteration after which laws are fitted by chords too: tangents alone can go to and fro."""
 
 
+@outputs
+class BearingOutputs(Outputs):
+    """What a line bearing records."""
+
+    force: float = channel("force", "normal force on the line, of both its ends together")
+    force_max: float = largest("force", "force")
+    force_min: float = smallest("force", "force")
+    force_at: Components = channel("force", "normal force at each end of the line", ENDS)
+    friction: Components = channel(
+        "force", "friction on the line, of both its ends: along the deck and to its left", ("along", "across")
+    )
+    lift_off: Components = channel(
+        "length", "height of each end of the line over the plane, below 0 pressed", ENDS
+    )
+    overlap: float = channel("length", "from the border of the deck to the nearer end of the line")
+    slip_path: Components = channel("length", "way that each end of the line has slid so far", ENDS)
+
+
 @FORCES.describe("line_bearing")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LineBearing(Between):
     """A line of a body lies loose on a plane of another one: with both ends it pushes, slides and lifts off."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("force", "force", "normal force on the line, of both its ends together"),
-        *interval_extremes("force", "force"),
-        ChannelKind("force_at", "force", "normal force at each end of the line", ENDS),
-        ChannelKind(
-            "friction",
-            "force",
-            "friction on the line, of both its ends: along the deck and to its left",
-            ("along", "across"),
-        ),
-        ChannelKind(
-            "lift_off", "length", "height of each end of the line over the plane, below 0 pressed", ENDS
-        ),
-        ChannelKind("overlap", "length", "from the border of the deck to the nearer end of the line"),
-        ChannelKind("slip_path", "length", "way that each end of the line has slid so far", ENDS),
-    )
+    CHANNELS: ClassVar = BearingOutputs.CHANNELS
     """What it records, in the order of its columns."""
     SENTENCES: ClassVar = {
         "between": 'Body, or ``"ground"``, whose plane carries, and the body whose line lies on it.',
@@ -182,6 +195,9 @@ class BearingEnd(Record):
     friction: float
     deck_length: float
     largest_drift: float
+
+
+bearing_outputs = outputs_at(BearingOutputs)
 
 
 class BearingState(Record):
@@ -261,7 +277,7 @@ class LineBearings(Arrays):
 
 def pack_bearings(
     bearings: Sequence[LineBearing],
-    columns: Sequence[int],
+    columns: Sequence[Columns],
     bodies: Sequence[AnyBody],
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
@@ -289,17 +305,32 @@ def pack_bearings(
         a, b = bearing.body_a, bearing.body_b
         point_a = np.asarray(bearing.point_a, dtype=np.float64)
         point_b = np.asarray(bearing.point_b, dtype=np.float64)
-        markers = [book.point(a, point_a, ROWS)]
-        markers += [book.direction(a, v, ROWS, at=point_a) for v in (normal, onto, across)]
+        border = book.point(a, point_a, ROWS)
+        directions = [book.direction(a, v, ROWS, at=point_a) for v in (normal, onto, across)]
         place = deck.axes.T @ (line.point - deck.point)
         _check_place(bearing, float(normal @ place), float(onto @ place))
         sides = (attachment(a), attachment(b))
         scale = sum(scales(name)[0] for name in (a, b) if name != GROUND)
         for left in (True, False):
             block = add(LawBlock(bearing.name, sides, scale, rows=3))
-            marker = book.point(b, point_b + half if left else point_b - half, ROWS)
-            load = (bearing.stiffness, bearing.damping, bearing.friction, bearing.deck_length, LARGEST_DRIFT)
-            rows.append((block, column, left, *markers, marker, *load))
+            rows.append(
+                filled(
+                    BearingEnd,
+                    block=block,
+                    column=column,
+                    left=left,
+                    deck=border,
+                    normal=directions[0],
+                    inward=directions[1],
+                    across=directions[2],
+                    point=book.point(b, point_b + half if left else point_b - half, ROWS),
+                    stiffness=bearing.stiffness,
+                    damping=bearing.damping,
+                    friction=bearing.friction,
+                    deck_length=bearing.deck_length,
+                    largest_drift=LARGEST_DRIFT,
+                )
+            )
             overlaps.append(float(onto @ place))
     state = records(BearingState, len(rows))
     state["fresh"], state["overlap"] = True, overlaps
@@ -571,7 +602,7 @@ def record_bearings(
     for i in range(kind.table.shape[0]):
         end, state = kind.table[i], kind.state[i]
         side = 0 if end.left else 1
-        c = end.column
+        out = bearing_outputs(row, end.column)
         gap = travel(work, end.deck, end.point, end.normal)
         if state.fresh:
             state.load = _normal(kind, i, state.value, 0.0)
@@ -583,16 +614,16 @@ def record_bearings(
         work.sums.elastic += _stored(kind, i)
         work.sums.drift = max(work.sums.drift, abs(state.drift))
         if side == 0:
-            row[c] = row[c + 5] = row[c + 6] = 0.0
-            row[c + 9] = state.overlap
-        row[c] += state.load
-        row[c + 3 + side] = state.load
-        row[c + 5] -= end.stiffness * state.along
-        row[c + 6] -= end.stiffness * state.across
-        row[c + 7 + side] = gap
-        row[c + 9] = min(row[c + 9], state.overlap)
-        row[c + 10 + side] = state.slid
+            out.force = out.friction[0] = out.friction[1] = 0.0
+            out.overlap = state.overlap
+        out.force += state.load
+        out.force_at[side] = state.load
+        out.friction[0] -= end.stiffness * state.along
+        out.friction[1] -= end.stiffness * state.across
+        out.lift_off[side] = gap
+        out.overlap = min(out.overlap, state.overlap)
+        out.slip_path[side] = state.slid
         if side == 1:
             extremes, interval = kind.state[i - 1].extremes, work.control.interval
-            row[c + 1] = largest_of(extremes, interval, row[c])
-            row[c + 2] = smallest_of(extremes, interval, row[c])
+            out.force_max = largest_of(extremes, interval, out.force)
+            out.force_min = smallest_of(extremes, interval, out.force)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.interface import FORCES, ROWS
@@ -33,7 +33,15 @@ from heavylift.solver.laws.line_bearing import LineBearing, pack_bearings
 from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import ChannelBook
-from heavylift.solver.scene.connections import GROUND, Joint, Limits, as_joint, controlled, rubbing_places
+from heavylift.solver.scene.connections import (
+    GROUND,
+    ControlOutputs,
+    Joint,
+    Limits,
+    as_joint,
+    controlled,
+    rubbing_places,
+)
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
@@ -89,10 +97,10 @@ def add_law_channels(owner: Any, joints: Mapping[str, Joint], record: ChannelBoo
         **dict.fromkeys(("segment_tension_max", "segment_tension_min"), segments if rubbing else ()),
         "sheave_speed": rubbing,
         "sheave_state": rubbing,
-        **{name: (name,) if controlled(owner) else () for name in ("paid_out", "paying_speed")},
     }
     chosen = getattr(owner, "components", chosen)
-    kinds = [kind for kind in owner.CHANNELS if kind.columns(chosen)]
+    absent = () if controlled(owner) else ControlOutputs.CHANNELS
+    kinds = [kind for kind in owner.CHANNELS if kind not in absent and kind.columns(chosen)]
     return record.add(owner.name, kinds, chosen)
 
 
@@ -290,9 +298,9 @@ def _sides(packing: _Packing, force: Any) -> tuple[int, Joint]:
 
 
 def _spring(
-    packing: _Packing, force: Spring | JointSpring, curve: tuple[int, int], *, as_row: bool
-) -> tuple[float, ...]:
-    """Entry of a spring, whose curve has a first row and a number of rows."""
+    packing: _Packing, force: Spring | JointSpring, first: int, count: int, *, as_row: bool
+) -> dict[str, Any]:
+    """Fields of the entry of a spring, whose curve has a first row and a number of rows."""
     coordinate, joint = _sides(packing, force)
     level = FORCES if force.damping > 0.0 or not as_row else ROWS
     if isinstance(force, Spring):
@@ -301,11 +309,24 @@ def _spring(
         markers, rest = joint_markers(packing.book, joint, coordinate, level), force.rest
     block = -1
     if as_row:
-        k, c = (1.0, 0.0) if curve[1] else (force.stiffness, force.damping)  # a table is fitted by iteration
+        k, c = (1.0, 0.0) if count else (force.stiffness, force.damping)  # a table is fitted by iteration
         k = max(k, SLOWEST_RATE * c)
         block = _block(packing, force.name, joint, coordinate, 1.0 / k, c / k)
-    place = (coordinate, *markers, packing.columns[force.name], block)
-    return *place, float(rest), force.stiffness, force.damping, *curve
+    return {
+        **_along(coordinate, markers, packing.columns[force.name]),
+        "block": block,
+        "rest": float(rest),
+        "stiffness": force.stiffness,
+        "damping": force.damping,
+        "first": first,
+        "count": count,
+    }
+
+
+def _along(coordinate: int, markers: tuple[int, int, int], column: int) -> dict[str, Any]:
+    """Fields of a `CoordinateEntry`."""
+    a, b, c = markers
+    return {"coordinate": coordinate, "a": a, "b": b, "c": c, "column": column}
 
 
 def _block(
@@ -329,11 +350,11 @@ def _pack_springs(
     """Springs that are linear rows, and those that are forces: whether each is a row."""
     from heavylift.solver.forces.spring import SpringEntry, Springs, SpringState
 
-    rows: list[tuple[float, ...]] = []
+    rows: list[SpringEntry] = []
     curves = [np.zeros((0, 2))]
     for force, curve, as_row in springs:
-        place = (sum(map(len, curves)), len(curve))
-        rows.append(_spring(packing, force, place, as_row=as_row))
+        entry = _spring(packing, force, sum(map(len, curves)), len(curve), as_row=as_row)
+        rows.append(filled(SpringEntry, **entry))
         curves.append(curve)
     table, state = records(SpringEntry, rows), records(SpringState, len(rows))
     state["value"] = table["rest"]
@@ -343,12 +364,18 @@ def _pack_springs(
         packing.made.forces.append(kind)
 
 
-def _motor(packing: _Packing, motor: JointMotor) -> tuple[int, ...]:
-    """Coordinate, markers, column, first velocity and number of velocities of both bodies."""
+def _motor(packing: _Packing, motor: JointMotor) -> dict[str, Any]:
+    """Fields of its entry but for its table."""
     coordinate, joint = _sides(packing, motor)
     markers = joint_markers(packing.book, joint, coordinate, FORCES)
     a, b = packing.attachment(joint.body_a), packing.attachment(joint.body_b)
-    return coordinate, *markers, packing.columns[motor.name], a.dof, a.width, b.dof, b.width
+    return {
+        **_along(coordinate, markers, packing.columns[motor.name]),
+        "dof_a": a.dof,
+        "width_a": a.width,
+        "dof_b": b.dof,
+        "width_b": b.width,
+    }
 
 
 def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np.float64]]]) -> None:
@@ -366,31 +393,51 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
         ScalarLawState,
     )
 
-    rows: list[tuple[float, ...]] = []
+    rows: list[ScalarLaw] = []
     curves: list[NDArray[np.float64]] = []
     expected: list[float] = []
     for force, curve in springs:
-        place = (sum(map(len, curves)), len(curve))
-        entry = _spring(packing, force, place, as_row=True)
+        entry = _spring(packing, force, sum(map(len, curves)), len(curve), as_row=True)
         coordinate, joint = _sides(packing, force)
         drift = largest_opening(joint, packing.scales, turns=coordinate == ANGLE)
-        rows.append((*entry, SPRING, 0.0, 0.0, 0.0, drift))
+        rows.append(
+            filled(ScalarLaw, **entry, law=SPRING, lower=0.0, upper=0.0, largest=0.0, largest_drift=drift)
+        )
         curves.append(curve)
         expected.append(float(force.length if isinstance(force, Spring) else force.rest))
     for joint, key, along, limits in limited:
-        row = _joint_row(packing, joint, along)
+        entry = _joint_row(packing, joint, along)
         _check_limits(joint, key, limits)
-        stiffness = limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale
-        load = (0.0, stiffness, limits.damping, 0, 0)
-        drift = largest_opening(joint, packing.scales, turns=row[0] == ANGLE)
-        rows.append((*row, *load, STOP, limits.lower, limits.upper, 0.0, drift))
+        rows.append(
+            filled(
+                ScalarLaw,
+                **entry,
+                stiffness=limits.stiffness or STOP_RATE**2 / packing.made.blocks[-1].scale,
+                damping=limits.damping,
+                law=STOP,
+                lower=limits.lower,
+                upper=limits.upper,
+                largest=0.0,
+                largest_drift=largest_opening(joint, packing.scales, turns=along == "angle"),
+            )
+        )
         ends = [end for end in (limits.lower, limits.upper) if np.isfinite(end)]
         expected.append(sum(ends) / len(ends) if ends else 0.0)
     for joint, key, along, friction in rubbing:
         if not 0.0 < friction < np.inf:
             raise InputError(f"{friction}", source=joint.name, key=key, expected="0 or more")
         rows.append(
-            (*_joint_row(packing, joint, along), 0.0, 0.0, 0.0, 0, 0, FRICTION, 0.0, 0.0, friction, np.inf)
+            filled(
+                ScalarLaw,
+                **_joint_row(packing, joint, along),
+                stiffness=0.0,
+                damping=0.0,
+                law=FRICTION,
+                lower=0.0,
+                upper=0.0,
+                largest=friction,
+                largest_drift=np.inf,
+            )
         )
         expected.append(0.0)
     state = records(ScalarLawState, len(rows))
@@ -401,11 +448,12 @@ def _pack_scalar_laws(packing: _Packing, springs: Sequence[tuple[Any, NDArray[np
     packing.made.fitted = True
 
 
-def _joint_row(packing: _Packing, joint: Any, along: str) -> tuple[int, ...]:
-    """Coordinate, markers, no column and block of a row on the angle or travel of a joint."""
+def _joint_row(packing: _Packing, joint: Any, along: str) -> dict[str, Any]:
+    """Fields of a row on the angle or travel of a joint: it records nothing and has no table."""
     coordinate = ANGLE if along == "angle" else TRAVEL
     markers = joint_markers(packing.book, joint, coordinate, ROWS)
-    return coordinate, *markers, -1, _block(packing, joint.name, joint, coordinate)
+    block = _block(packing, joint.name, joint, coordinate)
+    return {**_along(coordinate, markers, -1), "block": block, "rest": 0.0, "first": 0, "count": 0}
 
 
 def _check_limits(joint: Any, place: str, limits: Limits) -> None:

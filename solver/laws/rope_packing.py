@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, records
 from heavylift.solver.extremes import Extremes
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
@@ -33,13 +33,16 @@ from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.connections import (
     GROUND,
-    ROPE_CHANNELS,
+    ControlOutputs,
     JointFrame,
+    RopeParts,
     RopePoint,
+    SheaveParts,
     axes_about,
     controlled,
     rubbing_places,
 )
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "check_strains_at_rest", "pack_ropes"]
@@ -51,7 +54,7 @@ strain of two hundredths."""
 
 def pack_ropes(
     ropes: Sequence[Any],
-    columns: Sequence[int],
+    columns: Sequence[Columns],
     first_block: int,
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
@@ -71,12 +74,12 @@ def pack_ropes(
         If a rope has fewer than two points, ends on a pulley, has coincident neighbours, no stiffness, or is
         shorter than its path by more than it can stretch, unless the scene comes to rest before time starts.
     """
-    table: list[tuple[float, ...]] = []
-    places: list[tuple[int, int, int]] = []
-    winches: list[tuple[float, ...]] = []
-    paths: list[tuple[Any, ...]] = []
+    table: list[RopeEntry] = []
+    places: list[PlaceMarkers] = []
+    winches: list[WinchRow] = []
+    paths: list[RopePlace] = []
     blocks: list[LawBlock] = []
-    state: list[tuple[float, ...]] = []
+    drawn: list[float] = []
     block = first_block
     for rope, column in zip(ropes, columns, strict=True):
         points = rope.path
@@ -91,17 +94,31 @@ def pack_ropes(
             axis = -1
             if point.radius > 0.0:
                 axis = book.direction(point.body, _axes(rope, point)[:, 2], level, at=point.point)
-            places.append((book.point(point.body, point.point, level), axis, side))
-        stiffness = getattr(rope, "axial_stiffness", 0.0), getattr(rope, "stiffness", 0.0)
-        counts = (-1 if as_forces else block, len(held), first, len(points), len(winches), len(rows), column)
-        numbers = (*counts, watched.first.get(rope.name, -1))
-        drift = min(LARGEST_DRIFT, LARGEST_SHARE * max(length, start_length(path)))
+            marker = book.point(point.body, point.point, level)
+            places.append(filled(PlaceMarkers, marker=marker, axis=axis, attachment=side))
+        drawn.append(start_length(path))
         table.append(
-            (*numbers, *stiffness, rope.damping, length, getattr(rope, "tension", None) or 0.0, drift)
+            filled(
+                RopeEntry,
+                block=-1 if as_forces else block,
+                attachments=len(held),
+                first=first,
+                places=len(points),
+                winch=len(winches),
+                winch_rows=len(rows),
+                column=column,
+                parts=column.parts(RopeParts),
+                shown=watched.first.get(rope.name, -1),
+                axial_stiffness=getattr(rope, "axial_stiffness", 0.0),
+                stiffness=getattr(rope, "stiffness", 0.0),
+                damping=rope.damping,
+                start_length=length,
+                wanted=getattr(rope, "tension", None) or 0.0,
+                largest_drift=min(LARGEST_DRIFT, LARGEST_SHARE * max(length, drawn[-1])),
+            )
         )
         winches += rows
-        paths += [(place.centre, place.axis, place.radius) for place in path]
-        state.append((start_length(path), length))
+        paths.extend(path)
         if as_forces:
             continue
         rows_left = 1 + len(rubbing_places(rope))
@@ -117,11 +134,10 @@ def pack_ropes(
             )
             rows_left -= most
             block += blocks[-1].block_count
-    carried = records(RopeState, len(state))
-    carried["fresh"] = True
-    carried["stretched"], carried["rest"] = np.transpose(state)
+    entries, carried = records(RopeEntry, table), records(RopeState, len(table))
+    carried["fresh"], carried["stretched"], carried["rest"] = True, drawn, entries["start_length"]
     kind = Ropes(
-        records(RopeEntry, table),
+        entries,
         records(PlaceMarkers, places),
         records(WinchRow, winches),
         records(RopePlace, paths),
@@ -131,9 +147,9 @@ def pack_ropes(
         watched.pulls,
     )
     if any(rubbing_places(rope) for rope in ropes):
-        return _with_friction(kind, ropes, leaders, attachment), blocks
+        return _with_friction(kind, ropes, columns, leaders, attachment), blocks
     if any(controlled(rope) for rope in ropes):
-        return _with_control(kind, ropes), blocks
+        return _with_control(kind, ropes, columns), blocks
     return kind, blocks
 
 
@@ -142,7 +158,7 @@ def _rows_a_block(count: int) -> int:
     return -(-count // -(-count // ROWS_A_BLOCK))
 
 
-def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
+def _with_control(kind: Ropes, ropes: Sequence[Any], columns: Sequence[Columns]) -> Ropes:
     """The kind of ropes whose winches answer to their tension."""
     from heavylift.solver.laws.winch_control import (
         PLANNED,
@@ -153,16 +169,27 @@ def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
         WinchControl,
     )
 
-    controls: list[tuple[float, ...]] = []
-    rows: list[tuple[float, float]] = []
-    for rope in ropes:
+    controls: list[WinchControl] = []
+    rows: list[TensionRow] = []
+    for rope, column in zip(ropes, columns, strict=True):
         winch, count = rope.winch, len(rope.winch.tensions)
-        speed = winch.speed if count else math.inf
-        brake = math.inf if winch.brake is None else winch.brake
-        mode = TABLED if count else PLANNED
-        controls.append((len(rows), count, winch.dead_band, speed, brake, mode, 0.0, 0))
+        controls.append(
+            filled(
+                WinchControl,
+                first=len(rows),
+                count=count,
+                band=winch.dead_band,
+                speed=winch.speed if count else math.inf,
+                brake=math.inf if winch.brake is None else winch.brake,
+                mode=TABLED if count else PLANNED,
+                wanted=0.0,
+                group=0,
+                column=column.at(ControlOutputs),
+            )
+        )
         if count:
-            rows += [(float(t), float(T)) for t, T in zip(winch.times, winch.tensions, strict=True)]
+            table = zip(winch.times, winch.tensions, strict=True)
+            rows += [filled(TensionRow, time=time, tension=tension) for time, tension in table]
     return ControlledRopes(
         **{name: getattr(kind, name) for name in kind._fields},
         controls=records(WinchControl, controls),
@@ -174,6 +201,7 @@ def _with_control(kind: Ropes, ropes: Sequence[Any]) -> Ropes:
 def _with_friction(
     kind: Ropes,
     ropes: Sequence[Any],
+    columns: Sequence[Columns],
     leaders: Mapping[str, Any],
     attachment: Callable[[str], Attachment],
 ) -> Ropes:
@@ -181,29 +209,41 @@ def _with_friction(
     from heavylift.solver.laws.sheave_friction import Chain, ChainState, Sheave, SheavedRopes, SheaveState
     from heavylift.solver.laws.sheave_states import make_search
 
-    chains: list[tuple[float, ...]] = []
-    sheaves: list[tuple[float, ...]] = []
-    drums: list[tuple[float, ...]] = []
+    chains: list[Chain] = []
+    sheaves: list[Sheave] = []
+    drums: list[WinchRow] = []
     flow = 0
-    for entry, rope in zip(kind.table, ropes, strict=True):
-        rubbing, parts = rubbing_places(rope), len(rope.path) - 1
+    for entry, rope, column in zip(kind.table, ropes, columns, strict=True):
+        rubbing = rubbing_places(rope)
         rows = _rows_a_block(1 + len(rubbing))
         stride = max(1, (entry.attachments + 1) // 2)
         winch = getattr(rope, "winch", None)
         winch_last = 0.0 if winch is None else {"first": 0.0, "both": 0.5, "last": 1.0}[winch.end]
-        last: list[tuple[float, ...]] = []
+        last: list[WinchRow] = []
         if rope.other_winch is not None:
             last = _winch_rows(rope, leaders, "winch" if winch_last == 1.0 else "other_winch")
-        told = (winch_last, len(drums), len(last))
-        chains.append((len(sheaves), len(rubbing), stride, rows, flow, *told, 0.0, 0, False, False, 0.0, 0.0))
+        chain = Chain.one()  # the rest is scratch
+        chain.first, chain.count = len(sheaves), len(rubbing)
+        chain.stride, chain.rows, chain.flow = stride, rows, flow
+        chain["parts"] = column.parts(SheaveParts)
+        chain.winch_last, chain.drum, chain.drum_rows = winch_last, len(drums), len(last)
+        chains.append(chain)
         drums += last
-        column = entry.column + len(ROPE_CHANNELS) - 1 + parts
         for row, place in enumerate(rubbing, start=1):
             part, lane = divmod(row, rows)
-            block = entry.block + part * stride
-            stop = (entry.first + place - 1, block, lane, flow + part * ROWS_A_BLOCK + lane, column + row - 1)
             point = rope.path[place - 1]
-            sheaves.append((*stop, point.efficiency, point.efficiency, point.friction))
+            sheaves.append(
+                filled(
+                    Sheave,
+                    place=entry.first + place - 1,
+                    block=entry.block + part * stride,
+                    lane=lane,
+                    flow=flow + part * ROWS_A_BLOCK + lane,
+                    efficiency=point.efficiency,
+                    bearing=point.efficiency,
+                    friction=point.friction,
+                )
+            )
         flow += (len(rubbing) // rows + 1) * ROWS_A_BLOCK
     places = len(kind.places)
     held = {stop.body for rope in ropes for stop in rope.path if stop.body != GROUND}
@@ -255,7 +295,7 @@ def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
             ),
             bodies,
         )[1]
-        path[i] = (place.point, place.axes[:, 2], point.radius)
+        path[i] = filled(RopePlace, centre=place.point, axis=place.axes[:, 2], radius=point.radius)
     for i, step in enumerate(np.linalg.norm(np.diff(path["centre"], axis=0), axis=1)):
         if not step > 1e-9 * (1.0 + float(np.abs(path["centre"]).max())):
             raise _error(rope, f"points {i + 1} and {i + 2} coincide", "path", "points apart from each other")
@@ -269,9 +309,7 @@ def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
     return path
 
 
-def _unstretched(
-    rope: Any, path: Records[RopePlace], rows: Sequence[tuple[float, ...]], *, at_rest: bool
-) -> float:
+def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[WinchRow], *, at_rest: bool) -> float:
     """Length at the start [m]; that of a wire rope is checked, unless `check_strains_at_rest` does it later."""
     drawn = start_length(path)
     tension, winch = getattr(rope, "tension", None), getattr(rope, "winch", None)
@@ -285,7 +323,7 @@ def _unstretched(
             )
         return drawn / (1.0 + tension / rope.axial_stiffness)
     if winch is not None and len(winch.lengths):
-        length = float(winch.lengths[0]) + (rows[0][2] if winch.acceleration is None else 0.0)
+        length = float(winch.lengths[0]) + (rows[0].hauled if winch.acceleration is None else 0.0)
     else:
         length = drawn if rope.length is None else float(rope.length)
     if hasattr(rope, "axial_stiffness") and not at_rest and drawn > length * (1.0 + LARGEST_STRAIN):
@@ -332,30 +370,43 @@ def check_strains_at_rest(kinds: Iterable[Any], channels: Iterable[Channel]) -> 
         )
 
 
-def _rows_of_both(rope: Any, leaders: Mapping[str, Any]) -> list[tuple[float, ...]]:
+def _rows_of_both(rope: Any, leaders: Mapping[str, Any]) -> list[WinchRow]:
     """Rows of the winch of a rope, of two the sum of both: between all times of one of them both are smooth."""
     rows = _winch_rows(rope, leaders)
     if getattr(rope, "other_winch", None) is None:
         return rows
     both = (rows, _winch_rows(rope, leaders, "other_winch"))
-    times = sorted({row[0] for table in both for row in table})
-    return [(time, *np.sum([_row_at(table, time) for table in both], axis=0).tolist()) for time in times]
+    times = sorted({float(row.time) for table in both for row in table})
+    found = [[_row_at(table, time) for table in both] for time in times]
+    return [
+        filled(
+            WinchRow, time=a.time, speed=a.speed + b.speed, hauled=a.hauled + b.hauled, jerk=a.jerk + b.jerk
+        )
+        for a, b in found
+    ]
 
 
-def _row_at(rows: Sequence[tuple[float, ...]], time: float) -> tuple[float, float, float]:
-    """Speed, length hauled in and jerk from a time on: `heavylift.solver.laws.wire_rope.table_state`."""
-    before = [row for row in rows if row[0] <= time]
-    start, speed, hauled, jerk = before[-1] if before else rows[0]
-    t = time - start
+def _row_at(rows: Sequence[WinchRow], time: float) -> WinchRow:
+    """What a winch does from a time on: `heavylift.solver.laws.wire_rope.table_state`."""
+    before = [row for row in rows if row.time <= time]
+    start = before[-1] if before else rows[0]
+    t, speed, jerk = time - start.time, start.speed, start.jerk
     if not before or len(before) == len(rows):
-        return speed, hauled + speed * t, 0.0
-    end, end_speed = rows[len(before)][:2]
-    slope = (end_speed - speed) / (end - start) - 0.5 * jerk * (end - start)
+        return filled(WinchRow, time=time, speed=speed, hauled=start.hauled + speed * t, jerk=0.0)
+    end = rows[len(before)]
+    span = end.time - start.time
+    slope = (end.speed - speed) / span - 0.5 * jerk * span
     way = t * (speed + t * (0.5 * slope + jerk * t / 6.0))
-    return speed + t * (slope + 0.5 * jerk * t), hauled + way, jerk
+    return filled(
+        WinchRow,
+        time=time,
+        speed=speed + t * (slope + 0.5 * jerk * t),
+        hauled=start.hauled + way,
+        jerk=jerk,
+    )
 
 
-def _winch_rows(rope: Any, leaders: Mapping[str, Any], key: str = "winch") -> list[tuple[float, ...]]:
+def _winch_rows(rope: Any, leaders: Mapping[str, Any], key: str = "winch") -> list[WinchRow]:
     """Time, speed, length hauled in since t = 0, and jerk; of one that follows those of its leader."""
     winch = getattr(rope, key, None)
     if winch is None:
@@ -375,15 +426,27 @@ def _winch_rows(rope: Any, leaders: Mapping[str, Any], key: str = "winch") -> li
                 f"one of: {planned or 'none'}",
             )
         own, ratio = _winch_rows(leaders[winch.follow], leaders), winch.ratio
-        return [(time, ratio * speed, ratio * way, ratio * jerk) for time, speed, way, jerk in own]
+        return [
+            filled(
+                WinchRow,
+                time=row.time,
+                speed=ratio * row.speed,
+                hauled=ratio * row.hauled,
+                jerk=ratio * row.jerk,
+            )
+            for row in own
+        ]
     if not (len(winch.speeds) or len(winch.lengths)):
         return []
     if winch.acceleration is not None:
-        return [(time, speed, way, jerk) for time, way, speed, _, jerk in winch.plan.tolist()]
+        return [
+            filled(WinchRow, time=time, speed=speed, hauled=way, jerk=jerk)
+            for time, way, speed, _, jerk in winch.plan.tolist()
+        ]
     times, speeds = winch.profile
     hauled = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))])
     return [
-        (float(t), float(v), float(x), 0.0)
+        filled(WinchRow, time=t, speed=v, hauled=x, jerk=0.0)
         for t, v, x in zip(times, speeds, hauled - _at_zero(times, speeds, hauled), strict=True)
     ]
 

@@ -17,17 +17,15 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
-from heavylift.solver.extremes import (
-    Agreement,
-    Extremes,
-    Store,
-    compare_force,
-    largest_of,
-    note_stored,
-    note_value,
-    smallest_of,
+from heavylift.solver.extremes import Agreement, Extremes, Store, compare_force, note_stored, note_value
+from heavylift.solver.forces.spring import (
+    SpringEntry,
+    compare_load,
+    end_rate,
+    put_spring,
+    spring_load,
+    stored_energy,
 )
-from heavylift.solver.forces.spring import SpringEntry, compare_load, end_rate, spring_load, stored_energy
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -39,7 +37,6 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.coordinate import (
     ANGLE,
-    DISTANCE,
     coordinate_row,
     coordinate_value,
 )
@@ -356,11 +353,7 @@ def record_scalar_laws(
             elif state.paced:
                 at = geometric - law.rest
                 compare_load(state.agreement, kind.curves, law, time, at, state.rate, state.growth, load)
-            row[law.column] = load
-            if law.coordinate == DISTANCE:
-                row[law.column + 1] = geometric
-                row[law.column + 2] = largest_of(state.extremes, work.control.interval, load)
-                row[law.column + 3] = smallest_of(state.extremes, work.control.interval, load)
+            put_spring(row, law, state.extremes, work.control.interval, load, geometric)
         elif law.law == STOP:
             expected = law.stiffness * _beyond(law, geometric)
             compare_force(state.agreement, time, law.stiffness * _beyond(law, q), expected, expected)

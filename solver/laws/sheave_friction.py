@@ -61,7 +61,9 @@ from heavylift.solver.laws.wire_rope import (
     midpoint_tension,
     path_rate,
     put_places,
+    put_rope,
     relinearise_ropes,
+    rope_outputs,
     set_rope_targets,
     show_pulls,
     stiffness_of,
@@ -70,7 +72,9 @@ from heavylift.solver.laws.wire_rope import (
     watch_stretch,
     winch_state,
 )
+from heavylift.solver.recording import part
 from heavylift.solver.rows.structure import REGULARISATION, RowArrays
+from heavylift.solver.scene.connections import SheaveParts
 
 __all__ = ["Chain", "ChainState", "Sheave", "SheaveState", "SheavedRopes"]
 
@@ -140,6 +144,8 @@ class Chain(Record):
         How many a block has, at most.
     flow
         Place in `SheavedRopes.flows` of the first of its rows.
+    parts
+        Where its records are, beside those of all ropes.
     winch_last
         Part of what the winch hauls in that the last end takes: 1 if its drum is there, a half of one at each end.
     drum, drum_rows
@@ -156,6 +162,7 @@ class Chain(Record):
     stride: int
     rows: int
     flow: int
+    parts: SheaveParts
     winch_last: float
     drum: int
     drum_rows: int
@@ -178,9 +185,8 @@ class Sheave(Record):
 
     Attributes
     ----------
-    place, block, lane, flow, column
-        Its place in all paths, block and lane of its row, place of that in `SheavedRopes.flows`, record column of its
-        speed.
+    place, block, lane, flow
+        Its place in all paths, block and lane of its row, place of that in `SheavedRopes.flows`.
     efficiency
         Smaller over larger tension while the rope runs; of a blocked one that of its wrap, and nearly 1 where the rope
         does not touch.
@@ -194,7 +200,6 @@ class Sheave(Record):
     block: int
     lane: int
     flow: int
-    column: int
     efficiency: float
     bearing: float
     friction: float
@@ -444,11 +449,11 @@ def fill_sheaved_rows(kind: SheavedRopes, with_residual: bool, work: Workspace, 
 def _find_flows(kind: SheavedRopes, i: int, velocity: NDArray[np.float64], system: RowArrays) -> None:
     """``G v`` of all rows of a rope."""
     chain, lanes = kind.chains[i], system.lanes
-    for part in range(chain.count // chain.rows + 1):
-        out = chain.flow + part * ROWS_A_BLOCK
+    for piece in range(chain.count // chain.rows + 1):
+        out = chain.flow + piece * ROWS_A_BLOCK
         for r in range(ROWS_A_BLOCK):
             kind.flows[out + r] = 0.0
-        first = 2 * (kind.table[i].block + part * chain.stride)
+        first = 2 * (kind.table[i].block + piece * chain.stride)
         for side in range(first, first + kind.table[i].attachments):
             dof, panel = system.attachments[side].dof, system.attachments[side].panel
             width = system.attachments[side].width
@@ -540,8 +545,8 @@ def _spread_tension(kind: SheavedRopes, i: int, mean: float) -> float:
     j, last = kind.chains[i].first, kind.chains[i].first + kind.chains[i].count
     a, b = 1.0, 0.0
     sum_a = sum_b = total = 0.0
-    for part in range(first, first + parts):
-        if part > first and j < last and kind.sheaves[j].place == part:
+    for p in range(first, first + parts):
+        if p > first and j < last and kind.sheaves[j].place == p:
             state = kind.sheave_state[j]
             if state.acting == 0:
                 b += state.force
@@ -550,16 +555,16 @@ def _spread_tension(kind: SheavedRopes, i: int, mean: float) -> float:
                 ratio = 1.0 / ratio if state.acting > 0 else ratio
                 a, b = a * ratio, b * ratio
             j += 1
-        length = kind.parts[part]
+        length = kind.parts[p]
         total += length
         sum_a += length * a
         sum_b += length * b
-        kind.slope[part], kind.tension[part] = a, b
+        kind.slope[p], kind.tension[p] = a, b
     start = (mean * total - sum_b) / sum_a
     largest = 0.0
-    for part in range(first, first + parts):
-        kind.tension[part] += start * kind.slope[part]
-        largest = max(largest, kind.tension[part])
+    for p in range(first, first + parts):
+        kind.tension[p] += start * kind.slope[p]
+        largest = max(largest, kind.tension[p])
     return largest
 
 
@@ -972,23 +977,24 @@ def record_sheaved_ropes(
 ) -> None:
     """As a rope, with tensions of the parts and their extremes, and speed and state of each sheave."""
     for i in range(kind.table.shape[0]):
-        rope, chain, column = kind.state[i], kind.chains[i], kind.table[i].column
+        rope, chain, entry = kind.state[i], kind.chains[i], kind.table[i]
         length = _find_shares(kind, i, work)
         compare_length(kind, i, length)
-        first, parts = kind.table[i].first, kind.table[i].places - 1
         largest, interval = 0.0, work.control.interval
-        behind = column + 6 + parts + 2 * chain.count
+        segments = part(row, entry.parts.segment_tension)
+        highest = part(row, chain.parts.segment_tension_max)
+        lowest = part(row, chain.parts.segment_tension_min)
         if rope.fresh:  # what friction does is not known before the first step
             hauling = winch_state(kind, i, time)[1]
             largest = end_tension(kind, i, hauling, path_rate(kind, i, work))
         elif rope.paced:
             compare_tension(kind, i, time, length, rope.tension)
-        for part in range(parts):
-            tension = largest if rope.fresh else kind.tension[first + part]
+        for k in range(segments.shape[0]):
+            tension = largest if rope.fresh else kind.tension[entry.first + k]
             largest = max(largest, tension)
-            row[column + 6 + part] = tension
-            row[behind + part] = largest_of(kind.part_extremes[first + part], interval, tension)
-            row[behind + parts + part] = smallest_of(kind.part_extremes[first + part], interval, tension)
+            segments[k] = tension
+            highest[k] = largest_of(kind.part_extremes[entry.first + k], interval, tension)
+            lowest[k] = smallest_of(kind.part_extremes[entry.first + k], interval, tension)
         if rope.fresh:
             show_pulls(kind, i, largest)
         else:
@@ -996,17 +1002,13 @@ def record_sheaved_ropes(
         e = max(0.0, rope.stretched - rope.rest)
         work.sums.elastic += 0.5 * stiffness_of(kind, i, 1.0 / rope.rest) * e * e
         work.sums.drift = max(work.sums.drift, abs(rope.drift))
-        row[column] = largest
-        row[column + 1] = length
-        row[column + 2] = rope.rest
-        row[column + 3] = rope.drift
-        row[column + 4] = largest_of(rope.extremes, interval, largest)
-        row[column + 5] = smallest_of(rope.extremes, interval, largest)
+        put_rope(rope_outputs(row, entry.column), rope, interval, largest, length)
         work.sums.drive_work += rope.winch_work
         work.sums.dissipated += rope.loss
-        for s in range(chain.first, chain.first + chain.count):
-            state = kind.sheave_state[s]
-            row[kind.sheaves[s].column] = state.speed if state.branch != 0 else 0.0  # else that of compliance
-            row[kind.sheaves[s].column + chain.count] = float(state.branch)
+        speeds, states = part(row, chain.parts.sheave_speed), part(row, chain.parts.sheave_state)
+        for k in range(chain.count):
+            state = kind.sheave_state[chain.first + k]
+            speeds[k] = state.speed if state.branch != 0 else 0.0  # else that of compliance
+            states[k] = float(state.branch)
             work.sums.drive_work += state.work
             work.sums.dissipated += state.loss

@@ -40,7 +40,9 @@ from heavylift.solver.laws.wire_rope import (
     update_ropes,
     winch_state,
 )
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import ControlOutputs
 
 __all__ = [
     "CONSTANT",
@@ -76,6 +78,8 @@ class WinchControl(Record):
         Tension [N], or share of what a group holds.
     group
         Number of the group.
+    column
+        Of its `ControlOutputs`.
     """
 
     first: int
@@ -86,6 +90,10 @@ class WinchControl(Record):
     mode: int
     wanted: float
     group: int
+    column: int
+
+
+control_outputs = outputs_at(ControlOutputs)
 
 
 class TensionRow(Record):
@@ -276,6 +284,6 @@ def record_controlled_ropes(
     """As a rope, with what the control has paid out, and how fast."""
     record_ropes(kind, time, work, system, row)
     for i in range(kind.table.shape[0]):
-        column = kind.table[i].column + 5 + kind.table[i].places
-        row[column] = kind.control_state[i].paid_out
-        row[column + 1] = kind.control_state[i].speed
+        out = control_outputs(row, kind.controls[i].column)
+        out.paid_out = kind.control_state[i].paid_out
+        out.paying_speed = kind.control_state[i].speed

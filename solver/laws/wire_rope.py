@@ -65,14 +65,16 @@ from heavylift.solver.laws.rows import (
     put_residual,
     row_rate,
 )
+from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import (
-    CONTROL_CHANNELS,
-    ROPE_CHANNELS,
     ROPES,
-    SHEAVE_CHANNELS,
+    ControlOutputs,
+    RopeOutputs,
+    RopeParts,
     RopePoint,
+    SheaveParts,
     Winch,
     check_path,
     controlled,
@@ -95,8 +97,10 @@ __all__ = [
     "midpoint_tension",
     "path_rate",
     "put_places",
+    "put_rope",
     "record_ropes",
     "relinearise_ropes",
+    "rope_outputs",
     "set_rope_targets",
     "show_pulls",
     "start_length",
@@ -116,8 +120,13 @@ LARGEST_STRAIN = 0.02
 class Rope:
     """A wire rope through any number of points, with one tension all along but for sheaves with an efficiency."""
 
-    CHANNELS: ClassVar = (*ROPE_CHANNELS, *SHEAVE_CHANNELS, *CONTROL_CHANNELS)
-    """What it records, in the order of its columns: behind the extremes one a segment, then one a place that rubs."""
+    CHANNELS: ClassVar = (
+        *RopeOutputs.CHANNELS,
+        *RopeParts.CHANNELS,
+        *SheaveParts.CHANNELS,
+        *ControlOutputs.CHANNELS,
+    )
+    """What it records, in the order of its columns."""
 
     name: str
     path: Annotated[tuple[RopePoint, ...], Least(2)]
@@ -206,7 +215,7 @@ class Rope:
 class SpringRope:
     """A rope between two points that pulls like a spring and never pushes."""
 
-    CHANNELS: ClassVar = ROPE_CHANNELS
+    CHANNELS: ClassVar = (*RopeOutputs.CHANNELS, *RopeParts.CHANNELS)
     """What it records, in the order of its columns; it has one segment."""
 
     name: str
@@ -274,8 +283,8 @@ class RopeEntry(Record):
         Its first place, and how many.
     winch, winch_rows
         First row of its winch, of two of both together, and how many.
-    column
-        First record column.
+    column, parts
+        Of its `RopeOutputs`, and of its segments.
     shown
         Place in `Ropes.pulls` of its first place, -1 if nothing watches what it pulls with.
     axial_stiffness
@@ -299,6 +308,7 @@ class RopeEntry(Record):
     winch: int
     winch_rows: int
     column: int
+    parts: RopeParts
     shown: int
     axial_stiffness: float
     stiffness: float
@@ -306,6 +316,9 @@ class RopeEntry(Record):
     start_length: float
     wanted: float
     largest_drift: float
+
+
+rope_outputs = outputs_at(RopeOutputs)
 
 
 class PlaceMarkers(Record):
@@ -736,6 +749,17 @@ def compare_tension(kind: Ropes, i: int, time: float, length: float, tension: fl
     compare_force(state.agreement, time, tension, low, high)
 
 
+@kernel(internal=True)
+def put_rope(out: RopeOutputs, state: RopeState, interval: int, tension: float, length: float) -> None:
+    """What all ropes record, with the tension and the length of the path of the record."""
+    out.tension = tension
+    out.length = length
+    out.rest_length = state.rest
+    out.drift = state.drift
+    out.tension_max = largest_of(state.extremes, interval, tension)
+    out.tension_min = smallest_of(state.extremes, interval, tension)
+
+
 @implement(record_joints, Ropes)
 @kernel(internal=True)
 def record_ropes(
@@ -743,8 +767,8 @@ def record_ropes(
 ) -> None:
     """Tension, length of the path, unstretched length, drift, extremes, tension of each straight part."""
     for i in range(kind.table.shape[0]):
-        state, column = kind.state[i], kind.table[i].column
-        if kind.table[i].block < 0:
+        entry, state = kind.table[i], kind.state[i]
+        if entry.block < 0:
             _, tension, _, _, length = _tension_now(kind, i, time, work)
             state.stretched = length
         else:
@@ -757,14 +781,10 @@ def record_ropes(
             work.sums.drift = max(work.sums.drift, abs(state.drift))
         e = max(0.0, state.stretched - state.rest)
         work.sums.elastic += 0.5 * stiffness_of(kind, i, 1.0 / state.rest) * e * e
-        row[column] = tension
-        row[column + 1] = length
-        row[column + 2] = state.rest
-        row[column + 3] = state.drift
-        row[column + 4] = largest_of(state.extremes, work.control.interval, tension)
-        row[column + 5] = smallest_of(state.extremes, work.control.interval, tension)
-        for part in range(kind.table[i].places - 1):
-            row[column + 6 + part] = tension
+        put_rope(rope_outputs(row, entry.column), state, work.control.interval, tension, length)
+        segments = part(row, entry.parts.segment_tension)
+        for k in range(segments.shape[0]):
+            segments[k] = tension
         show_pulls(kind, i, tension)
         work.sums.drive_work += state.winch_work
         work.sums.dissipated += state.loss

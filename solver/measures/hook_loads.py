@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,10 +31,10 @@ from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Least, NameOf
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.vectors import dot, vector
-from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -47,9 +47,19 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.measures.seen import extremes_of, note_seen, put_seen
+from heavylift.solver.recording import outputs_at, zeros_of
 from heavylift.solver.scene.bodies import Free, RigidBody
 from heavylift.solver.scene.connections import MEASURES
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.outputs import (
+    Columns,
+    Outputs,
+    channel,
+    largest_of_all,
+    nested,
+    outputs,
+    smallest_of_all,
+)
 
 __all__ = ["HookLoad", "HookLoadEntry", "HookLoads", "HookState", "pack"]
 
@@ -60,18 +70,25 @@ JUMP, ALIKE = 0.1, 1.5
 """Of the slope of a step: that before it, below which it begins with a jump, and that behind it, which a smooth motion
 that turns there has twice as large."""
 
-SEEN = (
-    ChannelKind(
-        "hook_load",
+
+@outputs
+class HookSeen(Outputs):
+    """What is seen of a hook."""
+
+    hook_load: float = channel(
         "force",
         "what all but the ropes pulls the body down with, without its own weight; at t = 0 as if it stood",
-    ),
-    ChannelKind("rope_load", "force", "what the ropes pull the body up with, against gravity"),
-)
-"""What is seen of a hook, in the order of its columns."""
+    )
+    rope_load: float = channel("force", "what the ropes pull the body up with, against gravity")
 
-LARGEST, SMALLEST = zip(*(interval_extremes(seen.name, seen.quantity) for seen in SEEN), strict=True)
-"""Channels of extremes over all steps, in the same order."""
+
+@outputs
+class HookOutputs(Outputs):
+    """What a hook records."""
+
+    seen: HookSeen = nested(HookSeen)
+    largest: HookSeen = largest_of_all(HookSeen)
+    smallest: HookSeen = smallest_of_all(HookSeen)
 
 
 @MEASURES.describe("hook_loads")
@@ -79,7 +96,7 @@ LARGEST, SMALLEST = zip(*(interval_extremes(seen.name, seen.quantity) for seen i
 class HookLoad(WatchesRopes):
     """What hangs on a rigid body that ropes carry: on a hook block on its falls."""
 
-    CHANNELS: ClassVar = (*SEEN, *LARGEST, *SMALLEST)
+    CHANNELS: ClassVar = HookOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
     STEPS: ClassVar = True
@@ -115,6 +132,9 @@ class HookLoadEntry(Record):
     centre: int
     mass: float
     column: int
+
+
+hook_outputs = outputs_at(HookOutputs)
 
 
 class HookState(Record):
@@ -159,9 +179,9 @@ class HookLoads(Arrays):
     pulls
         What ropes pull with, which they write.
     extremes
-        Of both values of each, one after the other.
-    values
-        Hook load and load of the ropes of one of them [N]; scratch, shape (2,).
+        Of what is seen of each.
+    seen
+        Of one of them; scratch.
     up
         Against gravity, shape (3,).
     gravity
@@ -175,13 +195,13 @@ class HookLoads(Arrays):
     places: Ints1
     pulls: Records[RopePull]
     extremes: Records[Extremes]
-    values: Floats1
+    seen: HookSeen
     up: Floats1
     gravity: float
 
 
 def pack(
-    hooks: Sequence[HookLoad], columns: Sequence[int], book: MarkerBook, watched: WatchedRopes
+    hooks: Sequence[HookLoad], columns: Sequence[Columns], book: MarkerBook, watched: WatchedRopes
 ) -> HookLoads:
     """Make the kind.
 
@@ -191,7 +211,7 @@ def pack(
         Without gravity, of a body that is not rigid and free, or of a rope that is not on it.
     """
     g = float(np.linalg.norm(watched.gravity))
-    rows: list[tuple[Any, ...]] = []
+    rows: list[HookLoadEntry] = []
     places: list[int] = []
     for hook, column in zip(hooks, columns, strict=True):
         body = watched.bodies[hook.body]
@@ -216,14 +236,23 @@ def pack(
                 )
             places += [watched.first[rope] + place for place in on_body]
         centre = book.point(hook.body, np.asarray(body.centre_of_mass, dtype=np.float64), FORCES)
-        rows.append((first, len(places) - first, centre, body.mass, column))
+        rows.append(
+            filled(
+                HookLoadEntry,
+                first=first,
+                count=len(places) - first,
+                centre=centre,
+                mass=body.mass,
+                column=column,
+            )
+        )
     return HookLoads(
         records(HookLoadEntry, rows),
         records(HookState, len(rows)),
         np.array(places, dtype=np.int64),
         watched.pulls,
-        records(Extremes, 2 * len(rows)),
-        np.zeros(2),
+        extremes_of(HookSeen, len(rows)),
+        zeros_of(HookSeen),
         -watched.gravity / g,
         g,
     )
@@ -247,11 +276,11 @@ def _look(kind: HookLoads, i: int, standing: bool) -> None:
     entry, load = kind.table[i], 0.0
     for p in range(entry.first, entry.first + entry.count):
         load += _upwards(kind, kind.pulls[kind.places[p]].force)
-    kind.values[1] = load
+    kind.seen.rope_load = load
     if standing:
-        kind.values[0] = max(0.0, load - entry.mass * kind.gravity)
+        kind.seen.hook_load = max(0.0, load - entry.mass * kind.gravity)
     else:
-        kind.values[0] = load - entry.mass * (kind.gravity + kind.state[i].acceleration)
+        kind.seen.hook_load = load - entry.mass * (kind.gravity + kind.state[i].acceleration)
 
 
 @kernel(internal=True)
@@ -289,8 +318,7 @@ def watch_hook_loads(kind: HookLoads, bodies: Bodies, work: Workspace) -> None:
         height = _upwards(kind, work.markers[kind.table[i].centre].point)
         _follow(kind, i, height, work.control.last_step, work.control.next_step)
         _look(kind, i, False)
-        for k in range(2):
-            note_value(kind.extremes[2 * i + k], work.control.interval, kind.values[k])
+        note_seen(kind.extremes, i, work.control.interval, kind.seen.words)
 
 
 @implement(record_forces, HookLoads)
@@ -299,13 +327,11 @@ def record_hook_loads(kind: HookLoads, time: float, work: Workspace, row: NDArra
     """Both loads, then the largest and smallest values of both."""
     interval = work.control.interval
     for i in range(kind.table.shape[0]):
-        column, state = kind.table[i].column, kind.state[i]
+        out, state = hook_outputs(row, kind.table[i].column), kind.state[i]
         if state.steps == 0 and time == 0.0:  # where it starts from
             centre = work.markers[kind.table[i].centre]
             state.height, state.speed = _upwards(kind, centre.point), _upwards(kind, centre.velocity)
         _look(kind, i, state.steps == 0)
-        for k in range(2):
-            value, extremes = kind.values[k], kind.extremes[2 * i + k]
-            row[column + k] = value
-            row[column + 2 + k] = largest_of(extremes, interval, value)
-            row[column + 4 + k] = smallest_of(extremes, interval, value)
+        put_seen(
+            kind.extremes, i, interval, kind.seen.words, out.seen.words, out.largest.words, out.smallest.words
+        )

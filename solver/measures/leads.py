@@ -24,13 +24,14 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyDirection
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.numerics.vectors import cross, dot, subtract, vector
 from heavylift.solver.interface import RECORD, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene.connections import MEASURES, Between, PackedForce
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.outputs import Columns, Outputs, channel, outputs
 
 __all__ = ["Lead", "LeadEntry", "Leads", "pack"]
 
@@ -46,22 +47,23 @@ def _across() -> NDArray[np.float64]:
     return np.array([0.0, 1.0, 0.0])
 
 
+@outputs
+class LeadOutputs(Outputs):
+    """What a lead records."""
+
+    off_lead: float = channel(
+        "angle", "angle of the way to the axis in the plane, positive on the side of axis x normal"
+    )
+    side_lead: float = channel("angle", "angle of the way to the plane, positive on the side of its normal")
+    lead_angle: float = channel("angle", "angle of the way and the axis, 0 to 180 deg")
+
+
 @MEASURES.describe("leads")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Lead(Between, PackedForce):
     """Angles of the way from the point of side a to that of side b against an axis and a plane of side a."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind(
-            "off_lead",
-            "angle",
-            "angle of the way to the axis in the plane, positive on the side of axis x normal",
-        ),
-        ChannelKind(
-            "side_lead", "angle", "angle of the way to the plane, positive on the side of its normal"
-        ),
-        ChannelKind("lead_angle", "angle", "angle of the way and the axis, 0 to 180 deg"),
-    )
+    CHANNELS: ClassVar = LeadOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
     axis: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_down)
@@ -92,13 +94,16 @@ class LeadEntry(Record):
     column: int
 
 
+lead_outputs = outputs_at(LeadOutputs)
+
+
 class Leads(Arrays):
     """All leads of a scene."""
 
     table: Records[LeadEntry]
 
 
-def pack(leads: Sequence[Lead], columns: Sequence[int], book: MarkerBook) -> Leads:
+def pack(leads: Sequence[Lead], columns: Sequence[Columns], book: MarkerBook) -> Leads:
     """Make the kind."""
     rows = []
     for lead, column in zip(leads, columns, strict=True):
@@ -106,7 +111,7 @@ def pack(leads: Sequence[Lead], columns: Sequence[int], book: MarkerBook) -> Lea
         directions = (np.asarray(given, dtype=np.float64) for given in (lead.axis, lead.normal))
         units = [given / np.linalg.norm(given) for given in directions]
         axis, normal = (book.direction(lead.body_a, unit, RECORD, at=lead.point_a) for unit in units)
-        rows.append((a, b, axis, normal, column))
+        rows.append(filled(LeadEntry, a=a, b=b, axis=axis, normal=normal, column=column))
     return Leads(records(LeadEntry, rows))
 
 
@@ -125,6 +130,7 @@ def record_leads(kind: Leads, time: float, work: Workspace, row: NDArray[np.floa
         r = subtract(work.markers[entry.b].point, work.markers[entry.a].point)
         t, n = vector(work.markers[entry.axis].point), vector(work.markers[entry.normal].point)
         along, aside, out = dot(r, t), dot(r, cross(t, n)), dot(r, n)
-        row[entry.column] = math.atan2(aside, along)
-        row[entry.column + 1] = math.atan2(out, math.hypot(along, aside))
-        row[entry.column + 2] = math.atan2(math.hypot(aside, out), along)
+        lead = lead_outputs(row, entry.column)
+        lead.off_lead = math.atan2(aside, along)
+        lead.side_lead = math.atan2(out, math.hypot(along, aside))
+        lead.lead_angle = math.atan2(math.hypot(aside, out), along)

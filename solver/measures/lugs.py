@@ -21,13 +21,13 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyDirection, NameOf
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.numerics.vectors import dot, vector
-from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -40,23 +40,39 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.measures.seen import extremes_of, note_seen, put_seen
+from heavylift.solver.recording import outputs_at, zeros_of
 from heavylift.solver.scene.connections import MEASURES
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.outputs import (
+    Columns,
+    Outputs,
+    channel,
+    largest_of_all,
+    nested,
+    outputs,
+    smallest_of_all,
+)
 
 __all__ = ["Lug", "LugEntry", "Lugs", "pack"]
 
-SEEN = (
-    ChannelKind("force", "force", "force of the rope on the lug"),
-    ChannelKind("in_plane", "force", "its part in the plane of the eye"),
-    ChannelKind("out_of_plane", "force", "its part across that plane, positive along the normal"),
-    ChannelKind("angle", "angle", "angle of the rope to the plane of the eye; 0 while it carries nothing"),
-)
-"""What is seen of a lug, in the order of its columns."""
 
-VALUES = 4
-"""Numbers of it."""
-LARGEST, SMALLEST = zip(*(interval_extremes(seen.name, seen.quantity) for seen in SEEN), strict=True)
-"""Channels of extremes over all steps, in the same order."""
+@outputs
+class LugSeen(Outputs):
+    """What is seen of a lug."""
+
+    force: float = channel("force", "force of the rope on the lug")
+    in_plane: float = channel("force", "its part in the plane of the eye")
+    out_of_plane: float = channel("force", "its part across that plane, positive along the normal")
+    angle: float = channel("angle", "angle of the rope to the plane of the eye; 0 while it carries nothing")
+
+
+@outputs
+class LugOutputs(Outputs):
+    """What a lug records."""
+
+    seen: LugSeen = nested(LugSeen)
+    largest: LugSeen = largest_of_all(LugSeen)
+    smallest: LugSeen = smallest_of_all(LugSeen)
 
 
 @MEASURES.describe("lugs")
@@ -64,7 +80,7 @@ LARGEST, SMALLEST = zip(*(interval_extremes(seen.name, seen.quantity) for seen i
 class Lug(WatchesRopes):
     """Force of a rope on a lug of a body, in the plane of the eye and across it, and its angle to that plane."""
 
-    CHANNELS: ClassVar = (*SEEN, *LARGEST, *SMALLEST)
+    CHANNELS: ClassVar = LugOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
     body: Annotated[str, NameOf("body")]
@@ -90,6 +106,9 @@ class LugEntry(Record):
     column: int
 
 
+lug_outputs = outputs_at(LugOutputs)
+
+
 class Lugs(Arrays):
     """All lugs of a scene.
 
@@ -100,9 +119,9 @@ class Lugs(Arrays):
     pulls
         What ropes pull with, which they write.
     extremes
-        Of the `VALUES` of each, one after the other.
-    values
-        What is seen of one of them, in the order of its columns; scratch, shape (VALUES,).
+        Of what is seen of each.
+    seen
+        Of one of them; scratch.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = ("extremes",)
@@ -110,10 +129,10 @@ class Lugs(Arrays):
     table: Records[LugEntry]
     pulls: Records[RopePull]
     extremes: Records[Extremes]
-    values: Floats1
+    seen: LugSeen
 
 
-def pack(lugs: Sequence[Lug], columns: Sequence[int], book: MarkerBook, watched: WatchedRopes) -> Lugs:
+def pack(lugs: Sequence[Lug], columns: Sequence[Columns], book: MarkerBook, watched: WatchedRopes) -> Lugs:
     """Make the kind.
 
     Raises
@@ -127,9 +146,10 @@ def pack(lugs: Sequence[Lug], columns: Sequence[int], book: MarkerBook, watched:
         normal = np.asarray(lug.normal, dtype=np.float64)
         point = watched.ropes[lug.rope].path[place].point
         marker = book.direction(lug.body, normal / np.linalg.norm(normal), FORCES, at=np.asarray(point))
-        rows.append((watched.first[lug.rope] + place, marker, column))
-    extremes = records(Extremes, VALUES * len(rows))
-    return Lugs(records(LugEntry, rows), watched.pulls, extremes, np.zeros(VALUES))
+        pull = watched.first[lug.rope] + place
+        rows.append(filled(LugEntry, pull=pull, normal=marker, column=column))
+    extremes = extremes_of(LugSeen, len(rows))
+    return Lugs(records(LugEntry, rows), watched.pulls, extremes, zeros_of(LugSeen))
 
 
 def _place(lug: Lug, watched: WatchedRopes) -> int:
@@ -174,12 +194,12 @@ def add_no_forces(kind: Lugs, time: float, work: Workspace) -> None:
 @kernel(internal=True)
 def _look(kind: Lugs, i: int, work: Workspace) -> None:
     """Force, its parts, angle."""
-    entry, values = kind.table[i], kind.values
+    entry, seen = kind.table[i], kind.seen
     force = vector(kind.pulls[entry.pull].force)
     square, out = dot(force, force), dot(force, vector(work.markers[entry.normal].point))
     inside = math.sqrt(max(0.0, square - out * out))
-    values[0], values[1], values[2] = math.sqrt(square), inside, out
-    values[3] = math.atan2(out, inside) if square > 0.0 else 0.0
+    seen.force, seen.in_plane, seen.out_of_plane = math.sqrt(square), inside, out
+    seen.angle = math.atan2(out, inside) if square > 0.0 else 0.0
 
 
 @implement(watch_motions, Lugs)
@@ -188,8 +208,7 @@ def watch_lugs(kind: Lugs, bodies: Bodies, work: Workspace) -> None:
     """Extremes at the ends of steps."""
     for i in range(kind.table.shape[0]):
         _look(kind, i, work)
-        for k in range(VALUES):
-            note_value(kind.extremes[VALUES * i + k], work.control.interval, kind.values[k])
+        note_seen(kind.extremes, i, work.control.interval, kind.seen.words)
 
 
 @implement(record_forces, Lugs)
@@ -198,10 +217,8 @@ def record_lugs(kind: Lugs, time: float, work: Workspace, row: NDArray[np.float6
     """What is seen, then the largest and smallest values of all of it."""
     interval = work.control.interval
     for i in range(kind.table.shape[0]):
-        column = kind.table[i].column
+        out = lug_outputs(row, kind.table[i].column)
         _look(kind, i, work)
-        for k in range(VALUES):
-            value, extremes = kind.values[k], kind.extremes[VALUES * i + k]
-            row[column + k] = value
-            row[column + VALUES + k] = largest_of(extremes, interval, value)
-            row[column + 2 * VALUES + k] = smallest_of(extremes, interval, value)
+        put_seen(
+            kind.extremes, i, interval, kind.seen.words, out.seen.words, out.largest.words, out.smallest.words
+        )

@@ -27,11 +27,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1
+from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.numerics.vectors import Vector, add_scaled, cross, dot, scaled, subtract, vector
-from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.interface import (
     RECORD,
     Bodies,
@@ -43,35 +43,50 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.measures.seen import extremes_of, note_seen, put_seen
+from heavylift.solver.recording import outputs_at, zeros_of
 from heavylift.solver.scene.connections import MEASURES, Between, PackedForce
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, interval_extremes
+from heavylift.solver.scene.descriptions import XYZ
+from heavylift.solver.scene.outputs import (
+    Columns,
+    Components,
+    Outputs,
+    channel,
+    largest_of_all,
+    nested,
+    outputs,
+    smallest_of_all,
+)
 
 __all__ = ["RelativeMotion", "RelativeMotions", "pack"]
 
-SEEN = (
-    ChannelKind("position", "length", "from the point of a to that of b, axes of a", XYZ),
-    ChannelKind("velocity", "velocity", "rate of that position, as seen from a", XYZ),
-    ChannelKind("distance", "length", "distance of the two points"),
-    ChannelKind(
-        "rotation",
+
+@outputs
+class MotionSeen(Outputs):
+    """What is seen of a motion."""
+
+    position: Components = channel("length", "from the point of a to that of b, axes of a", XYZ)
+    velocity: Components = channel("velocity", "rate of that position, as seen from a", XYZ)
+    distance: float = channel("length", "distance of the two points")
+    rotation: Components = channel(
         "angle",
         "angles that turn the axes of a to those of b: yaw about z first, then pitch about y, then roll about x; "
         "within 180 deg, the pitch within 90 deg",
         ("roll", "pitch", "yaw"),
-    ),
-    ChannelKind("angle", "angle", "angle of the whole rotation of b against a, 0 to 180 deg"),
-    ChannelKind("tilt", "angle", "angle of the z axes of a and b, 0 to 180 deg"),
-    ChannelKind("angular_velocity", "angular velocity", "of b against a, axes of a", XYZ),
-    ChannelKind("radius", "length", "distance of the point of b from the z axis of a through its point"),
-)
-"""What is seen of a motion, in the order of its columns."""
+    )
+    angle: float = channel("angle", "angle of the whole rotation of b against a, 0 to 180 deg")
+    tilt: float = channel("angle", "angle of the z axes of a and b, 0 to 180 deg")
+    angular_velocity: Components = channel("angular velocity", "of b against a, axes of a", XYZ)
+    radius: float = channel("length", "distance of the point of b from the z axis of a through its point")
 
-VALUES = 16
-"""Numbers of it."""
-LARGEST, SMALLEST = zip(
-    *(interval_extremes(seen.name, seen.quantity, components=seen.components) for seen in SEEN), strict=True
-)
-"""Channels of extremes over all steps, in the same order."""
+
+@outputs
+class MotionOutputs(Outputs):
+    """What a motion records."""
+
+    seen: MotionSeen = nested(MotionSeen)
+    largest: MotionSeen = largest_of_all(MotionSeen)
+    smallest: MotionSeen = smallest_of_all(MotionSeen)
 
 
 @MEASURES.describe("relative_motions")
@@ -83,7 +98,7 @@ class RelativeMotion(Between, PackedForce):
     its frame, a shell those with which it has turned at the point.
     """
 
-    CHANNELS: ClassVar = (*SEEN, *LARGEST, *SMALLEST)
+    CHANNELS: ClassVar = MotionOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
 
@@ -97,6 +112,9 @@ class RelativeMotionEntry(Record):
     column: int
 
 
+motion_outputs = outputs_at(MotionOutputs)
+
+
 class RelativeMotions(Arrays):
     """All relative motions of a scene.
 
@@ -105,28 +123,37 @@ class RelativeMotions(Arrays):
     table
         The motions.
     extremes
-        Of the `VALUES` of each, one after the other.
-    values
-        What is seen of one of them, in the order of its columns; scratch, shape (VALUES,).
+        Of what is seen of each.
+    seen
+        Of one of them; scratch.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = ("extremes",)
 
     table: Records[RelativeMotionEntry]
     extremes: Records[Extremes]
-    values: Floats1
+    seen: MotionSeen
 
 
-def pack(motions: Sequence[RelativeMotion], columns: Sequence[int], book: MarkerBook) -> RelativeMotions:
+def pack(motions: Sequence[RelativeMotion], columns: Sequence[Columns], book: MarkerBook) -> RelativeMotions:
     """Make the kind."""
     rows = []
     for motion, column in zip(motions, columns, strict=True):
         sides = ((motion.body_a, motion.point_a), (motion.body_b, motion.point_b))
         points = [book.point(body, point, RECORD) for body, point in sides]
         axes = [[book.direction(body, axis, RECORD, at=point) for axis in np.eye(3)] for body, point in sides]
-        rows.append((*points, axes[0][0], axes[1][0], column))
-    extremes = records(Extremes, VALUES * len(rows))
-    return RelativeMotions(records(RelativeMotionEntry, rows), extremes, np.zeros(VALUES))
+        rows.append(
+            filled(
+                RelativeMotionEntry,
+                a=points[0],
+                b=points[1],
+                axes_a=axes[0][0],
+                axes_b=axes[1][0],
+                column=column,
+            )
+        )
+    extremes = extremes_of(MotionSeen, len(rows))
+    return RelativeMotions(records(RelativeMotionEntry, rows), extremes, zeros_of(MotionSeen))
 
 
 @implement(add_forces, RelativeMotions)
@@ -155,7 +182,7 @@ def _spin(work: Workspace, axes: int) -> Vector:
 @kernel(internal=True)
 def _look(kind: RelativeMotions, i: int, work: Workspace) -> None:
     """Position, velocity, distance, rotation, angles, angular velocity, radius from the markers."""
-    entry, values = kind.table[i], kind.values
+    entry, out = kind.table[i], kind.seen
     a, b = work.markers[entry.a], work.markers[entry.b]
     r, rate = subtract(b.point, a.point), subtract(b.velocity, a.velocity)
     spin = _spin(work, entry.axes_a)
@@ -164,20 +191,20 @@ def _look(kind: RelativeMotions, i: int, work: Workspace) -> None:
     b1, b2, b3 = _unit(work, entry.axes_b), _unit(work, entry.axes_b + 1), _unit(work, entry.axes_b + 2)
     for k in range(3):
         axis = _unit(work, entry.axes_a + k)
-        values[k] = dot(axis, r)
-        values[3 + k] = dot(axis, seen)
-        values[12 + k] = dot(axis, turning)
+        out.position[k] = dot(axis, r)
+        out.velocity[k] = dot(axis, seen)
+        out.angular_velocity[k] = dot(axis, turning)
     a1, a2, a3 = _unit(work, entry.axes_a), _unit(work, entry.axes_a + 1), _unit(work, entry.axes_a + 2)
-    values[6] = math.sqrt(dot(r, r))
-    values[15] = math.hypot(values[0], values[1])
-    values[7] = math.atan2(dot(a3, b2), dot(a3, b3))
-    values[8] = math.atan2(-dot(a3, b1), math.hypot(dot(a1, b1), dot(a2, b1)))
-    values[9] = math.atan2(dot(a2, b1), dot(a1, b1))
+    out.distance = math.sqrt(dot(r, r))
+    out.radius = math.hypot(out.position[0], out.position[1])
+    roll, yaw = math.atan2(dot(a3, b2), dot(a3, b3)), math.atan2(dot(a2, b1), dot(a1, b1))
+    pitch = math.atan2(-dot(a3, b1), math.hypot(dot(a1, b1), dot(a2, b1)))
+    out.rotation[0], out.rotation[1], out.rotation[2] = roll, pitch, yaw
     x, y = dot(a3, b2) - dot(a2, b3), dot(a1, b3) - dot(a3, b1)
     z = dot(a2, b1) - dot(a1, b2)
     trace = dot(a1, b1) + dot(a2, b2) + dot(a3, b3)
-    values[10] = math.atan2(0.5 * math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0))
-    values[11] = math.atan2(math.hypot(dot(a1, b3), dot(a2, b3)), dot(a3, b3))
+    out.angle = math.atan2(0.5 * math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0))
+    out.tilt = math.atan2(math.hypot(dot(a1, b3), dot(a2, b3)), dot(a3, b3))
 
 
 @implement(watch_motions, RelativeMotions)
@@ -187,8 +214,7 @@ def watch_relative_motions(kind: RelativeMotions, bodies: Bodies, work: Workspac
     fill_markers(bodies, False, RECORD, work)
     for i in range(kind.table.shape[0]):
         _look(kind, i, work)
-        for k in range(VALUES):
-            note_value(kind.extremes[VALUES * i + k], work.control.interval, kind.values[k])
+        note_seen(kind.extremes, i, work.control.interval, kind.seen.words)
 
 
 @implement(record_forces, RelativeMotions)
@@ -199,10 +225,8 @@ def record_relative_motions(
     """What is seen, then the largest and smallest values of all of it."""
     interval = work.control.interval
     for i in range(kind.table.shape[0]):
-        column = kind.table[i].column
+        out = motion_outputs(row, kind.table[i].column)
         _look(kind, i, work)
-        for k in range(VALUES):
-            value, extremes = kind.values[k], kind.extremes[VALUES * i + k]
-            row[column + k] = value
-            row[column + VALUES + k] = largest_of(extremes, interval, value)
-            row[column + 2 * VALUES + k] = smallest_of(extremes, interval, value)
+        put_seen(
+            kind.extremes, i, interval, kind.seen.words, out.seen.words, out.largest.words, out.smallest.words
+        )

@@ -17,38 +17,54 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays, Floats1, Ints1
+from heavylift.numerics.arrays import Arrays, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Least, NameOf, Positive
-from heavylift.numerics.records import Record, Records, records
-from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.numerics.records import Record, Records, filled, records
+from heavylift.solver.extremes import Extremes
 from heavylift.solver.interface import Bodies, Workspace, add_forces, record_forces, watch_motions
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.pulls import RopePull
 from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.measures.seen import extremes_of, note_seen, put_seen
+from heavylift.solver.recording import outputs_at, zeros_of
 from heavylift.solver.scene.connections import MEASURES
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
+from heavylift.solver.scene.outputs import (
+    Columns,
+    Outputs,
+    channel,
+    largest_of_all,
+    nested,
+    outputs,
+    smallest_of_all,
+)
 
 __all__ = ["RopeGroup", "RopeGroupEntry", "RopeGroups", "pack"]
 
-SEEN = (
-    ChannelKind("total_tension", "force", "sum of the tensions, of each rope the largest of its parts"),
-    ChannelKind("largest_tension", "force", "largest tension"),
-    ChannelKind("smallest_tension", "force", "smallest tension"),
-    ChannelKind(
-        "spread", "number", "largest less smallest tension over their mean; 0 while all carry nothing"
-    ),
-    ChannelKind("utilisation", "number", "largest tension over `breaking_load`; 0 without it"),
-)
-"""What is seen of a group, in the order of its columns."""
 
-VALUES = 5
-"""Numbers of it."""
-LARGEST, SMALLEST = zip(*(interval_extremes(seen.name, seen.quantity) for seen in SEEN), strict=True)
-"""Channels of extremes over all steps, in the same order."""
-SLACK = ChannelKind("slack_time", "time", "how long so far at least one of them has carried nothing")
+@outputs
+class RopeGroupSeen(Outputs):
+    """What is seen of a group."""
+
+    total_tension: float = channel("force", "sum of the tensions, of each rope the largest of its parts")
+    largest_tension: float = channel("force", "largest tension")
+    smallest_tension: float = channel("force", "smallest tension")
+    spread: float = channel(
+        "number", "largest less smallest tension over their mean; 0 while all carry nothing"
+    )
+    utilisation: float = channel("number", "largest tension over `breaking_load`; 0 without it")
+
+
+@outputs
+class RopeGroupOutputs(Outputs):
+    """What a group records."""
+
+    seen: RopeGroupSeen = nested(RopeGroupSeen)
+    largest: RopeGroupSeen = largest_of_all(RopeGroupSeen)
+    smallest: RopeGroupSeen = smallest_of_all(RopeGroupSeen)
+    slack_time: float = channel("time", "how long so far at least one of them has carried nothing")
 
 
 @MEASURES.describe("rope_groups")
@@ -56,7 +72,7 @@ SLACK = ChannelKind("slack_time", "time", "how long so far at least one of them 
 class RopeGroup(WatchesRopes):
     """Tensions of ropes that share a load, or of the parts of a single one, at the ends of all steps."""
 
-    CHANNELS: ClassVar = (*SEEN, *LARGEST, *SMALLEST, SLACK)
+    CHANNELS: ClassVar = RopeGroupOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
     STEPS: ClassVar = True
@@ -88,6 +104,9 @@ class RopeGroupEntry(Record):
     column: int
 
 
+group_outputs = outputs_at(RopeGroupOutputs)
+
+
 class RopeGroupState(Record):
     """How long one of the ropes has carried nothing [s]."""
 
@@ -110,9 +129,9 @@ class RopeGroups(Arrays):
     state
         What the groups carry.
     extremes
-        Of the `VALUES` of each, one after the other.
-    values
-        What is seen of one of them, in the order of its columns; scratch, shape (VALUES,).
+        Of what is seen of each.
+    seen
+        Of one of them; scratch.
     """
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state", "extremes")
@@ -123,18 +142,21 @@ class RopeGroups(Arrays):
     pulls: Records[RopePull]
     state: Records[RopeGroupState]
     extremes: Records[Extremes]
-    values: Floats1
+    seen: RopeGroupSeen
 
 
 def pack(
-    groups: Sequence[RopeGroup], columns: Sequence[int], _book: MarkerBook, watched: WatchedRopes
+    groups: Sequence[RopeGroup], columns: Sequence[Columns], _book: MarkerBook, watched: WatchedRopes
 ) -> RopeGroups:
     """Make the kind."""
     rows, first, parts = [], [0], []
     for group, column in zip(groups, columns, strict=True):
         load = math.inf if group.breaking_load is None else group.breaking_load
         members = [member for rope in group.ropes for member in watched.members(rope)]
-        rows.append((len(first) - 1, len(members), load, column))
+        entry = filled(
+            RopeGroupEntry, first=len(first) - 1, count=len(members), breaking_load=load, column=column
+        )
+        rows.append(entry)
         for member in members:
             parts += member
             first.append(len(parts))
@@ -144,8 +166,8 @@ def pack(
         np.array(parts, dtype=np.int64),
         watched.pulls,
         records(RopeGroupState, len(rows)),
-        records(Extremes, VALUES * len(rows)),
-        np.zeros(VALUES),
+        extremes_of(RopeGroupSeen, len(rows)),
+        zeros_of(RopeGroupSeen),
     )
 
 
@@ -158,7 +180,7 @@ def add_no_forces(kind: RopeGroups, time: float, work: Workspace) -> None:
 @kernel(internal=True)
 def _look(kind: RopeGroups, i: int) -> None:
     """Sum, largest and smallest tension, spread, utilisation."""
-    entry, values = kind.table[i], kind.values
+    entry, seen = kind.table[i], kind.seen
     total = mean = largest = 0.0
     smallest, count = math.inf, 0
     for rope in range(entry.first, entry.first + entry.count):
@@ -172,9 +194,9 @@ def _look(kind: RopeGroups, i: int) -> None:
         total += of_rope
         largest = max(largest, of_rope)
     mean /= count
-    values[0], values[1], values[2] = total, largest, smallest
-    values[3] = (largest - smallest) / mean if mean > 0.0 else 0.0
-    values[4] = largest / entry.breaking_load
+    seen.total_tension, seen.largest_tension, seen.smallest_tension = total, largest, smallest
+    seen.spread = (largest - smallest) / mean if mean > 0.0 else 0.0
+    seen.utilisation = largest / entry.breaking_load
 
 
 @implement(watch_motions, RopeGroups)
@@ -183,10 +205,9 @@ def watch_rope_groups(kind: RopeGroups, bodies: Bodies, work: Workspace) -> None
     """Extremes at the ends of steps; steps at whose end a rope carries nothing are slack."""
     for i in range(kind.table.shape[0]):
         _look(kind, i)
-        if kind.values[2] <= 0.0:
+        if kind.seen.smallest_tension <= 0.0:
             kind.state[i].slack_time += work.control.last_step
-        for k in range(VALUES):
-            note_value(kind.extremes[VALUES * i + k], work.control.interval, kind.values[k])
+        note_seen(kind.extremes, i, work.control.interval, kind.seen.words)
 
 
 @implement(record_forces, RopeGroups)
@@ -195,11 +216,9 @@ def record_rope_groups(kind: RopeGroups, time: float, work: Workspace, row: NDAr
     """What is seen, then the largest and smallest values of all of it, and the time of slack ropes."""
     interval = work.control.interval
     for i in range(kind.table.shape[0]):
-        column = kind.table[i].column
+        out = group_outputs(row, kind.table[i].column)
         _look(kind, i)
-        for k in range(VALUES):
-            value, extremes = kind.values[k], kind.extremes[VALUES * i + k]
-            row[column + k] = value
-            row[column + VALUES + k] = largest_of(extremes, interval, value)
-            row[column + 2 * VALUES + k] = smallest_of(extremes, interval, value)
-        row[column + 3 * VALUES] = kind.state[i].slack_time
+        put_seen(
+            kind.extremes, i, interval, kind.seen.words, out.seen.words, out.largest.words, out.smallest.words
+        )
+        out.slack_time = kind.state[i].slack_time

@@ -50,7 +50,7 @@ from heavylift.solver.laws.winch_control import (
     ControlState,
     WinchControl,
 )
-from heavylift.solver.laws.wire_rope import RopeEntry, Ropes, WinchRow, winch_state
+from heavylift.solver.laws.wire_rope import RopeEntry, Ropes, WinchRow, rope_outputs, winch_state
 from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import ABSENT, Row
 from heavylift.solver.scenario.interface import direct, keep_state, take_back
@@ -372,7 +372,7 @@ class Director(Arrays):
         Those of the step that is looked at.
     joint_rows, lanes
         Rows of the joints, and how many there are in a block.
-    row, plan
+    record, plan
         Record of scratch, and a plan.
     column
         Record column of the number of the phase of the first track; those of the others are behind it.
@@ -446,7 +446,7 @@ class Director(Arrays):
     trial: Floats1
     joint_rows: LaneRecords[Row]
     lanes: int
-    row: Floats1
+    record: Floats1
     plan: Records[MoveRow]
     column: int
     beside: TrackOutputs
@@ -513,6 +513,12 @@ def _arrived(kind: Director, first: int, count: int, time: float) -> float:
     return time - last
 
 
+@kernel(inline=True, internal=True)
+def _recorded(kind: Director, term: int) -> float:
+    """What a term of a signal is of, in the record of scratch: a column of any channel."""
+    return kind.record[kind.terms[term].column]
+
+
 @kernel(internal=True)
 def _measure(
     kind: Director,
@@ -524,7 +530,7 @@ def _measure(
     time: float,
 ) -> None:
     """All signals, from a record of the carried state."""
-    write_record(bodies, forces, joints, systems, work, time, kind.row)
+    write_record(bodies, forces, joints, systems, work, time, kind.record)
     for s in range(kind.signals.shape[0]):
         first, count = kind.signals[s].first, kind.signals[s].terms
         function = kind.signals[s].function
@@ -536,7 +542,7 @@ def _measure(
             kind.trial[s] = 0.0  # its conditions look at when it was said
             continue
         for i in range(first, first + count):
-            x = kind.terms[i].weight * kind.row[kind.terms[i].column]
+            x = kind.terms[i].weight * _recorded(kind, i)
             if function == SUM:
                 found += x
             elif function == NORM:
@@ -770,9 +776,9 @@ def _write_path(kind: Director, number: int, count: int, time: float, leg: int) 
     path, plan = kind.paths[number], kind.plan
     first, legs = path.first, kind.path_legs.shape[0]
     for k in range(count):
-        row = kind.path_pieces[first + k]
-        row[0], row[1] = time + plan[k].time, plan[k].value
-        row[2], row[3] = plan[k].speed, plan[k].acceleration
+        piece = kind.path_pieces[first + k]
+        piece[0], piece[1] = time + plan[k].time, plan[k].value
+        piece[2], piece[3] = plan[k].speed, plan[k].acceleration
     k = count
     if leg >= 0 and leg + 1 < legs and int(kind.path_legs[leg + 1, 0]) == number:
         begin = first + int(kind.path_legs[leg + 1, 4])
@@ -868,7 +874,7 @@ def _move(kind: Director, action: ActionEntry, time: float) -> float:
 @kernel(inline=True, internal=True)
 def _stored(kind: Director) -> float:
     """Elastic energy of the last record [J]."""
-    return total_outputs(kind.row, kind.row.shape[0] - TOTAL_WIDTH).energy.elastic
+    return total_outputs(kind.record, kind.record.shape[0] - TOTAL_WIDTH).energy.elastic
 
 
 @kernel(internal=True)
@@ -946,7 +952,7 @@ def _hold(kind: Director, said: Mover, time: float, slack: float) -> float:
     ropes = _ropes_of(kind, said.sort)
     i = said.number
     entry, state = ropes.table[i], ropes.state[i]
-    path = kind.row[entry.column + 1]
+    path = rope_outputs(kind.record, entry.column).length
     rest = path + slack
     if not path <= rest * (1.0 + LARGEST_STRAIN):
         return -rest

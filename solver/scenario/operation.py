@@ -128,13 +128,13 @@ class Operation:
     @property
     def unfinished(self) -> str:
         """What it still waits for, as words; empty if the last phase is done, or waits for nothing."""
-        for row, track in zip(self.scenario.rows, self.director.track_state, strict=True):
+        for phases, track in zip(self.scenario.rows, self.director.track_state, strict=True):
             number = int(track.phase)
-            if number > len(row) or (number == len(row) and not row[-1].until):
+            if number > len(phases) or (number == len(phases) and not phases[-1].until):
                 continue
-            phase = row[number - 1]
+            phase = phases[number - 1]
             waits = _waits_for(phase) or "its timeout"
-            return f"phase {phase.name!r}, number {number} of {len(row)}, still waits for {waits}"
+            return f"phase {phase.name!r}, number {number} of {len(phases)}, still waits for {waits}"
         return ""
 
     def tell(self, word: Literal["continue", "hold", "stop"], time: float) -> None:
@@ -198,8 +198,8 @@ class Operation:
                 expected="more slack",
             )
         first = 0
-        for number, row in enumerate(self.scenario.rows):
-            phase = row[0]
+        for number, phases in enumerate(self.scenario.rows):
+            phase = phases[0]
             met = [self._is_met(first + i) for i in range(len(phase.until))]
             if phase.until and (any(met) if phase.ends_with == "any" else all(met)):
                 raise InputError(
@@ -208,7 +208,7 @@ class Operation:
                     key=f"tracks.{number - 1}.phases.0.until" if number else "phases.0.until",
                     expected="a condition that is not true at the start",
                 )
-            first += sum(len(one.until) for one in row)
+            first += sum(len(one.until) for one in phases)
 
     def _is_met(self, number: int) -> bool:
         """Whether a condition is true as things are, and need not be so for a time."""

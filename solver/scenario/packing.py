@@ -533,7 +533,7 @@ def pack_scenario(
         trial=np.zeros(len(tables.signals)),
         joint_rows=lane_records(Row, 0, 1) if system is None else system.rows,
         lanes=1 if system is None else system.lanes,
-        row=np.zeros(width),
+        record=np.zeros(width),
         plan=records(MoveRow, MOVE_ROWS),
         column=columns,
         beside=placed(TrackOutputs, columns),

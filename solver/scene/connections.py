@@ -29,29 +29,34 @@ from heavylift.solver.scene.descriptions import (
     ChannelKind,
     Family,
     check_table,
-    interval_extremes,
     no_rows,
     upwards,
 )
-from heavylift.solver.scene.outputs import Components, Outputs, channel, outputs
+from heavylift.solver.scene.outputs import (
+    Components,
+    Outputs,
+    Part,
+    Parts,
+    channel,
+    largest,
+    outputs,
+    smallest,
+)
 from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
 __all__ = [
-    "CONTROL_CHANNELS",
     "FORCES",
     "GROUND",
     "JOINTS",
-    "LOAD_CHANNELS",
     "MEASURES",
     "ROPES",
-    "ROPE_CHANNELS",
-    "SHEAVE_CHANNELS",
     "AlongJoint",
     "AngleOutputs",
     "Between",
+    "ControlOutputs",
     "EdgeJoint",
     "Joint",
     "JointFrame",
@@ -60,7 +65,12 @@ __all__ = [
     "PackedForce",
     "Place",
     "ReactionOutputs",
+    "RopeOutputs",
+    "RopeParts",
     "RopePoint",
+    "SheaveParts",
+    "ThrustOutputs",
+    "TorqueOutputs",
     "TravelOutputs",
     "Winch",
     "as_joint",
@@ -112,52 +122,70 @@ class TravelOutputs(Outputs):
     travel_rate: float = channel("velocity", "rate of that travel")
 
 
-LOAD_CHANNELS: Mapping[str, ChannelKind] = {
-    "angle": ChannelKind("load", "moment or energy", "torque about the axis of the joint on its side b"),
-    "travel": ChannelKind("load", "force", "force along the axis of the joint on its side b", by_owner=True),
-}
-"""Of what acts along a joint, by its coordinate."""
-ROPE_CHANNELS = (
-    ChannelKind("tension", "force", "tension of the rope, the largest of its segments"),
-    ChannelKind("length", "length", "length of the rope along its path"),
-    ChannelKind("rest_length", "length", "unstretched length of the rope"),
-    ChannelKind(
-        "drift",
-        "length",
-        "length of the rope along its path less the stretched length that its tension belongs to",
-    ),
-    *interval_extremes("tension", "force"),
-    ChannelKind(
-        "segment_tension", "force", "tension of each segment of the rope, from its first end on", None
-    ),
-)
-SHEAVE_CHANNELS = (
-    ChannelKind(
-        "sheave_speed",
+@outputs
+class TorqueOutputs(Outputs):
+    """Of what acts about the axis of a joint."""
+
+    load: float = channel("moment or energy", "torque about the axis of the joint on its side b")
+
+
+@outputs
+class ThrustOutputs(Outputs):
+    """Of what acts along the axis of a joint; kernels write it as `TorqueOutputs`."""
+
+    load: float = channel("force", "force along the axis of the joint on its side b", by_owner=True)
+
+
+@outputs
+class RopeOutputs(Outputs):
+    """What all ropes record, before `RopeParts`."""
+
+    tension: float = channel("force", "tension of the rope, the largest of its segments")
+    length: float = channel("length", "length of the rope along its path")
+    rest_length: float = channel("length", "unstretched length of the rope")
+    drift: float = channel(
+        "length", "length of the rope along its path less the stretched length that its tension belongs to"
+    )
+    tension_max: float = largest("force", "tension")
+    tension_min: float = smallest("force", "tension")
+
+
+@outputs
+class RopeParts(Parts):
+    """What all ropes record of their segments."""
+
+    segment_tension: Part = channel(
+        "force", "tension of each segment of the rope, from its first end on", None
+    )
+
+
+@outputs
+class SheaveParts(Parts):
+    """Of wire ropes over places with an efficiency."""
+
+    sheave_speed: Part = channel(
         "velocity",
         "speed at which the rope runs over each place with an efficiency, towards its last end",
         None,
-    ),
-    ChannelKind(
-        "sheave_state",
+    )
+    sheave_state: Part = channel(
         "number",
         "of each place with an efficiency: 0 if the rope sticks there, 1 or -1 if it slides, towards its last or its"
         " first end",
         None,
-    ),
-    *interval_extremes("segment_tension", "force", components=None),
-)
-"""Of wire ropes over places with an efficiency, behind those of all ropes."""
-CONTROL_CHANNELS = (
-    ChannelKind(
-        "paid_out",
-        "length",
-        "what a brake or a winch that keeps a tension has paid out beyond its plan",
-        None,
-    ),
-    ChannelKind("paying_speed", "velocity", "speed at which it does, mean of the last step", None),
-)
-"""Of wire ropes with such a winch."""
+    )
+    segment_tension_max: Part = largest("force", "segment_tension", None)
+    segment_tension_min: Part = smallest("force", "segment_tension", None)
+
+
+@outputs
+class ControlOutputs(Outputs):
+    """Of wire ropes whose winch answers to their tension."""
+
+    paid_out: float = channel(
+        "length", "what a brake or a winch that keeps a tension has paid out beyond its plan"
+    )
+    paying_speed: float = channel("velocity", "speed at which it does, mean of the last step")
 
 
 @dataclass(frozen=True, eq=False)
@@ -375,7 +403,10 @@ class AlongJoint:
         Its own name and that of the joint.
     """
 
-    CHANNEL_BY_COORDINATE: ClassVar = LOAD_CHANNELS
+    CHANNEL_BY_COORDINATE: ClassVar = {
+        "angle": TorqueOutputs.CHANNELS[0],
+        "travel": ThrustOutputs.CHANNELS[0],
+    }
     """What it records, by the coordinate of its joint."""
 
     name: str

@@ -34,9 +34,11 @@ __all__ = [
     "PlacedPart",
     "channel",
     "largest",
+    "largest_of_all",
     "nested",
     "outputs",
     "smallest",
+    "smallest_of_all",
 ]
 
 Components = NDArray[np.float64]
@@ -230,6 +232,26 @@ def nested(of: type[O]) -> Any:
     """Another class of outputs, whose channels keep their names."""
     found: Any = of
     return _Declared(None, found)
+
+
+def largest_of_all(of: type[O]) -> Any:
+    """As another class of outputs, of each of its channels the largest value since the last record."""
+    return _Declared(lambda _name: _extremes(of, 0))
+
+
+def smallest_of_all(of: type[O]) -> Any:
+    """As another class of outputs, of each of its channels the smallest value since the last record."""
+    return _Declared(lambda _name: _extremes(of, 1))
+
+
+def _extremes(seen: Any, which: int) -> type[Outputs]:
+    """The class with other channels; its record is the same."""
+    channels = {
+        one.name: interval_extremes(one.name, one.quantity, components=one.components)[which]
+        for one in seen.CHANNELS
+    }
+    words = {"OUTPUTS": channels, "CHANNELS": tuple(channels.values()), "record": staticmethod(seen.record)}
+    return type(seen.__name__, (seen,), words)
 
 
 class Columns(int):
