@@ -18,6 +18,7 @@ from heavylift.solver.interface import (
     add_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.wind_loads import (
     CurrentField,
     CurrentProfile,
@@ -26,7 +27,7 @@ from heavylift.solver.scene.wind_loads import (
     fluctuation_record,
 )
 from heavylift.solver.water.wind.coefficients import CoefficientLoad
-from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
+from heavylift.solver.water.wind.packing import add_fluid_channels, fluid_markers, pack_fluid_loads
 from heavylift.solver.water.wind.spectrum import wind_components, wind_record
 
 CALLS = 20000
@@ -75,7 +76,7 @@ def measure(field, load, count, height):
     loads = [load(number, field.name) for number in range(count)]
     book = MarkerBook()
     markers = fluid_markers(book, loads)
-    kind = pack_fluid_loads([field], loads, markers, range(len(fluid_channels([field], loads))))
+    kind = pack_fluid_loads([field], loads, markers, add_fluid_channels(ChannelBook(), [field], loads))
     work = Workspace.empty(6, book.count)
     rng = np.random.default_rng(0)
     for name in ("point", "velocity"):

@@ -237,7 +237,7 @@ def pack_sea(scene: Scene, book: MarkerBook, record: ChannelBook) -> PackedSea:
 
 def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, record: ChannelBook) -> None:
     from heavylift.solver.water.wind.packing import (
-        fluid_channels,
+        add_fluid_channels,
         fluid_markers,
         fluid_pieces,
         pack_fluid_loads,
@@ -253,7 +253,7 @@ def _pack_fluids(sea: Sea, packed: PackedSea, book: MarkerBook, record: ChannelB
                 f"{one.name!r} of {speed:g} m/s is {knots:.3g} knots: was a speed in knots meant?"
             )
     loads = fluid_pieces(sea.loads)
-    columns = [record.add(owner, [kind]) for owner, kind in fluid_channels(sea.fields, loads)]
+    columns = add_fluid_channels(record, sea.fields, loads)
     packed.forces.append(
         pack_fluid_loads(
             sea.fields,

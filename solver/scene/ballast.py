@@ -12,13 +12,23 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, Least, NameOf, Positive, Quantity, Shape
 from heavylift.numerics.units import KINDS, Dimension, Kind
 from heavylift.solver.scene.bodies import GROUND
-from heavylift.solver.scene.descriptions import ChannelKind, check_table, no_rows
+from heavylift.solver.scene.descriptions import check_table, no_rows
+from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, outputs
 from heavylift.solver.scene.sea import AT_SEA
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.sea import Sea
 
-__all__ = ["SEA", "Controller", "LevelPoint", "Pump", "check_ballast"]
+__all__ = [
+    "SEA",
+    "Controller",
+    "ControllerOutputs",
+    "ControllerParts",
+    "LevelPoint",
+    "Pump",
+    "PumpOutputs",
+    "check_ballast",
+]
 
 SEA = "sea"
 """In place of the name of a tank, what a pump takes from or gives to."""
@@ -30,17 +40,22 @@ FASTEST = 1.0 / 3.0
 """Gain times all delays of a loop at most: beyond it a loop of first-order lags overshoots."""
 
 
+@outputs
+class PumpOutputs(Outputs):
+    """What a pump records."""
+
+    flow: float = channel(MASS_FLOW, "water that the pump moves to its target")
+    command: float = channel(MASS_FLOW, "flow that it is told")
+    pumped: float = channel("mass", "water that it has moved since the start, less what it has moved back")
+
+
 @AT_SEA.describe("pumps")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Pump:
     """Pump between two tanks, or a tank and the sea."""
 
     SENTENCES: ClassVar = {"name": "Name; the first part of its channels."}
-    CHANNELS: ClassVar = (
-        ChannelKind("flow", MASS_FLOW, "water that the pump moves to its target"),
-        ChannelKind("command", MASS_FLOW, "flow that it is told"),
-        ChannelKind("pumped", "mass", "water that it has moved since the start, less what it has moved back"),
-    )
+    CHANNELS: ClassVar = PumpOutputs.CHANNELS
 
     name: str
     source: Annotated[str, NameOf("tank")]
@@ -125,16 +140,27 @@ class LevelPoint:
             raise InputError(f"{problem} {said.of!r}", key="beside", expected="a point of the other hull")
 
 
+@outputs
+class ControllerParts(Parts):
+    """What a controller records of each thing that it keeps."""
+
+    error: Part = channel("number", "what it keeps less what that should be, filtered [m, rad]", None)
+
+
+@outputs
+class ControllerOutputs(Outputs):
+    """What a controller records behind that."""
+
+    share: float = channel("number", "share of what it wants that the pumps can give, of the last look")
+
+
 @AT_SEA.describe("controllers")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Controller:
     """What keeps a hull level by its pumps: it looks every now and then, and tells the pumps how fast."""
 
     SENTENCES: ClassVar = {"name": "Name; the first part of its channels."}
-    CHANNELS: ClassVar = (
-        ChannelKind("error", "number", "what it keeps less what that should be, filtered [m, rad]", None),
-        ChannelKind("share", "number", "share of what it wants that the pumps can give, of the last look"),
-    )
+    CHANNELS: ClassVar = (*ControllerParts.CHANNELS, *ControllerOutputs.CHANNELS)
 
     name: str
     hull: Annotated[str, NameOf("hull")]

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, NameOf, Positive, Quantity, Shape, Square
 from heavylift.solver.scene.bodies import RigidBody
-from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
+from heavylift.solver.scene.descriptions import XYZ, Family, check_table, no_rows
+from heavylift.solver.scene.outputs import Components, Outputs, channel, outputs
 
 if TYPE_CHECKING:
     from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
@@ -30,6 +31,7 @@ __all__ = [
     "Excitation",
     "FloatingBody",
     "Hull",
+    "HullOutputs",
     "LinearRestoring",
     "Memory",
     "Radiation",
@@ -37,6 +39,7 @@ __all__ = [
     "RestoringOfSurface",
     "Sea",
     "Tank",
+    "TankOutputs",
     "Tide",
     "Water",
 ]
@@ -139,42 +142,36 @@ def _undamped() -> NDArray[np.float64]:
     return np.zeros((6, 6))
 
 
+@outputs
+class HullOutputs(Outputs):
+    """What a hull records behind the channels of its body."""
+
+    displaced_volume: float = channel("volume", "volume of the water that the hull displaces")
+    buoyancy_centre: Components = channel("length", "centre of that volume, in the world", XYZ)
+    ballast: float = channel("mass", "mass of the water in the tanks of the hull")
+    wave_elevation: float = channel(
+        "length", "elevation of the undisturbed waves at the low-passed place of the reference point"
+    )
+    wave_force: Components = channel("force", "force of the waves, heading axes", XYZ)
+    wave_moment: Components = channel(
+        "moment or energy", "moment of the waves about the reference point, heading axes", XYZ
+    )
+    radiation_force: Components = channel(
+        "force", "force of memory and damping, without added mass, heading axes", XYZ
+    )
+    radiation_moment: Components = channel(
+        "moment or energy", "moment of memory and damping about the reference point, heading axes", XYZ
+    )
+    water_level: float = channel("length", "height of the still water, with the tide")
+
+
 @AT_SEA.describe("hulls")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Hull(Restored):
     """A rigid body that floats: its buoyancy, and what dampens it beside the waves that it makes."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("displaced_volume", "volume", "volume of the water that the hull displaces"),
-        ChannelKind("buoyancy_centre", "length", "centre of that volume, in the world", XYZ),
-        ChannelKind("ballast", "mass", "mass of the water in the tanks of the hull"),
-        ChannelKind(
-            "wave_elevation",
-            "length",
-            "elevation of the undisturbed waves at the low-passed place of the reference point",
-        ),
-        ChannelKind("wave_force", "force", "force of the waves, heading axes", XYZ),
-        ChannelKind(
-            "wave_moment",
-            "moment or energy",
-            "moment of the waves about the reference point, heading axes",
-            XYZ,
-        ),
-        ChannelKind(
-            "radiation_force",
-            "force",
-            "force of memory and damping, without added mass, heading axes",
-            XYZ,
-        ),
-        ChannelKind(
-            "radiation_moment",
-            "moment or energy",
-            "moment of memory and damping about the reference point, heading axes",
-            XYZ,
-        ),
-        ChannelKind("water_level", "length", "height of the still water, with the tide"),
-    )
-    """What it records behind the channels of its body, in the order of its columns."""
+    CHANNELS: ClassVar = HullOutputs.CHANNELS
+    """What it records behind the channels of its body."""
 
     reference: Annotated[NDArray[np.float64], BodyPoint()] = field(default_factory=lambda: np.zeros(3))
     """Point to which damping and database refer, in the coordinates of the geometry [m]."""
@@ -237,6 +234,14 @@ class Radiation:
     fit: ExponentialKernel | None = None
 
 
+@outputs
+class TankOutputs(Outputs):
+    """What a tank records."""
+
+    mass: float = channel("mass", "mass of the water in the tank")
+    depth: float = channel("length", "depth of the water in a tank with `size` or `depths`, else 0")
+
+
 @AT_SEA.describe("tanks")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tank:
@@ -246,10 +251,7 @@ class Tank:
 
     # Water comes and goes with the velocity of the hull; its free surface takes from the restoring of roll and pitch
     # for small angles.
-    CHANNELS: ClassVar = (
-        ChannelKind("mass", "mass", "mass of the water in the tank"),
-        ChannelKind("depth", "length", "depth of the water in a tank with `size` or `depths`, else 0"),
-    )
+    CHANNELS: ClassVar = TankOutputs.CHANNELS
 
     name: str
     hull: Annotated[str, NameOf("hull")]

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, Least, NameOf, Quantity, Shape
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table
+from heavylift.solver.scene.outputs import Components, Outputs, channel, outputs
 from heavylift.solver.water.wind.spectrum import (
     HIGHEST_FREQUENCY,
     HOUR,
@@ -42,15 +43,17 @@ __all__ = [
     "AIR_DENSITY",
     "FLUIDS",
     "FLUID_LOADS",
-    "LOAD_FORCE",
     "CurrentField",
+    "CurrentOutputs",
     "CurrentProfile",
     "DragElement",
     "FluctuationRecord",
     "FluidField",
     "FluidLoad",
+    "LoadOutputs",
     "Veering",
     "WindField",
+    "WindOutputs",
     "check_heading",
     "fluctuation_record",
     "fluctuation_records",
@@ -61,8 +64,7 @@ AIR_DENSITY = 1.225
 FULL_TURN = 6.2831853072
 """[rad], rounded up."""
 
-GOES = ChannelKind("direction", "angle", "where the wind or current goes, from world x, anticlockwise")
-LOAD_FORCE = ChannelKind("force", "force", "sum of the forces of the pieces of this name, world axes", XYZ)
+GOES = "where the wind or current goes, from world x, anticlockwise"
 
 Array = NDArray[np.float64]
 
@@ -242,16 +244,20 @@ class Fluctuating:
     fluctuation: FluctuationRecord | None = None
 
 
+@outputs
+class WindOutputs(Outputs):
+    """What a wind records."""
+
+    speed: float = channel("velocity", "speed of the wind at 10 m above the still water")
+    direction: float = channel("angle", GOES)
+
+
 @FLUIDS.describe("wind")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WindField(Fluctuating):
     """Wind above the still water."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("speed", "velocity", "speed of the wind at 10 m above the still water"),
-        GOES,
-    )
-    """What it records, in the order of its columns."""
+    CHANNELS: ClassVar = WindOutputs.CHANNELS
 
     name: str = "wind"
     speed: Annotated[float, Quantity("velocity", minimum=0.0, closed=True)]
@@ -285,16 +291,20 @@ class WindField(Fluctuating):
             )
 
 
+@outputs
+class CurrentOutputs(Outputs):
+    """What a current records."""
+
+    speed: float = channel("velocity", "speed of the current at the still water")
+    direction: float = channel("angle", GOES)
+
+
 @FLUIDS.describe("current")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurrentField:
     """Current below the still water."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("speed", "velocity", "speed of the current at the still water"),
-        GOES,
-    )
-    """What it records, in the order of its columns."""
+    CHANNELS: ClassVar = CurrentOutputs.CHANNELS
 
     name: str = "current"
     speed: Annotated[float | CurrentProfile, Quantity("velocity", minimum=0.0, closed=True)]
@@ -319,6 +329,13 @@ def _check_flow(said: Any, largest: float) -> None:
             raise InputError(error.problem, key="direction", expected=error.expected) from None
 
 
+@outputs
+class LoadOutputs(Outputs):
+    """What is recorded of all loads of a name."""
+
+    force: Components = channel("force", "sum of the forces of the pieces of this name, world axes", XYZ)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FluidLoad:
     """What all loads of wind and current have. Each sort is a subclass in a file of `heavylift.solver.water.wind`.
@@ -329,8 +346,7 @@ class FluidLoad:
         Prefix of its channels; loads with the same name share them.
     """
 
-    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = (LOAD_FORCE,)
-    """What is recorded of all loads of its name, in the order of columns."""
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]] = LoadOutputs.CHANNELS
 
     name: str
     body: Annotated[str, NameOf("body")]

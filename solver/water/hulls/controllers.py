@@ -41,8 +41,10 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at, part, placed
 from heavylift.solver.scenario.interface import direct
-from heavylift.solver.scene.ballast import GROUND, SEA, Controller
+from heavylift.solver.scene.ballast import GROUND, SEA, Controller, ControllerOutputs, ControllerParts
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.sea import Sea
 from heavylift.solver.water.hulls.kind import Hulls, restore_at_rest
 from heavylift.solver.water.hulls.step import filtered
@@ -84,8 +86,8 @@ class ControllerData(Record):
         Errors that are left alone [m, rad].
     tide_ahead
         Whether it goes ahead of the tide.
-    column
-        First record column.
+    parts, column
+        Where its errors are in a record, and the first column behind them.
     """
 
     first_aim: int
@@ -100,6 +102,7 @@ class ControllerData(Record):
     dead_band: float
     dead_angle: float
     tide_ahead: bool
+    parts: ControllerParts
     column: int
 
 
@@ -141,6 +144,9 @@ class ControllerState(Record):
 
     looks: int
     share: float
+
+
+controller_outputs = outputs_at(ControllerOutputs)
 
 
 class Controllers(Arrays):
@@ -393,9 +399,10 @@ def record_controllers(kind: Controllers, time: float, work: Workspace, row: NDA
     """Errors as they are seen, and the share that pumps can give."""
     for c in range(kind.table.shape[0]):
         data = kind.table[c]
+        error = part(row, data.parts.error)
         for a in range(data.aims):
-            row[data.column + a] = kind.aim_state[data.first_aim + a].seen
-        row[data.column + data.aims] = kind.state[c].share
+            error[a] = kind.aim_state[data.first_aim + a].seen
+        controller_outputs(row, data.column).share = kind.state[c].share
 
 
 @implement(direct, Controllers)
@@ -433,7 +440,7 @@ def first_look(kind: Controllers) -> None:
 
 
 def pack_controllers(
-    sea: Sea, hulls: Hulls, names: Sequence[str], columns: Mapping[str, int], step: float
+    sea: Sea, hulls: Hulls, names: Sequence[str], columns: Mapping[str, Columns], step: float
 ) -> Controllers:
     """Make the kind.
 
@@ -446,7 +453,7 @@ def pack_controllers(
     names
         Of them, in its order.
     columns
-        First record columns, by name.
+        Where their outputs are, by name.
     step
         Length of all steps [s], 0 if they vary.
 
@@ -456,12 +463,12 @@ def pack_controllers(
         If a period is not of whole steps.
     """
     numbers = {pump.name: i for i, pump in enumerate(sea.pumps)}
-    table: list[tuple[Any, ...]] = []
+    table = records(ControllerData, len(sea.controllers))
     aims: list[tuple[Any, ...]] = []
     served: list[tuple[int, int, int]] = []
     plans: list[tuple[float, float]] = []
     effects = 0
-    for one in sea.controllers:
+    for data, one in zip(table, sea.controllers, strict=True):
         if step > 0.0 and abs(one.period / step - max(1, round(one.period / step))) > 1e-6:
             raise InputError(
                 f"{one.period:g} s with steps of {step:g} s",
@@ -470,10 +477,12 @@ def pack_controllers(
                 expected="a period of whole steps",
             )
         hull, found = names.index(one.hull), _aims(one, hulls, names)
-        table.append(
-            (len(aims), len(found), len(served), len(one.pumps), effects, hull, one.period, one.gain, one.filter,
-             one.dead_band, one.dead_angle, one.tide_ahead, columns[one.name])
-        )  # fmt: skip
+        data.first_aim, data.aims = len(aims), len(found)
+        data.first_pump, data.pumps, data.first_effect = len(served), len(one.pumps), effects
+        data.hull, data.period, data.gain, data.filter = hull, one.period, one.gain, one.filter
+        data.dead_band, data.dead_angle, data.tide_ahead = one.dead_band, one.dead_angle, one.tide_ahead
+        data.parts = placed(ControllerParts, columns[one.name])
+        data.column = columns[one.name].at(ControllerOutputs)
         aims += found
         effects += len(found) * len(one.pumps)
         for name in one.pumps:
@@ -482,7 +491,7 @@ def pack_controllers(
             plans += [(time, command) for time, command in rows]
     most = max(len(one.pumps) for one in sea.controllers)
     return Controllers(
-        table=records(ControllerData, table),
+        table=table,
         aims=records(AimData, aims),
         served=records(ServedPump, served),
         plans=records(PlanRow, plans),

@@ -83,6 +83,8 @@ class HullData(Record):
         Displaced volume [m3] below which its database does not hold; 0 if it has none.
     radiates
         Whether it has a database.
+    column
+        First record column of what it records behind its body.
     """
 
     group: int
@@ -105,6 +107,7 @@ class HullData(Record):
     cut_off: float
     least_volume: float
     radiates: bool
+    column: int
 
 
 class HullGroup(Record):

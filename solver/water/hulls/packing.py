@@ -15,8 +15,18 @@ from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.rigid.kind import RigidFrame
 from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
 from heavylift.solver.markers import BodyMarkers
+from heavylift.solver.scene.ballast import PumpOutputs
 from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.sea import FloatingBody, LinearRestoring, Radiation, Sea, Tank, Water
+from heavylift.solver.scene.sea import (
+    FloatingBody,
+    HullOutputs,
+    LinearRestoring,
+    Radiation,
+    Sea,
+    Tank,
+    TankOutputs,
+    Water,
+)
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
 from heavylift.solver.water.hulls.database_fit import check_databases
 from heavylift.solver.water.hulls.kind import (
@@ -135,6 +145,7 @@ def pack_hulls(
         damping[at, at] = body.hull.damping
         rows[row].quadratic_damping[:] = body.hull.quadratic_damping
         rows[row].cut_off = body.hull.low_pass
+        rows[row].column = in_record[row].at(HullOutputs)
     tank_data, levels, tank_rows = _pack_tanks(tanks, names, rigid.frame, sea.water, columns)
     pumps, pump_rows = _pack_pumps(sea, tanks, columns)
     notes += check_databases(bodies, sea)
@@ -280,7 +291,7 @@ def _pack_tanks(
         axes, centre = rotation_matrix(frame[row.hull].axes).T, frame[row.hull].centre
         shape = tank.shape(water)
         row.first_row, row.rows, row.capacity = len(shapes), len(shape), tank.capacity(water)
-        row.column = columns[tank.name]
+        row.column = columns[tank.name].at(TankOutputs)
         shapes += [
             (mass, axes @ (np.array(place) - centre), about, depth)
             for mass, *place, about, depth in (
@@ -304,14 +315,15 @@ def _pack_pumps(
     places = {tank.name: i for i, tank in enumerate(tanks)}
     told = {name for one in sea.controllers for name in one.pumps}
     rows: list[tuple[float, ...]] = []
-    pumps = []
-    for pump in sea.pumps:
+    pumps = records(PumpData, len(sea.pumps))
+    for data, pump in zip(pumps, sea.pumps, strict=True):
         plan = pump.plan()[: 1 if pump.name in told else None]
-        ends = places.get(pump.source, -1), places.get(pump.target, -1)
-        least = -pump.rate if pump.reversible else 0.0
-        pumps.append((*ends, len(rows), len(plan), pump.lag, pump.rate, least, columns[pump.name], False))
+        data.source, data.target = places.get(pump.source, -1), places.get(pump.target, -1)
+        data.first, data.count = len(rows), len(plan)
+        data.lag, data.most, data.least = pump.lag, pump.rate, -pump.rate if pump.reversible else 0.0
+        data.column = columns[pump.name].at(PumpOutputs)
         rows += [tuple(line) for line in plan.tolist()]
-    return records(PumpData, pumps), records(PumpRow, rows)
+    return pumps, records(PumpRow, rows)
 
 
 def _pack_tide(water: Water) -> Records[TideRow]:

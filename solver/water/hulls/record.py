@@ -17,6 +17,9 @@ from heavylift.solver.interface import (
     record,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
+from heavylift.solver.scene.ballast import PumpOutputs
+from heavylift.solver.scene.sea import HullOutputs, TankOutputs
 from heavylift.solver.water.hulls.kind import (
     CLIPPED,
     LINEAR,
@@ -33,6 +36,9 @@ from heavylift.solver.water.hulls.step import (
 from heavylift.solver.water.hulls.tanks import fill_tanks, pump_at, put_level, put_tank_velocity
 
 __all__: list[str] = []
+
+hull_outputs, tank_outputs = outputs_at(HullOutputs), outputs_at(TankOutputs)
+pump_outputs = outputs_at(PumpOutputs)
 
 
 @kernel(internal=True)
@@ -75,29 +81,37 @@ def record_hulls(kind: Hulls, time: float, work: Workspace, row: NDArray[np.floa
     memory_now(kind.radiation, vectors)
     for hull in range(kind.table.shape[0]):
         restore(kind, hull)
-        out = kind.table[hull].column + 13
+        out = hull_outputs(row, kind.hulls[hull].column)
         volume, x, y, z = _displaced(kind, hull)
-        row[out], row[out + 1], row[out + 2], row[out + 3] = volume, x, y, z
+        out.displaced_volume = volume
+        out.buoyancy_centre[0], out.buoyancy_centre[1], out.buoyancy_centre[2] = x, y, z
         ballast = 0.0
         for tank in range(kind.hulls[hull].first_tank, kind.hulls[hull].last_tank):
             ballast += kind.tanks[tank].mass
-        row[out + 4] = ballast
-        row[out + 5] = wave_elevation(kind, hull, time)
-        for i in range(6):
-            at = 6 * hull + i
-            row[out + 6 + i] = vectors.wave[at]
-            force = vectors.known[at]
-            for j in range(vectors.known.shape[0]):
-                force -= kind.damping[at, j] * vectors.finish[j]
-            force -= kind.hulls[hull].quadratic_damping[i] * abs(vectors.finish[at]) * vectors.finish[at]
-            row[out + 12 + i] = force
-        row[out + 18] = kind.water.level
-    for tank in range(kind.tanks.shape[0]):
-        out = kind.tanks[tank].column
-        row[out], row[out + 1] = kind.tanks[tank].mass, kind.tanks[tank].depth
-    for pump in range(kind.pumps.shape[0]):
-        out = kind.pumps[pump].column
-        row[out], row[out + 1], row[out + 2] = pump_at(kind, pump, time)
+        out.ballast = ballast
+        out.wave_elevation = wave_elevation(kind, hull, time)
+        for i in range(3):
+            out.wave_force[i] = vectors.wave[6 * hull + i]
+            out.wave_moment[i] = vectors.wave[6 * hull + 3 + i]
+            out.radiation_force[i] = _radiated(kind, hull, i)
+            out.radiation_moment[i] = _radiated(kind, hull, 3 + i)
+        out.water_level = kind.water.level
+    for t in range(kind.tanks.shape[0]):
+        of_tank = tank_outputs(row, kind.tanks[t].column)
+        of_tank.mass, of_tank.depth = kind.tanks[t].mass, kind.tanks[t].depth
+    for p in range(kind.pumps.shape[0]):
+        of_pump = pump_outputs(row, kind.pumps[p].column)
+        of_pump.flow, of_pump.command, of_pump.pumped = pump_at(kind, p, time)
+
+
+@kernel(internal=True)
+def _radiated(kind: Hulls, hull: int, i: int) -> float:
+    """Force of memory and damping on a hull along one of its hydrodynamic coordinates [N, N m]."""
+    vectors, at = kind.vectors, 6 * hull + i
+    force = vectors.known[at]
+    for j in range(vectors.known.shape[0]):
+        force -= kind.damping[at, j] * vectors.finish[j]
+    return force - kind.hulls[hull].quadratic_damping[i] * abs(vectors.finish[at]) * vectors.finish[at]
 
 
 @kernel(internal=True)

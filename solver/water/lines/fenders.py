@@ -26,12 +26,24 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.scene.connections import Between
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes, no_rows
+from heavylift.solver.scene.descriptions import no_rows
 from heavylift.solver.scene.moorings import MOORINGS
+from heavylift.solver.scene.outputs import Columns, Outputs, channel, largest, outputs, smallest
 
-__all__ = ["Fender", "Fenders", "fender_markers", "pack_fenders"]
+__all__ = ["Fender", "FenderOutputs", "Fenders", "fender_markers", "pack_fenders"]
+
+
+@outputs
+class FenderOutputs(Outputs):
+    """What a fender records."""
+
+    force: float = channel("force", "force of the fender along its normal")
+    compression: float = channel("length", "compression of the fender, 0 while nothing presses it")
+    force_max: float = largest("force", "force", seen="in the middles of all steps")
+    force_min: float = smallest("force", "force", seen="in the middles of all steps")
 
 
 @MOORINGS.describe("fenders")
@@ -39,12 +51,7 @@ __all__ = ["Fender", "Fenders", "fender_markers", "pack_fenders"]
 class Fender(Between):
     """A one-sided spring on a plane face, which pushes two bodies apart."""
 
-    CHANNELS: ClassVar = (
-        ChannelKind("force", "force", "force of the fender along its normal"),
-        ChannelKind("compression", "length", "compression of the fender, 0 while nothing presses it"),
-        *interval_extremes("force", "force", "in the middles of all steps"),
-    )
-    """What it records, in the order of its columns."""
+    CHANNELS: ClassVar = FenderOutputs.CHANNELS
     SENTENCES: ClassVar = {
         "between": 'Body, or ``"ground"``, that it stands on, and the one that presses it.',
         "points": "Its tip when it is not compressed, and the point that presses it, in the coordinates of the "
@@ -150,6 +157,9 @@ class FenderState(Record):
     store: Store
 
 
+fender_outputs = outputs_at(FenderOutputs)
+
+
 class Fenders(Arrays):
     """All fenders of a scene.
 
@@ -205,7 +215,7 @@ def fender_markers(book: MarkerBook, fenders: Sequence[Fender]) -> list[tuple[in
 
 
 def pack_fenders(
-    fenders: Sequence[Fender], markers: Sequence[tuple[int, int, int]], columns: Sequence[int]
+    fenders: Sequence[Fender], markers: Sequence[tuple[int, int, int]], columns: Sequence[Columns]
 ) -> Fenders:
     """Make the kind from what the user said, markers of `fender_markers`, and the first record column of each.
 
@@ -215,16 +225,19 @@ def pack_fenders(
         If a fender has neither stiffness nor table or both, a negative number, or a table that does not rise from
         zero.
     """
-    table, curves = [], []
+    count = len(fenders)
+    table, curves = records(FenderData, count), []
     first = 0
-    for fender, places, column in zip(fenders, markers, columns, strict=True):
+    for entry, fender, places, column in zip(table, fenders, markers, columns, strict=True):
         curve = _check_law(fender)
-        table.append((*places, column, first, len(curve), fender.stiffness, fender.damping))
+        entry.tip, entry.normal, entry.point = places
+        entry.column = column.at(FenderOutputs)
+        entry.first, entry.count = first, len(curve)
+        entry.stiffness, entry.damping = fender.stiffness, fender.damping
         curves.append(curve)
         first += len(curve)
-    count = len(table)
     return Fenders(
-        records(FenderData, table),
+        table,
         np.vstack([np.zeros((0, 2)), *curves]),
         records(FenderState, count),
         np.zeros((count, 9)),
@@ -363,13 +376,13 @@ def _end_rate(state: FenderState, time: float, rate: float) -> float:
 def record_fenders(kind: Fenders, time: float, work: Workspace, row: NDArray[np.float64]) -> None:
     """Force and compression; the stored energy moves from the work of outer forces to its own."""
     for i in range(kind.table.shape[0]):
-        state, column = kind.state[i], kind.table[i].column
+        state, out = kind.state[i], fender_outputs(row, kind.table[i].column)
         depth, rate = _compression(kind, i, work)
-        row[column] = force = _push(kind, i, depth, _end_rate(state, time, rate))[0]
+        force = _push(kind, i, depth, _end_rate(state, time, rate))[0]
         depth = max(depth, 0.0)
-        row[column + 1] = depth
-        row[column + 2] = largest_of(state.extremes, work.control.interval, force)
-        row[column + 3] = smallest_of(state.extremes, work.control.interval, force)
+        out.force, out.compression = force, depth
+        out.force_max = largest_of(state.extremes, work.control.interval, force)
+        out.force_min = smallest_of(state.extremes, work.control.interval, force)
         energy = _stored(kind, i, depth)
         if not state.started:
             state.start_energy, state.started = energy, True

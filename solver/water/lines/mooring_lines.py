@@ -26,9 +26,10 @@ from heavylift.solver.interface import (
     watch_forces,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene.connections import GROUND, Between
-from heavylift.solver.scene.descriptions import ChannelKind, interval_extremes
 from heavylift.solver.scene.moorings import MOORINGS, LineSection, SeabedSlope
+from heavylift.solver.scene.outputs import Outputs, channel, largest, outputs, smallest
 from heavylift.solver.water.lines.bottom import BottomState, read_ends_over_bottom, solve_over_bottom
 from heavylift.solver.water.lines.catenary import (
     FAILED,
@@ -44,9 +45,22 @@ __all__ = [
     "MooringData",
     "MooringLine",
     "MooringLines",
+    "MooringOutputs",
     "MooringScratch",
     "MooringState",
 ]
+
+
+@outputs
+class MooringOutputs(Outputs):
+    """What a mooring line records."""
+
+    tension: float = channel("force", "tension of the line at its fairlead")
+    anchor_tension: float = channel("force", "tension of the line at its anchor")
+    horizontal_tension: float = channel("force", "horizontal part of the tension at the fairlead")
+    seabed_length: float = channel("length", "unstretched length of the line that lies on the bottom")
+    tension_max: float = largest("force", "tension", seen="in the middles of all steps")
+    tension_min: float = smallest("force", "tension", seen="in the middles of all steps")
 
 
 @MOORINGS.describe("lines")
@@ -59,14 +73,7 @@ class MooringLine(Between):
     is held; all of such a line sinks.
     """
 
-    CHANNELS: ClassVar = (
-        ChannelKind("tension", "force", "tension of the line at its fairlead"),
-        ChannelKind("anchor_tension", "force", "tension of the line at its anchor"),
-        ChannelKind("horizontal_tension", "force", "horizontal part of the tension at the fairlead"),
-        ChannelKind("seabed_length", "length", "unstretched length of the line that lies on the bottom"),
-        *interval_extremes("tension", "force", "in the middles of all steps"),
-    )
-    """What it records, in the order of its columns."""
+    CHANNELS: ClassVar = MooringOutputs.CHANNELS
     SENTENCES: ClassVar = {
         "between": 'Bodies, or ``"ground"``, of its anchor and of its fairlead.',
         "points": "Anchor and fairlead in the coordinates of the geometries; of the ground in the world [m].",
@@ -190,6 +197,9 @@ class MooringScratch(LineEnds):
 
     solution: BottomState
     tension: float
+
+
+mooring_outputs = outputs_at(MooringOutputs)
 
 
 class MooringLines(Arrays):
@@ -338,7 +348,7 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
     """
     for i in range(kind.lines.shape[0]):
         line, state, ends = kind.lines[i], kind.state[i], kind.scratch[i]
-        a, b, column = line.anchor, line.fairlead, line.column
+        a, b, out = line.anchor, line.fairlead, mooring_outputs(row, line.column)
         if line.over_bottom:
             read_ends_over_bottom(kind.sections, line, state, kind.nodes, ends)
         else:
@@ -347,12 +357,12 @@ def record_mooring_lines(kind: MooringLines, time: float, work: Workspace, row: 
         x = work.markers[b].point[0] - work.markers[a].point[0]
         y = work.markers[b].point[1] - work.markers[a].point[1]
         span = max(math.sqrt(x * x + y * y), LEAST_SPAN * line.length)
-        row[column] = tension = _fairlead_tension(state, x / span, y / span)
-        row[column + 1] = math.sqrt(low_h * low_h + low_v * low_v)
-        row[column + 2] = state.horizontal
-        row[column + 3] = ends.lying
-        row[column + 4] = largest_of(state.extremes, work.control.interval, tension)
-        row[column + 5] = smallest_of(state.extremes, work.control.interval, tension)
+        out.tension = tension = _fairlead_tension(state, x / span, y / span)
+        out.anchor_tension = math.sqrt(low_h * low_h + low_v * low_v)
+        out.horizontal_tension = state.horizontal
+        out.seabed_length = ends.lying
+        out.tension_max = largest_of(state.extremes, work.control.interval, tension)
+        out.tension_min = smallest_of(state.extremes, work.control.interval, tension)
         energy = ends.energy + line.weight * work.markers[a].point[2]
         if not state.started:
             state.start_energy, state.started = energy, True

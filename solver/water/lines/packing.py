@@ -16,6 +16,7 @@ from heavylift.solver.water.lines.mooring_lines import (
     MooringData,
     MooringLine,
     MooringLines,
+    MooringOutputs,
     MooringScratch,
     MooringState,
 )
@@ -23,6 +24,7 @@ from heavylift.solver.water.lines.placed_line import check_line, is_anchored, li
 
 if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
+    from heavylift.solver.scene.outputs import Columns
 
 __all__ = ["line_markers", "pack_mooring_lines"]
 
@@ -38,7 +40,7 @@ def line_markers(book: MarkerBook, lines: Sequence[MooringLine]) -> list[tuple[i
 def pack_mooring_lines(
     lines: Sequence[MooringLine],
     markers: Sequence[tuple[int, int]],
-    columns: Sequence[int],
+    columns: Sequence[Columns],
     places: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> MooringLines:
     """Make the kind.
@@ -72,7 +74,7 @@ def pack_mooring_lines(
         for name in LineData.fields_of:
             row[name] = of_line[0][name]
         row.first = len(sections)
-        row.anchor, row.fairlead, row.column = a, b, column
+        row.anchor, row.fairlead, row.column = a, b, column.at(MooringOutputs)
         row.limit = longest_span(line)
         bottom = line_bottom(line, anchor)
         if bottom is not None:

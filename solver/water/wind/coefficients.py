@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, Positive, Quantity, Shape, TableFile
-from heavylift.solver.scene.descriptions import ChannelKind, no_rows
-from heavylift.solver.scene.wind_loads import FLUID_LOADS, LOAD_FORCE, FluidLoad
+from heavylift.solver.scene.descriptions import no_rows
+from heavylift.solver.scene.outputs import Components, channel, outputs
+from heavylift.solver.scene.wind_loads import FLUID_LOADS, FluidLoad, LoadOutputs
 
-__all__ = ["SMALL_ANGLE", "CoefficientLoad", "coefficient_curves"]
+__all__ = ["SMALL_ANGLE", "CoefficientLoad", "CoefficientOutputs", "coefficient_curves"]
 
 COLUMNS = ("angles", "cx", "cy", "cn")
 HEADERS = (("angle", "cx", "cy", "cn"), ("angle_deg", "cx", "cy", "cn"))
@@ -33,20 +34,23 @@ SMALL_ANGLE = 1e-6
 Array = NDArray[np.float64]
 
 
+@outputs
+class CoefficientOutputs(LoadOutputs):
+    """What is recorded of all loads of a name of which one has coefficients."""
+
+    yaw_moment: Components = channel(
+        "moment or energy",
+        "sum of the yaw moments of the pieces of this name about their centres of pressure",
+        ("z",),
+    )
+
+
 @FLUID_LOADS.describe("coefficients")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CoefficientLoad(FluidLoad):
     """Horizontal force and yaw moment on a whole body, by coefficients over the direction of the relative flow."""
 
-    CHANNELS: ClassVar = (
-        LOAD_FORCE,
-        ChannelKind(
-            "yaw_moment",
-            "moment or energy",
-            "sum of the yaw moments of the pieces of this name about their centres of pressure",
-            ("z",),
-        ),
-    )
+    CHANNELS: ClassVar = CoefficientOutputs.CHANNELS
 
     point: Annotated[Array, BodyPoint()]
     """Centre of pressure, in the coordinates of the geometry [m]."""

@@ -21,6 +21,9 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at
+from heavylift.solver.scene.wind_loads import CurrentOutputs, LoadOutputs, WindOutputs
+from heavylift.solver.water.wind.coefficients import CoefficientOutputs
 from heavylift.solver.water.wind.spectrum import REFERENCE_HEIGHT
 
 __all__ = [
@@ -65,8 +68,8 @@ class FieldData(Record):
         First row and rows of the direction.
     record_first, record_count
         First value and values of the fluctuation.
-    speed_column
-        Record column of the speed or -1; the direction follows.
+    column
+        First record column.
     density
         [kg/m3].
     level
@@ -94,7 +97,7 @@ class FieldData(Record):
     turn_count: int
     record_first: int
     record_count: int
-    speed_column: int
+    column: int
     density: float
     level: float
     side: float
@@ -128,8 +131,8 @@ class LoadData(Record):
         Markers of its point and of its heading, or -1.
     curve_first, curve_count
         First row and rows of its curves.
-    force_column, moment_column
-        Record columns of force and moment, or -1.
+    column
+        First record column of all loads of its name.
     area
         Areas times the coefficient [m2] along the heading, across it, from above.
     extent
@@ -144,8 +147,7 @@ class LoadData(Record):
     heading: int
     curve_first: int
     curve_count: int
-    force_column: int
-    moment_column: int
+    column: int
     area: Vector
     extent: float
     vertical: bool
@@ -169,6 +171,10 @@ class CurvePiece(Knot):
     x: Cubic
     y: Cubic
     turn: Cubic
+
+
+wind_outputs, current_outputs = outputs_at(WindOutputs), outputs_at(CurrentOutputs)
+load_outputs, coefficient_outputs = outputs_at(LoadOutputs), outputs_at(CoefficientOutputs)
 
 
 class FluidLoads(Arrays):
@@ -365,23 +371,27 @@ def record_fluid_loads(kind: FluidLoads, time: float, work: Workspace, row: NDAr
     """Speeds and directions of the fields, total force and moment of each name."""
     _update_flow(kind, time)
     for f in range(kind.fields.shape[0]):
-        column = kind.fields[f].speed_column
-        if column >= 0:
-            row[column] = _speed(kind, f, kind.fields[f].recorded_height)
-            row[column + 1] = kind.flow[f].angle
+        field = kind.fields[f]
+        speed, angle = _speed(kind, f, field.recorded_height), kind.flow[f].angle
+        if field.side > 0.0:
+            wind = wind_outputs(row, field.column)
+            wind.speed, wind.direction = speed, angle
+        else:
+            current = current_outputs(row, field.column)
+            current.speed, current.direction = speed, angle
     for i in range(kind.loads.shape[0]):  # several loads may share their columns
-        force, moment = kind.loads[i].force_column, kind.loads[i].moment_column
-        if force >= 0:
-            for k in range(3):
-                row[force + k] = 0.0
-        if moment >= 0:
-            row[moment] = 0.0
+        load = kind.loads[i]
+        force = load_outputs(row, load.column).force
+        for k in range(3):
+            force[k] = 0.0
+        if load.sort == COEFFICIENTS:
+            coefficient_outputs(row, load.column).yaw_moment[0] = 0.0
     for i in range(kind.loads.shape[0]):
-        force, moment = kind.loads[i].force_column, kind.loads[i].moment_column
+        load = kind.loads[i]
+        force = load_outputs(row, load.column).force
         fx, fy, fz, turn = _load(kind, i, work)
-        if force >= 0:
-            row[force] += fx
-            row[force + 1] += fy
-            row[force + 2] += fz
-        if moment >= 0:
-            row[moment] += turn
+        force[0] += fx
+        force[1] += fy
+        force[2] += fz
+        if load.sort == COEFFICIENTS:
+            coefficient_outputs(row, load.column).yaw_moment[0] += turn

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,16 +13,20 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.descriptions import ChannelKind
+from heavylift.solver.scene.channels import ChannelBook
+from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.wind_loads import (
     CurrentField,
+    CurrentOutputs,
     CurrentProfile,
     DragElement,
     FluctuationRecord,
     FluidField,
     FluidLoad,
+    LoadOutputs,
     Veering,
     WindField,
+    WindOutputs,
 )
 from heavylift.solver.water.wind.coefficients import CoefficientLoad, coefficient_curves
 from heavylift.solver.water.wind.forces import (
@@ -47,7 +51,7 @@ from heavylift.solver.water.wind.spectrum import (
     profile_slope,
 )
 
-__all__ = ["fluid_channels", "fluid_markers", "fluid_pieces", "pack_fluid_loads"]
+__all__ = ["add_fluid_channels", "fluid_markers", "fluid_pieces", "pack_fluid_loads"]
 
 INTENSITY_EXPONENT = -0.22
 """Of the turbulence intensity over the height, ISO 19901-1."""
@@ -82,20 +86,22 @@ def fluid_markers(book: MarkerBook, loads: Sequence[Any]) -> list[tuple[int, int
     return made
 
 
-def fluid_channels(fields: Sequence[FluidField], loads: Sequence[FluidLoad]) -> list[tuple[str, ChannelKind]]:
-    """Owners and channels in the order of their columns: of each field, then of each name of loads."""
-    channels = [(one.name, kind) for one in fields for kind in one.CHANNELS]
+def add_fluid_channels(
+    record: ChannelBook, fields: Sequence[FluidField], loads: Sequence[FluidLoad]
+) -> dict[str, Columns]:
+    """Append the channels of each field, then of each name of loads; where they are, by name."""
+    columns = {one.name: record.add(one.name, one.CHANNELS) for one in fields}
     for name in dict.fromkeys(load.name for load in loads):
         kinds = dict.fromkeys(kind for load in loads if load.name == name for kind in load.CHANNELS)
-        channels += [(name, kind) for kind in kinds]
-    return channels
+        columns[name] = record.add(name, kinds)
+    return columns
 
 
 def pack_fluid_loads(
     fields: Sequence[FluidField],
     loads: Sequence[Any],
     markers: Sequence[tuple[int, int]],
-    columns: Sequence[int],
+    columns: Mapping[str, Columns],
     *,
     level: float = 0.0,
     ramp: float = 0.0,
@@ -112,7 +118,7 @@ def pack_fluid_loads(
     markers
         Of each load, from `fluid_markers`.
     columns
-        First record column of each channel of `fluid_channels`.
+        From `add_fluid_channels`.
     level
         Height of the still water [m].
     ramp
@@ -129,10 +135,6 @@ def pack_fluid_loads(
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"two fields named {twice!r}", source="wind and current", key="name", expected="one")
-    column_of = {
-        (owner, kind.name): column
-        for (owner, kind), column in zip(fluid_channels(fields, loads), columns, strict=True)
-    }
     profiles, turns, fluctuations, curves = _Rows(2), _Rows(2), _Rows(1), _Rows(13)
     _check_water(level, ramp, water_density)
     field_rows, load_rows = records(FieldData, len(fields)), records(LoadData, len(loads))
@@ -141,20 +143,19 @@ def pack_fluid_loads(
         profile, record = _wind(one, data) if isinstance(one, WindField) else _current(one, data)
         data.profile_first, data.profile_count = profiles.add(profile)
         data.record_first, data.record_count = fluctuations.add(record)
-        data.speed_column = column_of[one.name, "speed"]
+        data.column = columns[one.name].at(WindOutputs if isinstance(one, WindField) else CurrentOutputs)
         data.level, data.ramp = level, ramp
         if isinstance(one, CurrentField):
             data.density = water_density
     for row, load, (point, heading) in zip(load_rows, loads, markers, strict=True):
         _check_load(load, names)
         row.field, row.marker, row.heading = names.index(load.fluid), point, heading
-        row.force_column = column_of[load.name, "force"]
+        row.column = columns[load.name].at(LoadOutputs)
         if isinstance(load, CoefficientLoad):
             row.sort = COEFFICIENTS
             row.curve_first, row.curve_count = curves.add(coefficient_curves(load))
-            row.moment_column = column_of[load.name, "yaw_moment"]
         else:
-            row.sort, row.moment_column = SAME_ALL_ROUND if heading < 0 else BOX, -1
+            row.sort = SAME_ALL_ROUND if heading < 0 else BOX
             areas = np.zeros(3)
             areas[: np.size(load.area)] = load.area
             row.area[:] = load.coefficient * areas

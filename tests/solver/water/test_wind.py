@@ -16,6 +16,7 @@ from heavylift.solver.interface import (
     record_forces,
 )
 from heavylift.solver.joints.packing import MarkerBook
+from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.wind_loads import (
@@ -30,7 +31,7 @@ from heavylift.solver.scene.wind_loads import (
 )
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.water.wind.coefficients import CoefficientLoad
-from heavylift.solver.water.wind.packing import fluid_channels, fluid_markers, pack_fluid_loads
+from heavylift.solver.water.wind.packing import add_fluid_channels, fluid_markers, pack_fluid_loads
 
 ANGLES = np.radians(np.arange(-180.0, 180.0, 20.0))
 COEFFICIENTS = np.column_stack(
@@ -70,23 +71,23 @@ def apply(body, fields, loads, time=0.0, **water):
     """Forces on the markers of each load, their power, and the record by channel."""
     book = MarkerBook()
     markers = fluid_markers(book, loads)
-    channels = fluid_channels(fields, loads)
-    columns = np.cumsum([0, *[len(kind.columns()) for _, kind in channels]])
+    outputs = ChannelBook()
+    columns = add_fluid_channels(outputs, fields, loads)
     for one in fields:
         check_object(one)
-    kind = pack_fluid_loads(fields, loads, markers, [int(c) for c in columns[:-1]], **water)
+    kind = pack_fluid_loads(fields, loads, markers, columns, **water)
     work = Workspace.empty(6, book.count)
     for load, (point, heading) in zip(loads, markers, strict=True):
         for marker, vectors in ((point, body.place(load.point)), (heading, body.turn(load.axis))):
             if marker >= 0:
                 work.markers[marker].point[:], work.markers[marker].velocity[:] = vectors
-    row = np.full(columns[-1], np.nan)
+    row = np.full(outputs.width, np.nan)
     act((kind,), time, work, row)
     forces = work.markers["force"]
     power = float(np.sum(forces * work.markers["velocity"]))
     record = {
-        f"{owner}.{kind.name}": row[start : start + len(kind.columns())]
-        for (owner, kind), start in zip(channels, columns, strict=False)
+        channel.name: row[channel.column : channel.column + len(channel.components)]
+        for channel in outputs.channels
     }
     nothing = np.zeros(3)
     return [(forces[p], forces[h] if h >= 0 else nothing) for p, h in markers], power, record
@@ -352,7 +353,9 @@ def test_loads_of_one_name_are_recorded_as_their_sum():
     loads = [element(name="deck"), element(name="deck", area=7.0), hull(name="deck")]
     pairs, _, record = apply(body, [WindField(speed=10.0)], loads)
     np.testing.assert_allclose(record["deck.force"], sum(pair[0] for pair in pairs), rtol=1e-12)
-    assert [kind.name for _, kind in fluid_channels([], loads)] == ["force", "yaw_moment"]
+    book = ChannelBook()
+    add_fluid_channels(book, [], loads)
+    assert [channel.name for channel in book.channels] == ["deck.force", "deck.yaw_moment"]
 
 
 @pytest.mark.parametrize(
