@@ -300,7 +300,7 @@ def _records_of(record: type[Record]) -> _RecordsOf:
     return _RecordsOf(record)
 
 
-def records(record: type[R], rows: int | typing.Iterable[typing.Iterable[Any]]) -> Records[R]:
+def records(record: type[R], rows: int | typing.Iterable[R | typing.Iterable[Any]]) -> Records[R]:
     """Array of records that begins at a cache line.
 
     Parameters
@@ -310,7 +310,7 @@ def records(record: type[R], rows: int | typing.Iterable[typing.Iterable[Any]]) 
     rows
         How many, all fields 0; or `filled` ones; or the values of their fields in order.
     """
-    given = None if isinstance(rows, int) else [tuple(row) for row in rows]
+    given: Any = None if isinstance(rows, int) else [tuple(row) for row in typing.cast("Any", rows)]
     count = rows if isinstance(rows, int) else len(given or ())
     size = count * record.layout.itemsize
     buffer = np.zeros(size + LINE, dtype=np.uint8)
@@ -322,7 +322,7 @@ def records(record: type[R], rows: int | typing.Iterable[typing.Iterable[Any]]) 
 
 
 @cache
-def _own_fields(record: type[Record]) -> dict[str, None]:
+def _own_fields(record: Any) -> dict[str, None]:
     """Names of its fields, without those that span others."""
     found = declared_types(record)
     return {name: None for name in record.fields_of if _first_of_span(found[name]) is None}

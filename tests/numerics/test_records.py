@@ -20,6 +20,7 @@ from heavylift.numerics.records import (
     Vector,
     clear_record,
     copy_record,
+    filled,
     known_lanes,
     lane_records,
     record_at,
@@ -260,6 +261,26 @@ def test_whole_records_are_copied_and_cleared() -> None:
     assert group.weights[0].mass == 7.0
     clear_record(group.weights[2])
     assert group.weights[2].mass == 0.0
+
+
+def test_records_are_filled_by_name() -> None:
+    """In any order, without fields that span others; a forgotten or unknown name is told."""
+    start = filled(Place, turned=True, position=(1.0, 2.0, 3.0))
+    given: dict[str, Any] = {"mass": 2.0, "count": 5, "inertia": np.eye(3), "parts": (7, 8), "turned": False}
+    rows = records(
+        Weight, [filled(Weight, **given, start=start, position=(4.0, 5.0, 6.0)) for _ in range(2)]
+    )
+    assert rows[1].count == 5 and rows[1].mass == 2.0
+    np.testing.assert_array_equal(rows["position"], [[4.0, 5.0, 6.0]] * 2)
+    np.testing.assert_array_equal(rows[1].depth, [4.0, 5.0])
+    np.testing.assert_array_equal(rows[1].inertia, np.eye(3))
+    np.testing.assert_array_equal(rows[1].parts, [7, 8])
+    assert rows[1].start.turned
+    np.testing.assert_array_equal(rows[1].start.position, [1.0, 2.0, 3.0])
+    with pytest.raises(TypeError, match=r"Place without 'turned'"):
+        filled(Place, position=(1.0, 2.0, 3.0))
+    with pytest.raises(TypeError, match=r"Place with unknown 'depth', 'mass' and without 'position'"):
+        filled(Place, turned=True, depth=(1.0, 2.0), mass=1.0)
 
 
 @entry

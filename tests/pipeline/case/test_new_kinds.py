@@ -24,12 +24,20 @@ FORCE = '''
     from heavylift.numerics.arrays import Arrays
     from heavylift.numerics.jit import kernel
     from heavylift.numerics.quantity import Positive
-    from heavylift.numerics.records import Record, Records, records
+    from heavylift.numerics.records import Record, Records, filled, records
     from heavylift.solver.interface import FORCES as LEVEL, Workspace, add_forces, record_forces
     from heavylift.solver.kinds import implement
     from heavylift.solver.markers import MarkerBook
+    from heavylift.solver.recording import outputs_at
     from heavylift.solver.scene.connections import FORCES, Between, PackedForce
-    from heavylift.solver.scene.descriptions import ChannelKind
+    from heavylift.solver.scene.outputs import Columns, Outputs, channel, outputs
+
+
+    @outputs
+    class DipolesOutputs(Outputs):
+        """What they record."""
+
+        attraction: float = channel("force", "attraction of the magnets")
 
 
     @FORCES.describe("dipoles")
@@ -37,7 +45,7 @@ FORCE = '''
     class Dipoles(Between, PackedForce):
         """Two magnets attract each other."""
 
-        CHANNELS: ClassVar = (ChannelKind("attraction", "force", "attraction of the magnets"),)
+        CHANNELS: ClassVar = DipolesOutputs.CHANNELS
 
         strength: Annotated[float, Positive("force")]
         """Attraction [N] at a distance of 1 m."""
@@ -50,16 +58,25 @@ FORCE = '''
         strength: float
 
 
+    dipoles_outputs = outputs_at(DipolesOutputs)
+
+
     class AllDipoles(Arrays):
         """All pairs of a scene."""
 
         table: Records[DipolesEntry]
 
 
-    def pack(forces: Sequence[Dipoles], columns: Sequence[int], book: MarkerBook) -> AllDipoles:
+    def pack(forces: Sequence[Dipoles], columns: Sequence[Columns], book: MarkerBook) -> AllDipoles:
         """Make the kind."""
         rows = [
-            (book.point(f.body_a, f.point_a, LEVEL), book.point(f.body_b, f.point_b, LEVEL), column, f.strength)
+            filled(
+                DipolesEntry,
+                a=book.point(f.body_a, f.point_a, LEVEL),
+                b=book.point(f.body_b, f.point_b, LEVEL),
+                column=column,
+                strength=f.strength,
+            )
             for f, column in zip(forces, columns, strict=True)
         ]
         return AllDipoles(records(DipolesEntry, rows))
@@ -91,7 +108,7 @@ FORCE = '''
             square = 0.0
             for k in range(3):
                 square += (b.point[k] - a.point[k]) ** 2
-            row[entry.column] = entry.strength / square**2
+            dipoles_outputs(row, entry.column).attraction = entry.strength / square**2
 '''
 ROPE = '''
     """Ropes of nylon, by their breaking load."""
@@ -103,7 +120,7 @@ ROPE = '''
 
     from heavylift.numerics.outcome import InputError
     from heavylift.numerics.quantity import Least, Positive, Quantity
-    from heavylift.solver.scene.connections import ROPE_CHANNELS, ROPES, RopePoint
+    from heavylift.solver.scene.connections import ROPES, RopeOutputs, RopeParts, RopePoint
 
 
     @ROPES.describe("nylon")
@@ -111,7 +128,7 @@ ROPE = '''
     class Nylon:
         """A rope that says when it breaks."""
 
-        CHANNELS: ClassVar = ROPE_CHANNELS
+        CHANNELS: ClassVar = (*RopeOutputs.CHANNELS, *RopeParts.CHANNELS)
 
         name: str
         path: Annotated[tuple[RopePoint, ...], Least(2)]
