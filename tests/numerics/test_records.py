@@ -270,7 +270,8 @@ def test_records_are_filled_by_name() -> None:
     rows = records(
         Weight, [filled(Weight, **given, start=start, position=(4.0, 5.0, 6.0)) for _ in range(2)]
     )
-    assert rows[1].count == 5 and rows[1].mass == 2.0
+    assert rows[1].count == 5
+    assert rows[1].mass == 2.0
     np.testing.assert_array_equal(rows["position"], [[4.0, 5.0, 6.0]] * 2)
     np.testing.assert_array_equal(rows[1].depth, [4.0, 5.0])
     np.testing.assert_array_equal(rows[1].inertia, np.eye(3))
