@@ -1002,7 +1002,7 @@ def record_sheaved_ropes(
         e = max(0.0, rope.stretched - rope.rest)
         work.sums.elastic += 0.5 * stiffness_of(kind, i, 1.0 / rope.rest) * e * e
         work.sums.drift = max(work.sums.drift, abs(rope.drift))
-        put_rope(rope_outputs(row, entry.column), rope, interval, largest, length)
+        put_rope(rope_outputs(row, entry.column), kind, i, interval, largest, length)
         work.sums.drive_work += rope.winch_work
         work.sums.dissipated += rope.loss
         speeds, states = part(row, chain.parts.sheave_speed), part(row, chain.parts.sheave_state)

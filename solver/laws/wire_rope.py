@@ -750,12 +750,15 @@ def compare_tension(kind: Ropes, i: int, time: float, length: float, tension: fl
 
 
 @kernel(internal=True)
-def put_rope(out: RopeOutputs, state: RopeState, interval: int, tension: float, length: float) -> None:
+def put_rope(out: RopeOutputs, kind: Ropes, i: int, interval: int, tension: float, length: float) -> None:
     """What all ropes record, with the tension and the length of the path of the record."""
+    state = kind.state[i]
+    taut = state.stretched > state.rest > 0.0 and stiffness_of(kind, i, 1.0 / state.rest) > 0.0
     out.tension = tension
     out.length = length
     out.rest_length = state.rest
     out.drift = state.drift
+    out.strain = (state.stretched - state.rest) / state.rest if taut else 0.0
     out.tension_max = largest_of(state.extremes, interval, tension)
     out.tension_min = smallest_of(state.extremes, interval, tension)
 
@@ -781,7 +784,7 @@ def record_ropes(
             work.sums.drift = max(work.sums.drift, abs(state.drift))
         e = max(0.0, state.stretched - state.rest)
         work.sums.elastic += 0.5 * stiffness_of(kind, i, 1.0 / state.rest) * e * e
-        put_rope(rope_outputs(row, entry.column), state, work.control.interval, tension, length)
+        put_rope(rope_outputs(row, entry.column), kind, i, work.control.interval, tension, length)
         segments = part(row, entry.parts.segment_tension)
         for k in range(segments.shape[0]):
             segments[k] = tension

@@ -146,6 +146,10 @@ class RopeOutputs(Outputs):
     drift: float = channel(
         "length", "length of the rope along its path less the stretched length that its tension belongs to"
     )
+    strain: float = channel(
+        "number",
+        "elastic strain of the rope, mean of its segments: that of its tension without damping; 0 if slack",
+    )
     tension_max: float = largest("force", "tension")
     tension_min: float = smallest("force", "tension")
 

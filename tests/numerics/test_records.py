@@ -267,9 +267,7 @@ def test_records_are_filled_by_name() -> None:
     """In any order, without fields that span others; a forgotten or unknown name is told."""
     start = filled(Place, turned=True, position=(1.0, 2.0, 3.0))
     given: dict[str, Any] = {"mass": 2.0, "count": 5, "inertia": np.eye(3), "parts": (7, 8), "turned": False}
-    rows = records(
-        Weight, [filled(Weight, **given, start=start, position=(4.0, 5.0, 6.0)) for _ in range(2)]
-    )
+    rows = records(Weight, [filled(Weight, **given, start=start, position=(4.0, 5.0, 6.0)) for _ in range(2)])
     assert rows[1].count == 5
     assert rows[1].mass == 2.0
     np.testing.assert_array_equal(rows["position"], [[4.0, 5.0, 6.0]] * 2)

@@ -61,6 +61,19 @@ def test_pulleys_follow_the_closed_form(row: np.ndarray) -> None:
         assert ratio.max() < (1.0 + 1e-9) / eta
 
 
+def test_strain_is_the_mean_of_the_segments() -> None:
+    """Of tensions over EA, by their lengths: a load that has sunk on its own segment, and the sheave sticks."""
+    EA, mass = 1e7, 1000.0
+    path = [eye(GROUND, (0, 0, -5)), rubbing(eye(GROUND), 0.8), eye("load")]
+    rope = wire(*path, stiffness=EA, tension=0.9 * mass * G, damping=1e5)
+    result = run(scene([body("load", mass, (0, 0, -5))], ropes=[rope]), 1e-3, 2.0)
+    tensions, length = result["rope.segment_tension"][-1], result["rope.length"][-1]
+    assert tensions[1] == pytest.approx(mass * G, rel=1e-6)
+    assert tensions[0] < 0.99 * tensions[1]
+    mean = (5.0 * tensions[0] + (length - 5.0) * tensions[1]) / length
+    assert result["rope.strain"][-1] == pytest.approx(mean / EA, rel=1e-6)
+
+
 def test_efficiency_of_one_is_no_friction() -> None:
     """The same bits as a rope that says nothing of it."""
     with_one = run(pulleys(1.0), 1e-3, 0.2)

@@ -33,6 +33,7 @@ def test_a_brake_slips_at_its_tension() -> None:
     way = (0.5 * MASS * 9.0 + 0.5 * 15e3 * stretch) / (15e3 - MASS * G)
     assert result["rope.paid_out"][-1] == pytest.approx(way - stretch, rel=2e-3)
     assert result["rope.tension"].max() == pytest.approx(15e3, rel=1e-9)
+    np.testing.assert_allclose(result["rope.strain"], result["rope.tension"] / EA, rtol=1e-9, atol=1e-15)
     assert result["rope.rest_length"][-1] == pytest.approx(10.0 + result["rope.paid_out"][-1], rel=1e-14)
     assert np.diff(result["rope.paid_out"]).min() >= 0.0
     assert result.balance < 1e-9 * result["energy.kinetic"].max()

@@ -105,6 +105,15 @@ def test_tension_and_lengths_of_a_bouncing_load() -> None:
     np.testing.assert_allclose(result["rope.tension"], 1e6 * np.maximum(elongation, 0.0), atol=1e-4)
     np.testing.assert_array_equal(result["rope.segment_tension"], result["rope.tension"])
     np.testing.assert_array_equal(result["rope.rest_length"], 10.0)
+    np.testing.assert_allclose(result["rope.strain"], result["rope.tension"] / 1e7, rtol=1e-12, atol=1e-15)
+    assert result["rope.strain"].min() == 0.0
+
+
+def test_strain_of_a_hanging_load() -> None:
+    """``m g / EA`` at rest."""
+    rope = wire(eye(GROUND), eye("load"), stiffness=1e7, tension=1000.0 * G)
+    result = run(scene([body("load", 1000.0, (0, 0, -10.0))], ropes=[rope]), 1e-2, 0.1)
+    np.testing.assert_allclose(result["rope.strain"], 1000.0 * G / 1e7, rtol=1e-9)
 
 
 def test_atwood_machine() -> None:
