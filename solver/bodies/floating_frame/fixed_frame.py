@@ -179,7 +179,7 @@ def _deform(kind: FloatingFrameBodies, body: int) -> None:
     )
 
 
-@kernel(internal=True, reassociate=True)
+@kernel(internal=True)
 def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDArray[np.float64]) -> None:
     """Motion of the frame, modal coordinates and rates, and the reaction.
 

@@ -55,7 +55,8 @@ __all__ = [
 
 Axes = tuple[Vector, Vector, Vector]
 
-point_outputs, frame_outputs, held_outputs = map(outputs_at, (PointOutputs, FrameOutputs, HeldOutputs))
+point_outputs, frame_outputs = outputs_at(PointOutputs), outputs_at(FrameOutputs)
+held_outputs = outputs_at(HeldOutputs)
 
 NOT_FINITE, STEP_TOO_LARGE = int(Outcome.NOT_FINITE), int(Outcome.STEP_TOO_LARGE)
 
