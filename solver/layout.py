@@ -61,8 +61,8 @@ class Layout:
         Meaning of the columns of a record.
     column_count
         Length of a record.
-    body_names, block_names, line_names, deck_names
-        Names by number of the body, of the block of rows, of the mooring line and of the deck, for messages.
+    body_names, block_names, line_names, deck_names, tank_names
+        Names by number of the body, of the block of rows, of the mooring line, of the deck and of the tank, for messages.
     notes
         What the user should know of the scene.
     director
@@ -82,6 +82,7 @@ class Layout:
     block_names: tuple[str, ...]
     line_names: tuple[str, ...] = ()
     deck_names: tuple[str, ...] = ()
+    tank_names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     director: Any = None
     controllers: Any = None
@@ -243,6 +244,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         notes=tuple(notes),
         line_names=() if made.sea is None else made.sea.line_names,
         deck_names=tuple(deck.name for deck in scene.decks),
+        tank_names=() if scene.sea is None else tuple(tank.name for tank in scene.sea.tanks_of(ordered)),
         director=director,
         controllers=controllers,
     )

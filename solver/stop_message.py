@@ -171,8 +171,8 @@ def _tank_limit(layout: Layout) -> str:
         if "tank_rows" not in kind._fields:
             continue
         over = kind.tanks["mass"] - kind.tanks["capacity"]
-        for tank in kind.tanks[(over > 0.0) | (kind.tanks["mass"] < 0.0)]:
-            name = next(c.name for c in layout.channels if c.column == int(tank.column)).rpartition(".")[0]
+        for number in np.flatnonzero((over > 0.0) | (kind.tanks["mass"] < 0.0)):
+            tank, name = kind.tanks[number], layout.tank_names[number]
             if tank.mass < 0.0:
                 return f"tank {name!r} runs dry while a pump draws from it; try more water in it, or a shorter plan"
             return f"tank {name!r} overflows, it holds {tank.capacity:.6g} kg; try less water in it, or a shorter plan"

@@ -196,7 +196,7 @@ def reserve_tables(
     for kind in kinds[0]:
         made = kind
         if isinstance(kind, Hulls) and pumped:
-            made = _with_levels(kind, scene.sea.tanks, pumped, columns)
+            made = _with_levels(kind, scene.sea.tanks_of(scene.bodies), pumped)
         if frames and isinstance(kind, FrameBodies):
             made = _with_frame_profiles(made, frames)
         bodies.append(made)
@@ -265,25 +265,18 @@ def _with_winch_rows(kind: Ropes, told: Iterable[int], count: int) -> Ropes:
     return kind._replace(winches=winches)
 
 
-def _with_levels(kind: Any, tanks: Sequence[Any], told: set[str], columns: Mapping[str, int]) -> Any:
-    """Room for plans in the schedules of some tanks."""
+def _with_levels(kind: Any, tanks: Sequence[Any], told: set[str]) -> Any:
+    """Room for plans in the schedules of some tanks, of all in the order of the kind."""
     rows: list[tuple[float, float]] = []
-    for entry, name in zip(kind.tanks, _tank_names(kind, tanks, columns), strict=True):
+    for entry, tank in zip(kind.tanks, tanks, strict=True):
         own = [
             (level.time, level.mass) for level in kind.tank_levels[entry.first : entry.first + entry.count]
         ]
-        if name in told:
+        if tank.name in told:
             own += [own[-1]] * (TANK_LEVELS - len(own))
         entry.first, entry.count = len(rows), len(own)
         rows += own
     return kind._replace(tank_levels=records(TankLevel, rows))
-
-
-def _tank_names(kind: Any, tanks: Sequence[Any], columns: Mapping[str, int]) -> list[str]:
-    """Names of the tanks of a kind, in its order: hull by hull."""
-    owners = {column: name for name, column in columns.items()}
-    hulls = [owners[int(entry.column)] for entry in kind.table]
-    return [tank.name for hull in hulls for tank in tanks if tank.hull == hull]
 
 
 def _profile_length(data: NDArray[np.float64], start: int) -> int:
@@ -437,7 +430,6 @@ def pack_scenario(
         If a channel is not there, or an action does not fit.
     """
     scenario: Scenario = scene.scenario
-    tanks = () if scene.sea is None else scene.sea.tanks
     known = {channel.name: channel for channel in channels}
     first_columns = _first_columns(channels)
     movers = _Movers()
@@ -453,8 +445,8 @@ def pack_scenario(
             if name in scenario.prepared:
                 entry.axial_stiffness = entry.damping = 0.0
     hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
-    for i, name in enumerate(_tank_names(hulls, tanks, first_columns) if hulls is not None else ()):
-        movers.add(name, TANK, i, told=True)
+    for i, tank in enumerate(() if scene.sea is None else scene.sea.tanks_of(scene.bodies)):
+        movers.add(tank.name, TANK, i, told=True)
     drives = (
         dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
             acted_on(action)

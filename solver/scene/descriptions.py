@@ -148,8 +148,8 @@ class ChannelKind:
         known.append(self)
 
     def columns(self, chosen: Mapping[str, tuple[str, ...]] | None = None) -> tuple[str, ...]:
-        """Name of each column; `chosen` are the components, by channel, that the scene decides."""
-        if self.components is None:
+        """Name of each column; `chosen` are components, by channel, that the scene decides: none if it is absent."""
+        if self.components is None or self.name in (chosen or {}):
             return (chosen or {})[self.name]
         return self.components or (self.name,)
 

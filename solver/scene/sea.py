@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -468,6 +469,10 @@ class Sea:
     loads: tuple[FluidLoad, ...] = ()
     lines: tuple[Any, ...] = ()
     fenders: tuple[Any, ...] = ()
+
+    def tanks_of(self, bodies: Iterable[Any]) -> list[Tank]:
+        """Tanks in the order in which the solver has them: hull by hull, as these are among the bodies of a scene."""
+        return [tank for body in bodies for tank in self.tanks if tank.hull == body.name]
 
 
 @dataclass(frozen=True, eq=False)

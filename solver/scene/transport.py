@@ -13,16 +13,24 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, Positive, Quantity, Shape, TableFile
 from heavylift.solver.scene.descriptions import Family, check_table, named, no_rows
+from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, largest, outputs, smallest
 
 __all__ = [
     "TRANSPORT",
     "BogieGroup",
+    "BogieParts",
     "Bump",
     "Drive",
+    "DriveOutputs",
     "HeightGrid",
     "Levelling",
+    "LevellingParts",
     "OilPump",
     "PathLeg",
+    "PathOutputs",
+    "SteeringParts",
+    "TransporterOutputs",
+    "TyreParts",
     "Tyres",
 ]
 
@@ -372,3 +380,98 @@ class Tyres:
             raise InputError(
                 f"{np.degrees(worst):.6g} degrees", key="steering_errors", expected="less than 45 degrees"
             )
+
+
+# ---- what a transporter records, in this order ----
+
+OF_WHEELS = "of all wheels, at the ends of all steps"
+OF_BOGIES = "of all bogies, at the ends of all steps"
+OF_MIDDLES = "of the middles of all steps"
+
+
+@outputs
+class TransporterOutputs(Outputs):
+    """Of every transporter."""
+
+    heave: float = channel("length", "rise since the start of the middle of the places of all bogies")
+    roll: float = channel(
+        "angle", "rise of the left side of the vehicle since the start, against the horizontal"
+    )
+    pitch: float = channel("angle", "dip of the front of the vehicle since the start, against the horizontal")
+    least_share: float = channel("number", "smallest load of a group over that of all")
+    load_max: float = largest("force", "load", seen=OF_WHEELS)
+    load_min: float = smallest("force", "load", seen=OF_WHEELS)
+    stroke_max: float = largest("length", "stroke", seen=OF_BOGIES)
+    stroke_min: float = smallest("length", "stroke", seen=OF_BOGIES)
+
+
+@outputs
+class BogieParts(Parts):
+    """Of each group and each bogie."""
+
+    group_force: Part = channel("force", "force of a cylinder of each group", None)
+    wheel_load: Part = channel("force", "load of each bogie on the road, with its own weight", None)
+    road_under: Part = channel("length", "height of the road for each wheel over that of its deck", None)
+    stroke_of: Part = channel("length", "stroke of each bogie from its place at the start, up", None)
+
+
+@outputs
+class PathOutputs(Outputs):
+    """Of a transporter with a path."""
+
+    path_way: float = channel("length", "way along its path")
+    off_path: float = channel("length", "distance of the middle of its bogies from its path")
+    off_heading: float = channel("angle", "by which its heading is off its path, to the left")
+    push_along: float = channel("force", "on it in the plane, forwards, from drives and brakes")
+    push_across: float = channel("force", "on it in the plane, to the left, from its wheels")
+    push_turning: float = channel(
+        "moment or energy", "on it in the plane, to the left, about the middle of its bogies"
+    )
+
+
+@outputs
+class SteeringParts(Parts):
+    """Of each bogie of a transporter with a path."""
+
+    steering: Part = channel("angle", "of each bogie, to the left", None)
+    rolling_speed: Part = channel("velocity", "of the wheels of each bogie", None)
+
+
+@outputs
+class DriveOutputs(Outputs):
+    """Of a transporter with a drive."""
+
+    drive_demand: float = channel(
+        "force", "of all driven bogies, along the path, in the middle of the last step"
+    )
+    bogie_drive: float = channel("force", "of each driven bogie in the middle of the last step")
+    bogie_drive_max: float = largest("force", "bogie_drive", seen=OF_MIDDLES)
+    bogie_drive_min: float = smallest("force", "bogie_drive", seen=OF_MIDDLES)
+    traction_used_max: float = channel(
+        "number",
+        "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record; "
+        "with `tyres` of any bogie, with its side force",
+    )
+    drive_used_max: float = channel(
+        "number", "over what its drive can at its speed, largest since the last record"
+    )
+    brake_used_max: float = channel(
+        "number", "at rest, over what its brakes hold, largest since the last record"
+    )
+
+
+@outputs
+class TyreParts(Parts):
+    """Of each bogie of a transporter with tyres that slip."""
+
+    side_force: Part = channel(
+        "force", "of the tyres of each bogie, to the left of its wheels, in the last step", None
+    )
+    slip_angle: Part = channel("angle", "of each bogie: its velocity is left of its wheels by that", None)
+
+
+@outputs
+class LevellingParts(Parts):
+    """Of each group of a transporter with levelling."""
+
+    levelled: Part = channel("length", "by which levelling has lifted the bogies of each group", None)

@@ -15,11 +15,13 @@ from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.laws.system import LawBlock
+from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import MOVES
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.joined import joined_bodies
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
+from heavylift.solver.scene.transport import BogieParts, LevellingParts, TransporterOutputs
 from heavylift.solver.transport.decks import Deck, corner_table
 from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
 from heavylift.solver.transport.path_packing import PathPacking, steering_at_start
@@ -46,10 +48,6 @@ if TYPE_CHECKING:
     from heavylift.solver.rows.structure import Attachment
 
 __all__ = ["pack_transporters", "vehicle_tipping"]
-
-
-PATH_COLUMN = 8
-"""Columns of a transporter before those of its groups and bogies."""
 
 
 FAR_TOO_MUCH = 2.0
@@ -80,7 +78,7 @@ def pack_transporters(
     scene
         Checked for names.
     columns
-        First record column of each transporter.
+        Where the outputs of each transporter are.
     first_block, book, attachment, scales
         As for ropes.
 
@@ -93,13 +91,14 @@ def pack_transporters(
     decks: Sequence[Deck] = scene.decks
     _refuse_soft_decks(scene)
     corners, grids, deck_places = corner_table(decks)
-    made_decks = [
-        (*_deck_markers(deck, book), *place, *deck.borders)
-        for deck, place in zip(decks, deck_places, strict=True)
-    ]
-    vehicles: list[tuple[Any, ...]] = []
-    groups: list[tuple[Any, ...]] = []
-    bogies: list[tuple[Any, ...]] = []
+    of_decks = records(DeckData, len(decks))
+    for of_deck, deck, place in zip(of_decks, decks, deck_places, strict=True):
+        of_deck.origin, of_deck.x, of_deck.y, of_deck.z = _deck_markers(deck, book)
+        of_deck.first, of_deck.count, of_deck.across = place
+        of_deck.begin, of_deck.end, of_deck.right, of_deck.left = deck.borders
+    vehicles = records(VehicleData, len(scene.transporters))
+    groups: list[GroupData] = []
+    bogies: list[BogieData] = []
     pumps: list[tuple[float, float]] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
@@ -130,7 +129,8 @@ def pack_transporters(
         for party in _parties(scene, all_places)
         for places, loads in zip(party, _start_loads(party, gravity), strict=True)
     }
-    for places, of_vehicle, column in zip(all_places, on_decks, columns, strict=True):
+    for v, (places, of_vehicle, outputs) in enumerate(zip(all_places, on_decks, columns, strict=True)):
+        vehicle = vehicles[v]
         transporter, loads = places.transporter, loads_of[places.transporter.name]
         weight = transporter.bogie_mass * float(np.linalg.norm(gravity))
         _check_loads(transporter, loads, weight)
@@ -150,31 +150,22 @@ def pack_transporters(
         scale = sum(scales(name)[0] for name in held)
         first_bogie = len(bogies)
         counts_of = [len(group.bogies) for group in transporter.groups]
-        vehicles.append(
-            (
-                len(groups),
-                len(transporter.groups),
-                first_bogie,
-                len(places.points),
-                column,
-                *(
-                    book.direction(transporter.body, axis, FORCES, at=places.points[0])
-                    for axis in places.axes
-                ),
-                transporter.wheel_radius,
-                transporter.tyre_stiffness,
-                transporter.line_damping,
-                transporter.tyre_damping,
-                *transporter.stops,
-                weight,
-                transporter.travel_speed is not None,
-                transporter.travel_speed or 0.0,
-                transporter.tyres is not None,
-                float(places.world[:, 2].mean()),
-                float(np.repeat(loads, counts_of).mean()) or np.inf,
-                *_levelling(transporter, column),
-            )
+        vehicle.first_group, vehicle.groups = len(groups), len(transporter.groups)
+        vehicle.first_bogie, vehicle.bogies = first_bogie, len(places.points)
+        vehicle.column = outputs.at(TransporterOutputs)
+        vehicle.parts = placed(BogieParts, outputs)
+        vehicle.x, vehicle.y, vehicle.z = (
+            book.direction(transporter.body, axis, FORCES, at=places.points[0]) for axis in places.axes
         )
+        vehicle.radius, vehicle.tyre = transporter.wheel_radius, transporter.tyre_stiffness
+        vehicle.pipe, vehicle.rubber = transporter.line_damping, transporter.tyre_damping
+        vehicle.low, vehicle.high = transporter.stops
+        vehicle.weight = weight
+        vehicle.driven, vehicle.speed = transporter.travel_speed is not None, transporter.travel_speed or 0.0
+        vehicle.tyred = transporter.tyres is not None
+        vehicle.start_height = float(places.world[:, 2].mean())
+        vehicle.rest = float(np.repeat(loads, counts_of).mean()) or np.inf
+        _fill_levelling(vehicle, transporter, outputs)
         level = (places.world - places.world.mean(axis=0)) @ places.level.T
         stands_on += [deck for deck, _, _ in of_vehicle]
         starts += [place for _, _, place in of_vehicle]
@@ -197,27 +188,16 @@ def pack_transporters(
                 if group.pump is None
                 else list(zip(group.pump.times, count * group.pump.lifts, strict=True))
             )
-            groups.append(
-                (
-                    len(vehicles) - 1,
-                    len(bogies),
-                    count,
-                    block,
-                    lane,
-                    len(ends),
-                    row_count,
-                    law.block_count,
-                    group.oil_stiffness / count,
-                    group.gas_length * count,
-                    load,
-                    len(pumps),
-                    len(rows),
-                    group.constant_force,
-                    group.relief_force,
-                    count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0,
-                    *level[len(bogies) - first_bogie :][:count, :2].mean(axis=0).tolist(),
-                )
-            )
+            data = GroupData.one()
+            data.vehicle, data.first, data.count = v, len(bogies), count
+            data.block, data.lane, data.attachments = block, lane, len(ends)
+            data.rows, data.apart = row_count, law.block_count
+            data.stiffness, data.gas = group.oil_stiffness / count, group.gas_length * count
+            data.start_force, data.constant, data.relief = load, group.constant_force, group.relief_force
+            data.first_pump, data.pumps = len(pumps), len(rows)
+            data.leak = count * group.leak_speed / load if group.leak_speed and load > 0.0 else 0.0
+            data.ahead, data.aside = level[len(bogies) - first_bogie :][:count, :2].mean(axis=0)
+            groups.append(data)
             if load >= group.relief_force:
                 raise InputError(
                     f"{load:.6g} N of a cylinder of group {group.name!r} at the start",
@@ -238,10 +218,10 @@ def pack_transporters(
             strokes.append(sum(lifts[own]) + (float(np.interp(0.0, *np.transpose(rows))) if rows else 0.0))
             side = 2 * block + ends.index(attachment(transporter.body))
             step = 2 * law.block_count if row_count > 1 else 0
-            bogies += [
-                (places.pack(book, point), side + step * i, load)
-                for i, point in enumerate(np.asarray(group.bogies, dtype=np.float64))
-            ]
+            for i, point in enumerate(np.asarray(group.bogies, dtype=np.float64)):
+                bogie = BogieData.one()
+                bogie.place, bogie.side, bogie.start_force = places.pack(book, point), side + step * i, load
+                bogies.append(bogie)
             sides.append(
                 [
                     -1 if deck.body == GROUND else 2 * block + ends.index(attachment(deck.body))
@@ -249,13 +229,12 @@ def pack_transporters(
                 ]
             )
         on_path = np.repeat(loads, counts_of), weight
-        at = column + PATH_COLUMN + len(transporter.groups) + 3 * len(places.points)
         if transporter.tyres is not None:
             # a block of three rows a body with decks, one of the drive
             made = tyres.add(
                 transporter,
                 places,
-                (free_block, at),
+                (free_block, outputs),
                 (first_bogie, stands_on[first_bogie:], *on_path),
                 law,
                 attachment,
@@ -268,7 +247,7 @@ def pack_transporters(
             block = free_block
             side_of = {body: 2 * block + ends.index(attachment(body)) for body in held}
             on = stands_on[first_bogie:]
-            paths.add(transporter, places, (block, len(ends), at), side_of, first_bogie, (on, *on_path))
+            paths.add(transporter, places, (block, len(ends), outputs), side_of, first_bogie, (on, *on_path))
             blocks.append(
                 LawBlock(
                     transporter.name, tuple(ends), scale, compliance=0.0, rows=3, vectors=(MOVES, MOVES, 0)
@@ -278,13 +257,14 @@ def pack_transporters(
         else:
             paths.skip(len(places.points))
     state, of_bogies = records(GroupState, len(groups)), records(BogieState, len(bogies))
+    of_groups = records(GroupData, groups)
     state["fresh"] = True
-    state["force"], state["strokes"] = [group[10] for group in groups], strokes
+    state["force"], state["strokes"] = of_groups["start_force"], strokes
     of_bogies["deck"], of_bogies["weight"] = stands_on, 1.0
     kind = Transporters(
-        records(DeckData, made_decks),
-        records(VehicleData, vehicles),
-        records(GroupData, groups),
+        of_decks,
+        vehicles,
+        of_groups,
         records(BogieData, bogies),
         records(PumpRow, pumps),
         corners,
@@ -299,22 +279,22 @@ def pack_transporters(
     return [kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind)], blocks
 
 
-def _levelling(transporter: Transporter, column: Columns) -> tuple[Any, ...]:
-    """What a vehicle keeps of its levelling: as `VehicleData`."""
+def _fill_levelling(vehicle: VehicleData, transporter: Transporter, outputs: Columns) -> None:
+    """What a vehicle keeps of its levelling."""
     said = transporter.levelling
-    if said is None:
-        return False, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
-    last = column.of("levelled").first
-    return (
-        True, said.period, 1.0 / said.time_constant, said.speed, said.dead_angle, said.roll, said.pitch, last,
-    )  # fmt: skip
+    vehicle.levelling, vehicle.period = placed(LevellingParts, outputs), 1.0
+    if said is not None:
+        vehicle.levels, vehicle.period, vehicle.rate = True, said.period, 1.0 / said.time_constant
+        vehicle.fastest, vehicle.dead = said.speed, said.dead_angle
+        vehicle.roll, vehicle.pitch = said.roll, said.pitch
 
 
-def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, ...]:
+def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, int, int, int]:
     """Markers of origin and axes."""
     origin = np.asarray(deck.origin, dtype=np.float64)
-    axes = (book.direction(deck.body, axis, FORCES, at=origin) for axis in deck.axes())
-    return (book.point(deck.body, origin, FORCES), *axes)
+    point = book.point(deck.body, origin, FORCES)
+    x, y, z = (book.direction(deck.body, axis, FORCES, at=origin) for axis in deck.axes())
+    return point, x, y, z
 
 
 def _refuse_soft_decks(scene: Scene) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.solver.interface import FORCES
+from heavylift.solver.recording import placed
+from heavylift.solver.scene.transport import DriveOutputs, PathOutputs, SteeringParts
 from heavylift.solver.transport.paths import (
     DriveData,
     PathBogie,
@@ -25,6 +27,7 @@ from heavylift.solver.transport.routes import make_route, rolling, steering_turn
 
 if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
+    from heavylift.solver.scene.outputs import Columns
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.scene.transport import Drive
     from heavylift.solver.transport.places import Places
@@ -39,12 +42,12 @@ class PathPacking:
 
     def __init__(self, scene: Scene, book: MarkerBook) -> None:
         self._scene, self._book = scene, book
-        self._paths: list[tuple[Any, ...]] = []
-        self._plans: list[tuple[int, int, int, int]] = []
+        self._paths: list[PathData] = []
+        self._plans: list[PathPlan] = []
         self._weights: list[float] = []
         self._deck_plans: list[list[int]] = []
         self._bogies: list[tuple[float, float, bool]] = []
-        self._drives: list[tuple[Any, ...]] = []
+        self._drives: list[DriveData] = []
         self._capacity: list[tuple[float, float]] = []
         self._routes: list[Route] = []
         self._turns: list[tuple[int, NDArray[np.float64]]] = []
@@ -57,7 +60,7 @@ class PathPacking:
         self,
         transporter: Transporter,
         places: Places,
-        at: tuple[int, int, int],
+        at: tuple[int, int, Columns],
         side_of: Mapping[str, int],
         first_bogie: int,
         loads: tuple[Sequence[int], NDArray[np.float64], float],
@@ -69,7 +72,7 @@ class PathPacking:
         transporter, places
             The transporter, and where it and decks are at the start.
         at
-            Block of its rows, attachments of that, and record column.
+            Block of its rows, attachments of that, and where the outputs of the transporter are.
         side_of
             Side of the rows by body; not of the ground.
         first_bogie
@@ -100,37 +103,31 @@ class PathPacking:
             frame = places.frame(body, np.zeros(3))
             origin = frame.axes.T @ (middle - frame.point)
             x, y = (self._book.direction(body, frame.axes[k], FORCES, at=origin) for k in range(2))
-            self._plans.append((self._book.point(body, origin, FORCES), x, y, side_of.get(body, -1)))
+            plan = PathPlan.one()
+            plan.origin, plan.x, plan.y = self._book.point(body, origin, FORCES), x, y
+            plan.side = side_of.get(body, -1)
+            self._plans.append(plan)
         deck_plans = [bodies.index(deck.body) for deck in self._scene.decks]
         carried = np.bincount([deck_plans[deck] for deck in on], weights=share, minlength=len(bodies))
         self._weights += (
             list(carried / carried.sum()) if carried.sum() > 0.0 else list(carried == carried.max())
         )
         self._deck_plans.append(deck_plans)
-        block, attachments, column = at
-        self._paths.append(
-            (
-                block,
-                attachments,
-                column,
-                places.pack(self._book, places.points.mean(axis=0)),
-                self._book.direction(transporter.body, places.axes[0], FORCES, at=np.zeros(3)),
-                side_of[transporter.body],
-                first_plan,
-                len(bodies),
-                row_count,
-                len(route.nodes),
-                piece_count,
-                len(route.pieces),
-                first_bogie,
-                len(local),
-                transporter.handover,
-                weight,
-                drive,
-                int(np.count_nonzero(driven)),
-                any(deck.grid is not None for deck in self._scene.decks),
-            )
-        )
+        path = PathData.one()
+        path.block, path.attachments, outputs = at
+        path.column, path.drive_column = outputs.at(PathOutputs), outputs.at(DriveOutputs)
+        path.parts = placed(SteeringParts, outputs)
+        path.middle = places.pack(self._book, places.points.mean(axis=0))
+        path.forward = self._book.direction(transporter.body, places.axes[0], FORCES, at=np.zeros(3))
+        path.side = side_of[transporter.body]
+        path.first_plan, path.plans = first_plan, len(bodies)
+        path.first_node, path.nodes = row_count, len(route.nodes)
+        path.first_piece, path.pieces = piece_count, len(route.pieces)
+        path.first_bogie, path.bogies = first_bogie, len(local)
+        path.delay, path.weight = transporter.handover, weight
+        path.drive, path.driven = drive, int(np.count_nonzero(driven))
+        path.tells = any(deck.grid is not None for deck in self._scene.decks)
+        self._paths.append(path)
         first_leg = sum(len(rows) for _, rows in self._turns)
         route.nodes[:, -1] += first_leg
         self._routes.append(route)
@@ -167,9 +164,11 @@ class PathPacking:
                         expected="a table up to there, or slower legs",
                     )
         table = list(zip(map(float, drive.speeds), map(float, drive.forces), strict=True))
-        self._drives.append(
-            (drive.rolling_resistance, drive.friction, drive.brake_force, len(self._capacity), len(table))
-        )
+        data = DriveData.one()
+        data.resistance, data.friction = drive.rolling_resistance, drive.friction
+        data.brake = drive.brake_force
+        data.first, data.count = len(self._capacity), len(table)
+        self._drives.append(data)
         self._capacity += table
         return len(self._drives) - 1, driven
 

@@ -42,13 +42,16 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.row_writing import add_direction_row, dot, minus, residuals, targets, vector
 from heavylift.solver.kinds import implement
+from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.transport import DriveOutputs, PathOutputs, SteeringParts
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place
 from heavylift.solver.transport.path_ways import way_on_pieces
 from heavylift.solver.transport.transporters import BogieState
 
 __all__ = [
     "DriveData",
+    "DriveState",
     "Largest",
     "PathBogie",
     "PathData",
@@ -57,12 +60,15 @@ __all__ = [
     "Paths",
     "PlanState",
     "drive_capacity",
+    "drive_outputs",
     "hermite",
-    "keep_largest",
+    "path_outputs",
     "pose_at",
+    "record_drive",
     "rolling_at",
     "row_before",
     "tell_steering",
+    "watch_drive",
     "way_at",
     "weigh_plans",
 ]
@@ -78,8 +84,8 @@ class PathData(Record):
     ----------
     block, attachments
         Of its rows.
-    column
-        First record column.
+    column, parts, drive_column
+        First record column, where what is recorded of its bogies is, and first record column of its drive.
     middle, forward, side
         The middle of the bogies, marker of the axis of the vehicle, and the side of the rows on which it is.
     first_plan, plans
@@ -101,6 +107,8 @@ class PathData(Record):
     block: int
     attachments: int
     column: int
+    parts: SteeringParts
+    drive_column: int
     middle: PlaceData
     forward: int
     side: int
@@ -126,19 +134,14 @@ class Largest(Record):
     time: float
 
 
-class PathState(Record):
-    """What a path carries.
+class DriveState(Record):
+    """What a drive carries.
 
     Attributes
     ----------
-    yaw, step, moved, way
-        Heading about which the rows are written [rad], length of the last step [s], way in it and at its end [m].
-    advance
-        By which the rows moved in the last step [m, m, rad].
-    work, loss
-        Of the rows before the last step, and against rolling [J].
     force, traction, power, brake
-        Force of a driven bogie in the middle of the last step [N], and shares of what it can do at most.
+        Force of a driven bogie in the middle of the last step [N], and shares of what wheels, motors and brakes can do
+        at most.
     forces, tractions, powers, brakes
         Their extremes.
     time
@@ -147,13 +150,6 @@ class PathState(Record):
         Largest shares of the run, and when.
     """
 
-    yaw: float
-    step: float
-    moved: float
-    way: float
-    advance: Vector
-    work: float
-    loss: float
     force: float
     traction: float
     power: float
@@ -166,6 +162,28 @@ class PathState(Record):
     most_traction: Largest
     most_power: Largest
     most_brake: Largest
+
+
+class PathState(DriveState):
+    """What a path and its drive carry.
+
+    Attributes
+    ----------
+    yaw, step, moved, way
+        Heading about which the rows are written [rad], length of the last step [s], way in it and at its end [m].
+    advance
+        By which the rows moved in the last step [m, m, rad].
+    work, loss
+        Of the rows before the last step, and against rolling [J].
+    """
+
+    yaw: float
+    step: float
+    moved: float
+    way: float
+    advance: Vector
+    work: float
+    loss: float
 
 
 class PathPlan(Record):
@@ -202,6 +220,9 @@ class DriveData(Record):
     brake: float
     first: int
     count: int
+
+
+path_outputs, drive_outputs = outputs_at(PathOutputs), outputs_at(DriveOutputs)
 
 
 class Paths(Arrays):
@@ -515,17 +536,34 @@ def watch_paths(kind: Paths, work: Workspace, system: RowArrays) -> None:
         if path.drive < 0:
             continue
         _push(kind, p, state.way, system)
-        note_value(state.forces, interval, state.force)
-        note_value(state.tractions, interval, state.traction)
-        note_value(state.powers, interval, state.power)
-        note_value(state.brakes, interval, state.brake)
-        keep_largest(state.most_traction, state.traction, state.time)
-        keep_largest(state.most_power, state.power, state.time)
-        keep_largest(state.most_brake, state.brake, state.time)
+        watch_drive(state, interval)
+
+
+@kernel(internal=True)
+def watch_drive(state: DriveState, interval: float) -> None:
+    """What a drive gave in the step that ended, and its extremes."""
+    note_value(state.forces, interval, state.force)
+    note_value(state.tractions, interval, state.traction)
+    note_value(state.powers, interval, state.power)
+    note_value(state.brakes, interval, state.brake)
+    _keep_largest(state.most_traction, state.traction, state.time)
+    _keep_largest(state.most_power, state.power, state.time)
+    _keep_largest(state.most_brake, state.brake, state.time)
+
+
+@kernel(internal=True)
+def record_drive(state: DriveState, interval: float, driven: float, out: DriveOutputs) -> None:
+    """Of a drive, with the number of bogies that push with its force."""
+    out.drive_demand, out.bogie_drive = driven * state.force, state.force
+    out.bogie_drive_max = largest_of(state.forces, interval, state.force)
+    out.bogie_drive_min = smallest_of(state.forces, interval, state.force)
+    out.traction_used_max = largest_of(state.tractions, interval, state.traction)
+    out.drive_used_max = largest_of(state.powers, interval, state.power)
+    out.brake_used_max = largest_of(state.brakes, interval, state.brake)
 
 
 @kernel(inline=True, internal=True)
-def keep_largest(largest: Largest, value: float, time: float) -> None:
+def _keep_largest(largest: Largest, value: float, time: float) -> None:
     """Keep a value if it is larger."""
     if value > largest.value:
         largest.value, largest.time = value, time
@@ -543,27 +581,20 @@ def record_paths(
         way, speed = way_at(kind, path, time)
         off, reaction = residuals(system, path.block), system.rows[path.block].reaction
         c, s = math.cos(state.yaw), math.sin(state.yaw)
-        at = path.column
-        row[at], row[at + 1] = way, math.hypot(off[0], off[1])
-        row[at + 2] = math.asin(min(max(off[2], -1.0), 1.0))
-        row[at + 3] = c * reaction[0] + s * reaction[1]
-        row[at + 4] = c * reaction[1] - s * reaction[0]
-        row[at + 5] = reaction[2]
-        at += 6
+        out = path_outputs(row, path.column)
+        out.path_way, out.off_path = way, math.hypot(off[0], off[1])
+        out.off_heading = math.asin(min(max(off[2], -1.0), 1.0))
+        out.push_along = c * reaction[0] + s * reaction[1]
+        out.push_across = c * reaction[1] - s * reaction[0]
+        out.push_turning = reaction[2]
+        angles, speeds = part(row, path.parts.steering), part(row, path.parts.rolling_speed)
         for i in range(path.bogies):
             u, v, half = rolling_at(kind, path, way, path.first_bogie + i)
-            row[at + i] = math.atan2(v, u) + half
-            row[at + path.bogies + i] = speed * math.hypot(u, v)
+            angles[i] = math.atan2(v, u) + half
+            speeds[i] = speed * math.hypot(u, v)
         for k in range(3):
             work.sums.drive_work += system.rows[path.block].last_reaction[k] * state.advance[k]
         work.sums.drive_work += state.work + state.loss
         work.sums.dissipated += state.loss
-        if path.drive < 0:
-            continue
-        at += 2 * path.bogies
-        row[at], row[at + 1] = path.driven * state.force, state.force
-        row[at + 2] = largest_of(state.forces, interval, state.force)
-        row[at + 3] = smallest_of(state.forces, interval, state.force)
-        row[at + 4] = largest_of(state.tractions, interval, state.traction)
-        row[at + 5] = largest_of(state.powers, interval, state.power)
-        row[at + 6] = largest_of(state.brakes, interval, state.brake)
+        if path.drive >= 0:
+            record_drive(state, interval, float(path.driven), drive_outputs(row, path.drive_column))

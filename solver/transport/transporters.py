@@ -69,9 +69,24 @@ from heavylift.solver.joints.row_writing import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
+from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.descriptions import ChannelKind, forward, interval_extremes
-from heavylift.solver.scene.transport import TRANSPORT, BogieGroup, Drive, Levelling, PathLeg, Tyres
+from heavylift.solver.scene.descriptions import forward
+from heavylift.solver.scene.transport import (
+    TRANSPORT,
+    BogieGroup,
+    BogieParts,
+    Drive,
+    DriveOutputs,
+    Levelling,
+    LevellingParts,
+    PathLeg,
+    PathOutputs,
+    SteeringParts,
+    TransporterOutputs,
+    TyreParts,
+    Tyres,
+)
 from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height, grid_height
 
@@ -123,18 +138,6 @@ PLAIN_ROUNDS = 5
 ROUNDED = 1e-6
 """Of a load, below which what is left of it is not told from its change."""
 
-PATH_CHANNELS = ("path_way", "off_path", "off_heading", "push_along", "push_across", "push_turning")
-DRIVE_CHANNELS = (
-    "drive_demand",
-    "bogie_drive",
-    "bogie_drive_max",
-    "bogie_drive_min",
-    "traction_used_max",
-    "drive_used_max",
-    "brake_used_max",
-)
-"""Of a transporter with a path, and with a drive."""
-
 NEGLIGIBLE = 4e-15
 """Relative change of a pressure that ends its iteration: what the sum over a group is rounded by."""
 
@@ -148,68 +151,13 @@ class Transporter:
     """A body that rolls over all decks, on wheels whose hydraulic cylinders share their oil in groups."""
 
     CHANNELS: ClassVar = (
-        ChannelKind("heave", "length", "rise since the start of the middle of the places of all bogies"),
-        ChannelKind(
-            "roll", "angle", "rise of the left side of the vehicle since the start, against the horizontal"
-        ),
-        ChannelKind(
-            "pitch", "angle", "dip of the front of the vehicle since the start, against the horizontal"
-        ),
-        ChannelKind("least_share", "number", "smallest load of a group over that of all"),
-        *interval_extremes("load", "force", "of all wheels, at the ends of all steps"),
-        *interval_extremes("stroke", "length", "of all bogies, at the ends of all steps"),
-        ChannelKind("group_force", "force", "force of a cylinder of each group", None),
-        ChannelKind("wheel_load", "force", "load of each bogie on the road, with its own weight", None),
-        ChannelKind("road_under", "length", "height of the road for each wheel over that of its deck", None),
-        ChannelKind("stroke_of", "length", "stroke of each bogie from its place at the start, up", None),
-        ChannelKind("path_way", "length", "way along its path", None),
-        ChannelKind("off_path", "length", "distance of the middle of its bogies from its path", None),
-        ChannelKind("off_heading", "angle", "by which its heading is off its path, to the left", None),
-        ChannelKind("push_along", "force", "on it in the plane, forwards, from drives and brakes", None),
-        ChannelKind("push_across", "force", "on it in the plane, to the left, from its wheels", None),
-        ChannelKind(
-            "push_turning",
-            "moment or energy",
-            "on it in the plane, to the left, about the middle of its bogies",
-            None,
-        ),
-        ChannelKind("steering", "angle", "of each bogie, to the left", None),
-        ChannelKind("rolling_speed", "velocity", "of the wheels of each bogie", None),
-        ChannelKind(
-            "drive_demand",
-            "force",
-            "of all driven bogies, along the path, in the middle of the last step",
-            None,
-        ),
-        ChannelKind("bogie_drive", "force", "of each driven bogie in the middle of the last step", None),
-        *interval_extremes("bogie_drive", "force", "of the middles of all steps", None),
-        ChannelKind(
-            "traction_used_max",
-            "number",
-            "force of a driven bogie over what friction allows, largest of all bogies and steps since the last record; "
-            "with `tyres` of any bogie, with its side force",
-            None,
-        ),
-        ChannelKind(
-            "drive_used_max",
-            "number",
-            "over what its drive can at its speed, largest since the last record",
-            None,
-        ),
-        ChannelKind(
-            "brake_used_max",
-            "number",
-            "at rest, over what its brakes hold, largest since the last record",
-            None,
-        ),
-        ChannelKind(
-            "side_force",
-            "force",
-            "of the tyres of each bogie, to the left of its wheels, in the last step",
-            None,
-        ),
-        ChannelKind("slip_angle", "angle", "of each bogie: its velocity is left of its wheels by that", None),
-        ChannelKind("levelled", "length", "by which levelling has lifted the bogies of each group", None),
+        *TransporterOutputs.CHANNELS,
+        *BogieParts.CHANNELS,
+        *PathOutputs.CHANNELS,
+        *SteeringParts.CHANNELS,
+        *DriveOutputs.CHANNELS,
+        *TyreParts.CHANNELS,
+        *LevellingParts.CHANNELS,
     )
     """What it records, in the order of its columns."""
 
@@ -294,21 +242,16 @@ class Transporter:
     def components(self) -> dict[str, tuple[str, ...]]:
         """Components of its channels, by channel."""
         bogies = tuple(str(i + 1) for i in range(sum(len(group.bogies) for group in self.groups)))
-        of_path = {name: (name,) if self.legs else () for name in PATH_CHANNELS}
-        of_drive = {name: (name,) if self.drive else () for name in DRIVE_CHANNELS}
-        wheels = bogies if self.legs else ()
+        groups = tuple(group.name for group in self.groups)
+        absent = () if self.legs else PathOutputs.CHANNELS
+        absent += () if self.drive else DriveOutputs.CHANNELS
         return {
-            **of_path,
-            **of_drive,
-            "steering": wheels,
-            "rolling_speed": wheels,
-            "side_force": bogies if self.tyres else (),
-            "slip_angle": bogies if self.tyres else (),
-            "group_force": tuple(group.name for group in self.groups),
-            "levelled": tuple(group.name for group in self.groups) if self.levelling else (),
-            "wheel_load": bogies,
-            "road_under": bogies,
-            "stroke_of": bogies,
+            **{channel.name: () for channel in absent},
+            **dict.fromkeys(("wheel_load", "road_under", "stroke_of"), bogies),
+            **dict.fromkeys(("steering", "rolling_speed"), bogies if self.legs else ()),
+            **dict.fromkeys(("side_force", "slip_angle"), bogies if self.tyres else ()),
+            "group_force": groups,
+            "levelled": groups if self.levelling else (),
         }
 
 
@@ -345,8 +288,8 @@ class VehicleData(Record):
     ----------
     first_group, groups, first_bogie, bogies
         Its groups and bogies.
-    column
-        First record column.
+    column, parts, levelling
+        First record column, and where what is recorded of its bogies and of levelling is.
     x, y, z
         Markers of the axes of its body along, to the left, and upwards.
     radius, tyre, pipe, rubber, low, high
@@ -361,9 +304,9 @@ class VehicleData(Record):
         Mean height of the places of its bogies at the start, along z of the world [m].
     rest
         Mean load of its bogies at the start [N].
-    levels, period, rate, fastest, dead, roll, pitch, levelled
-        Whether it has levelling; time between looks [s], 1/T [1/s], largest speed [m/s], dead angle, angles that are
-        kept [rad], and the first record column of what was lifted.
+    levels, period, rate, fastest, dead, roll, pitch
+        Whether it has levelling; time between looks [s], 1/T [1/s], largest speed [m/s], dead angle, and angles that
+        are kept [rad].
     """
 
     first_group: int
@@ -371,6 +314,8 @@ class VehicleData(Record):
     first_bogie: int
     bogies: int
     column: int
+    parts: BogieParts
+    levelling: LevellingParts
     x: int
     y: int
     z: int
@@ -393,7 +338,6 @@ class VehicleData(Record):
     dead: float
     roll: float
     pitch: float
-    levelled: int
 
 
 class VehicleState(Record):
@@ -617,6 +561,9 @@ class PumpRow(Record):
 
     time: float
     lift: float
+
+
+transporter_outputs = outputs_at(TransporterOutputs)
 
 
 class Transporters(Arrays):
@@ -1557,13 +1504,13 @@ def watch_transporters(kind: Transporters, work: Workspace, system: RowArrays) -
 
 
 @kernel(internal=True)
-def _record_pose(kind: Transporters, vehicle: VehicleData, work: Workspace, row: NDArray[np.float64]) -> None:
+def _record_pose(kind: Transporters, vehicle: VehicleData, work: Workspace, out: TransporterOutputs) -> None:
     """Heave, roll and pitch."""
     height = 0.0
     for i in range(vehicle.first_bogie, vehicle.first_bogie + vehicle.bogies):
         height += place(work, kind.bogies[i].place)[2]
-    row[vehicle.column] = height / vehicle.bogies - vehicle.start_height
-    row[vehicle.column + 1], row[vehicle.column + 2] = _tilt(vehicle, work)
+    out.heave = height / vehicle.bogies - vehicle.start_height
+    out.roll, out.pitch = _tilt(vehicle, work)
 
 
 @implement(record_joints, Transporters)
@@ -1575,35 +1522,37 @@ def record_transporters(
     interval = work.control.interval
     for v in range(kind.vehicles.shape[0]):
         vehicle, state = kind.vehicles[v], kind.vehicle_state[v]
-        c = vehicle.column
-        _record_pose(kind, vehicle, work, row)
+        out = transporter_outputs(row, vehicle.column)
+        _record_pose(kind, vehicle, work, out)
         most_load, least_load, most_stroke, least_stroke = _extremes(kind, v)
-        row[c + 4] = largest_of(state.loads_high, interval, most_load)
-        row[c + 5] = smallest_of(state.loads_low, interval, least_load)
-        row[c + 6] = largest_of(state.strokes_high, interval, most_stroke)
-        row[c + 7] = smallest_of(state.strokes_low, interval, least_stroke)
+        out.load_max = largest_of(state.loads_high, interval, most_load)
+        out.load_min = smallest_of(state.loads_low, interval, least_load)
+        out.stroke_max = largest_of(state.strokes_high, interval, most_stroke)
+        out.stroke_min = smallest_of(state.strokes_low, interval, least_stroke)
+        forces, lifts = part(row, vehicle.parts.group_force), part(row, vehicle.levelling.levelled)
+        loads, heights = part(row, vehicle.parts.wheel_load), part(row, vehicle.parts.road_under)
+        strokes = part(row, vehicle.parts.stroke_of)
         total, least = 0.0, math.inf
         for g in range(vehicle.first_group, vehicle.first_group + vehicle.groups):
             group, carried = kind.groups[g], kind.group_state[g]
-            row[c + 8 + g - vehicle.first_group] = carried.force
+            forces[g - vehicle.first_group] = carried.force
             if vehicle.levels:
                 lifted = carried.levelled + carried.pumping * (time - carried.since)
-                row[vehicle.levelled + g - vehicle.first_group] = lifted / group.count
+                lifts[g - vehicle.first_group] = lifted / group.count
             load = 0.0
             for i in range(group.first, group.first + group.count):
                 bogie = kind.bogie_state[i]
                 load += bogie.load
-                at = c + 8 + vehicle.groups + i - vehicle.first_bogie
-                row[at] = bogie.load + vehicle.weight
-                row[at + vehicle.bogies] = bogie.height
-                row[at + 2 * vehicle.bogies] = bogie.stroke
+                loads[i - vehicle.first_bogie] = bogie.load + vehicle.weight
+                heights[i - vehicle.first_bogie] = bogie.height
+                strokes[i - vehicle.first_bogie] = bogie.stroke
                 work.sums.elastic += 0.5 * vehicle.tyre * _pressed(kind, g, i) ** 2
             total += load
             least = min(least, load)
             work.sums.elastic += _oil_energy(kind, g)
             work.sums.drive_work += carried.road_work + carried.pump_work
             work.sums.dissipated += carried.loss
-        row[c + 3] = least / total if total > 0.0 else 0.0
+        out.least_share = least / total if total > 0.0 else 0.0
 
 
 @kernel(internal=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.solver.interface import FORCES
+from heavylift.solver.recording import placed
 from heavylift.solver.scene.connections import GROUND
+from heavylift.solver.scene.transport import TyreParts
 from heavylift.solver.transport.path_packing import PathPacking
 from heavylift.solver.transport.tyres import (
     PlaneRows,
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from heavylift.solver.laws.system import LawBlock
     from heavylift.solver.markers import MarkerBook
     from heavylift.solver.rows.structure import Attachment
+    from heavylift.solver.scene.outputs import Columns
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.transport.decks import Deck
     from heavylift.solver.transport.places import Places
@@ -43,8 +46,8 @@ class TyrePacking:
 
     def __init__(self, scene: Scene, book: MarkerBook) -> None:
         self._scene, self._book, self._paths = scene, book, PathPacking(scene, book)
-        self._table: list[tuple[Any, ...]] = []
-        self._rows: list[tuple[Any, ...]] = []
+        self._table: list[TyreData] = []
+        self._rows: list[PlaneRows] = []
         self._wheels: list[tuple[float, float, float]] = []
         self._planes: list[Deck] = []
         self._deck_planes = [self._plane(deck) for deck in scene.decks]
@@ -66,7 +69,7 @@ class TyrePacking:
         self,
         transporter: Transporter,
         places: Places,
-        at: tuple[int, int],
+        at: tuple[int, Columns],
         bogies: tuple[int, Sequence[int], NDArray[np.float64], float],
         law: LawBlock,
         attachment: Callable[[str], Attachment],
@@ -78,7 +81,7 @@ class TyrePacking:
         transporter, places
             The transporter, and where it and decks are at the start.
         at
-            First free block, and record column.
+            First free block, and where the outputs of the transporter are.
         bogies
             The first of all that are packed, the decks under its own, force of their cylinders [N]; weight of a bogie
             [N].
@@ -97,7 +100,7 @@ class TyrePacking:
         InputError
             As of a path, or if there is not one steering error a bogie.
         """
-        block, column = at
+        block, outputs = at
         first_bogie, on, share, weight = bogies
         said, count = transporter.tyres, len(places.points)
         assert said is not None
@@ -123,30 +126,25 @@ class TyrePacking:
         side_of = {body: 2 * drive_block + law.sides.index(attachment(body)) for body in carrying}
         first_plane = len(self._rows)
         for number, deck in enumerate(self._planes):
-            own = 2 * (block + number) + 1 if deck.body in side_of else -1
-            at_origin = np.asarray(deck.origin, dtype=np.float64)
-            x, y = (self._book.direction(deck.body, axis, FORCES, at=at_origin) for axis in deck.axes()[:2])
-            origin = self._book.point(deck.body, at_origin, FORCES)
-            self._rows.append((origin, x, y, own, side_of.get(deck.body, -1), vehicle_side))
-        self._table.append(
-            (
-                len(self._table),
-                first_plane,
-                len(self._planes),
-                block,
-                drive_block,
-                len(law.sides),
-                column,
-                said.cornering,
-                said.relaxation_length,
-                said.damping_time,
-                float(np.linalg.norm(places.world - places.world.mean(axis=0), axis=1).max()),
+            plane, origin = PlaneRows.one(), np.asarray(deck.origin, dtype=np.float64)
+            plane.x, plane.y = (
+                self._book.direction(deck.body, axis, FORCES, at=origin) for axis in deck.axes()[:2]
             )
-        )
+            plane.origin = self._book.point(deck.body, origin, FORCES)
+            plane.side = 2 * (block + number) + 1 if deck.body in side_of else -1
+            plane.drive_side, plane.vehicle_side = side_of.get(deck.body, -1), vehicle_side
+            self._rows.append(plane)
+        data = TyreData.one()
+        data.path, data.first_plane, data.planes = len(self._table), first_plane, len(self._planes)
+        data.block, data.drive_block, data.attachments = block, drive_block, len(law.sides)
+        data.parts = placed(TyreParts, outputs)
+        data.cornering, data.length, data.delay = said.cornering, said.relaxation_length, said.damping_time
+        data.reach = float(np.linalg.norm(places.world - places.world.mean(axis=0), axis=1).max())
+        self._table.append(data)
         self._paths.add(
             transporter,
             places,
-            (drive_block, len(law.sides), column),
+            (drive_block, len(law.sides), outputs),
             side_of | {transporter.body: vehicle_side},
             first_bogie,
             (on, share, weight),
@@ -165,15 +163,12 @@ class TyrePacking:
         (paths,) = self._paths.kinds(transporters.bogie_state, transporters.steering)
         state, wheels = records(TyreState, len(self._table)), records(WheelState, len(self._wheels))
         state["fresh"] = True
-        planes = records(PlaneRows, len(self._rows))
-        for name, column in zip(PlaneRows.fields_of, zip(*self._rows, strict=True), strict=False):
-            planes[name] = column
         wheels["x"] = wheels["held_x"] = 1.0
         wheels["plane"] = -1
         return [
             TyredVehicles(
                 records(TyreData, self._table),
-                planes,
+                records(PlaneRows, self._rows),
                 records(WheelData, self._wheels),
                 np.array(self._deck_planes, dtype=np.int64),
                 paths,

@@ -46,7 +46,6 @@ from heavylift.numerics.arrays import Arrays, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
 from heavylift.numerics.records import Vector as VectorField
-from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -60,20 +59,25 @@ from heavylift.solver.joints.row_writing import Vector, add_direction_row, dot, 
 from heavylift.solver.kinds import implement
 from heavylift.solver.laws.line_bearing import rub
 from heavylift.solver.laws.rows import fit_row_law, put_law, put_row_law, put_stick, rate_of_row
+from heavylift.solver.recording import part
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.transport import TyreParts
 from heavylift.solver.transport.arms import add_place_row, place, place_rate
 from heavylift.solver.transport.paths import (
-    Largest,
+    DriveState,
     PathData,
     Paths,
     PlanState,
     drive_capacity,
+    drive_outputs,
     hermite,
-    keep_largest,
+    path_outputs,
     pose_at,
+    record_drive,
     rolling_at,
     row_before,
     tell_steering,
+    watch_drive,
     way_at,
     weigh_plans,
 )
@@ -118,8 +122,8 @@ class TyreData(Record):
         Planes of decks.
     block, drive_block, attachments
         First of the blocks of its planes, block of the drive, and attachments of that.
-    column
-        First record column.
+    parts
+        Where what is recorded of its wheels is.
     cornering, length, delay
         C [1], sigma [m], tau [s].
     reach
@@ -132,14 +136,14 @@ class TyreData(Record):
     block: int
     drive_block: int
     attachments: int
-    column: int
+    parts: TyreParts
     cornering: float
     length: float
     delay: float
     reach: float
 
 
-class TyreState(Record):
+class TyreState(DriveState):
     """What a vehicle on tyres carries.
 
     Attributes
@@ -158,18 +162,10 @@ class TyreState(Record):
         backwards, where rolling resistance adds to what it takes of friction; without regard to friction [N].
     before
         Rate of the row of the drive at the end of the step, before velocities are projected [m/s].
-    force, push
-        Of a motor, and on the vehicle along, across and about its middle, in the middle of the last step [N, N, N m].
+    push
+        On the vehicle along, across and about its middle, in the middle of the last step [N, N, N m].
     work, loss, stored
         Of drives, lost, and elastic in treads [J].
-    traction, power, brake
-        Shares of what wheels, motors and brakes can do at most.
-    forces, tractions, powers, brakes
-        Their extremes.
-    time
-        At the end of the step [s].
-    most_traction, most_power, most_brake
-        Largest shares of the run, and when.
     """
 
     fresh: bool
@@ -187,22 +183,10 @@ class TyreState(Record):
     back: float
     capacity: float
     before: float
-    force: float
     push: VectorField
     work: float
     loss: float
     stored: float
-    traction: float
-    power: float
-    brake: float
-    forces: Extremes
-    tractions: Extremes
-    powers: Extremes
-    brakes: Extremes
-    time: float
-    most_traction: Largest
-    most_power: Largest
-    most_brake: Largest
 
 
 class PlaneRows(Record):
@@ -1047,13 +1031,7 @@ def watch_tyres(kind: TyredVehicles, work: Workspace, system: RowArrays) -> None
         if not state.rests:  # of the projection at the end
             state.work += 0.5 * rows.impulse[0] * (state.before + rows.target[0])
         _shares(kind, v)
-        note_value(state.forces, interval, state.force)
-        note_value(state.tractions, interval, state.traction)
-        note_value(state.powers, interval, state.power)
-        note_value(state.brakes, interval, state.brake)
-        keep_largest(state.most_traction, state.traction, state.time)
-        keep_largest(state.most_power, state.power, state.time)
-        keep_largest(state.most_brake, state.brake, state.time)
+        watch_drive(state, interval)
 
 
 @implement(record_joints, TyredVehicles)
@@ -1075,30 +1053,23 @@ def record_tyres(
             off_x, off_y = off_x + weight * dot(d, x), off_y + weight * dot(d, y)
             off_c, off_s = off_c + weight * dot(f, x), off_s + weight * dot(f, y)
         c, s = math.cos(pose[2]), math.sin(pose[2])
-        at = data.column
-        row[at], row[at + 1] = state.way, math.hypot(off_x, off_y)
-        row[at + 2] = math.atan2(c * off_s - s * off_c, c * off_c + s * off_s)
-        row[at + 3], row[at + 4], row[at + 5] = state.push[0], state.push[1], state.push[2]
-        at += 6
+        out = path_outputs(row, path.column)
+        out.path_way, out.off_path = state.way, math.hypot(off_x, off_y)
+        out.off_heading = math.atan2(c * off_s - s * off_c, c * off_c + s * off_s)
+        out.push_along, out.push_across, out.push_turning = state.push[0], state.push[1], state.push[2]
+        angles, speeds = part(row, path.parts.steering), part(row, path.parts.rolling_speed)
+        forces, slips = part(row, data.parts.side_force), part(row, data.parts.slip_angle)
         _, speed = way_at(kind.paths, path, time - state.wait)
-        n = path.bogies
-        for i in range(n):
+        driven = 0.0
+        for i in range(path.bogies):
             bogie, wheel = path.first_bogie + i, kind.wheel_state[path.first_bogie + i]
             u, w, half = rolling_at(kind.paths, path, state.way, bogie)
-            row[at + i] = math.atan2(w, u) + half + kind.wheels[bogie].error
-            row[at + n + i] = speed * math.hypot(u, w)
-            row[at + 2 * n + 7 + i] = wheel.side
-            row[at + 3 * n + 7 + i] = 0.0 if state.rests else math.atan2(wheel.across, abs(wheel.forwards))
-        at += 2 * n
-        driven = 0.0
-        for i in range(path.first_bogie, path.first_bogie + n):
-            driven += kind.wheel_state[i].weight
-        row[at], row[at + 1] = driven * state.force, state.force
-        row[at + 2] = largest_of(state.forces, interval, state.force)
-        row[at + 3] = smallest_of(state.forces, interval, state.force)
-        row[at + 4] = largest_of(state.tractions, interval, state.traction)
-        row[at + 5] = largest_of(state.powers, interval, state.power)
-        row[at + 6] = largest_of(state.brakes, interval, state.brake)
+            angles[i] = math.atan2(w, u) + half + kind.wheels[bogie].error
+            speeds[i] = speed * math.hypot(u, w)
+            forces[i] = wheel.side
+            slips[i] = 0.0 if state.rests else math.atan2(wheel.across, abs(wheel.forwards))
+            driven += wheel.weight
+        record_drive(state, interval, driven, drive_outputs(row, path.drive_column))
         work.sums.drive_work += state.work
         work.sums.dissipated += state.loss
         work.sums.elastic += state.stored

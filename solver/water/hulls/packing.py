@@ -131,7 +131,7 @@ def pack_hulls(
     rows = records(HullData, count)
     damping = np.zeros((6 * count, 6 * count))
     surfaces = _Surfaces()
-    tanks = [tank for name in names for tank in sea.tanks if tank.hull == name]
+    tanks = sea.tanks_of(bodies)
     for row, body in enumerate(bodies):
         rows[row].group = groups.index(body.group)
         rows[row].offset = 6 * body.group.index(body.name)
