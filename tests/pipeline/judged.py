@@ -30,5 +30,11 @@ def judged_criteria(case: Case, out: Path, results: Results | None = None) -> tu
 
 
 def _raise(open_ones: Mapping[str, InputError]) -> None:
-    if open_ones:
-        raise InputErrors([one for error in open_ones.values() for one in getattr(error, "errors", [error])])
+    found = [(name, one) for name, error in open_ones.items() for one in getattr(error, "errors", [error])]
+    if found:
+        raise InputErrors(
+            [
+                InputError(f"{name}: {one.problem}", source=one.source, expected=one.expected)
+                for name, one in found
+            ]
+        )
