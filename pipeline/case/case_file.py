@@ -19,7 +19,8 @@ from heavylift.pipeline.case.ballast import BallastSection, check_plan
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
-from heavylift.pipeline.case.criteria import Criteria, LimitCriterion, check_criterion
+from heavylift.pipeline.case.criteria.base import CriterionSection
+from heavylift.pipeline.case.criteria_table import Criteria
 from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
@@ -127,11 +128,11 @@ class Case(SceneTables, _CaseHeading):
             texts[f"check.{index}.reference.quantity"] = check.reference.quantity
         self._can_be_computed(texts)
 
-    def _criterion_can_be_computed(self, index: int, criterion: Any) -> None:
+    def _criterion_can_be_computed(self, index: int, criterion: CriterionSection) -> None:
         """What a criterion looks at must exist."""
-        check_criterion(self, index)
-        if isinstance(criterion, LimitCriterion):
-            self._can_be_computed({f"criteria.{index}.quantity": criterion.quantity})
+        key = f"criteria.{index}"
+        criterion.check_case(self, key)
+        self._can_be_computed({f"{key}.{own}": text for own, text in criterion.quantities().items()})
 
     def _can_be_computed(self, texts: Mapping[str, str]) -> None:
         """Refuse quantities, by the keys that name them, that the case cannot have."""

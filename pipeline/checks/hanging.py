@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.pipeline.assemble.frames import start_of_frame
-from heavylift.pipeline.case.criteria import words_of_inner_ropes
+from heavylift.pipeline.case.rope_parts import words_of_inner_ropes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

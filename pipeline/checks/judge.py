@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.results.histories import Results
 
@@ -102,7 +102,7 @@ def judging_stages(case: Case, *, checks: bool = True) -> tuple[str, ...]:
     """Stages that must have run before the criteria of a case, and its checks, can be evaluated."""
     if case.criteria and case.simulate is not None:
         return ("mesh", "modes", "simulate")
-    limits = [text for one in case.criteria if (text := getattr(one, "quantity", ""))]
+    limits = [text for one in case.criteria for text in one.quantities().values()]
     return needed_stages([*(_quantities(case) if checks else ()), *limits])
 
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError, InputErrors
-from heavylift.pipeline.case.criteria import words_of_inner_ropes
+from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.quantity_names import ACROSS
+from heavylift.pipeline.case.rope_parts import words_of_inner_ropes
 from heavylift.pipeline.results.histories import Results, load_results
 from heavylift.pipeline.results.model_io import open_hdf5, read_states
 from heavylift.pipeline.results.sinusoid import fit_sinusoid
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.quantity_names import QuantityName
     from heavylift.pipeline.checks.stresses import SolidStresses
 
-__all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_check", "evaluate_checks", "relative_drift"]
+__all__ = ["CheckResult", "Quantities", "energy_drift", "evaluate_check", "relative_drift"]
 
 _REDUCTIONS: tuple[Callable[..., NDArray[np.float64]], ...] = (np.max, np.min, np.linalg.norm)
 _ACROSS = dict(zip(ACROSS, _REDUCTIONS, strict=True))
@@ -567,31 +567,6 @@ def energy_drift(results: Results) -> float:
     watch = RunWatch([Channel(name, "J", ("",), i, "") for i, name in enumerate(names)])
     watch.add(np.column_stack([results[name] for name in names]))
     return watch.drift
-
-
-def evaluate_checks(case: Case, out: Path) -> list[CheckResult]:
-    """Evaluate every check of a case from the files of its stages.
-
-    Raises
-    ------
-    InputErrors
-        Every check that cannot be evaluated.
-    """
-    quantities = Quantities(case, out)
-    found: list[CheckResult] = []
-    errors: list[InputError] = []
-    for check in case.check:
-        try:
-            found.append(evaluate_check(case, quantities, check))
-        except InputErrors as error:
-            errors += error.errors
-        except InputError as error:
-            errors.append(
-                InputError(f"{check.id}: {error.problem}", source=error.source, expected=error.expected)
-            )
-    if errors:
-        raise InputErrors(errors)
-    return found
 
 
 def evaluate_check(case: Case, quantities: Quantities, check: CheckSection) -> CheckResult:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.log import Log
 
 __all__ = ["JudgedCase", "criteria_document", "criteria_lines", "criteria_table", "judge_case"]

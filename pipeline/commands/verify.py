@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.checks import CheckSection
-    from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.log import Log
 

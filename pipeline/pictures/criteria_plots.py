@@ -1,4 +1,4 @@
-"""Plots of criteria: a load over the curve of its crane, what criteria use over time, how tensions are spread."""
+"""Plots of criteria: values over a curve of limits, what criteria use over time, how tensions are spread."""
 
 from __future__ import annotations
 
@@ -26,42 +26,25 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["crane_plot", "tension_plot", "utilisation_plot"]
+    from heavylift.pipeline.case.criteria.results import CurveFigure
+
+__all__ = ["curve_plot", "tension_plot", "utilisation_plot"]
 
 _LIMIT = "#b8322a"
 _FEW = 8  # curves with names of their own
 
 
-def crane_plot(
-    radii: Sequence[float],
-    capacities: Sequence[float],
-    radius: NDArray[np.float64],
-    load: NDArray[np.float64],
-    *,
-    title: str,
-    governing: tuple[float, float] | None = None,
-) -> bytes:
-    """Load over radius, under the capacity of a crane.
-
-    Parameters
-    ----------
-    radii, capacities
-        Curve of the crane [m], [N].
-    radius, load
-        Of the run [m], [N], shape (nt,).
-    title
-        Heading.
-    governing
-        Radius and load that are nearest to the curve, marked.
-    """
+def curve_plot(content: CurveFigure) -> bytes:
+    """Values of a run over a place, beside a curve of limits, what is nearest to it marked."""
+    (places, limits), (place, value) = content.curve, content.values
     figure = plot_figure(4.6)
     axes = figure.subplots()
-    scale = scaled_unit("N", [np.array(capacities), load])
-    axes.plot(radii, np.array(capacities) / scale.divisor, "-o", color=_LIMIT, lw=1.8, ms=4, label="capacity")
-    axes.plot(radius, load / scale.divisor, color=COLOURS[0], lw=1.2, label="load over the run")
+    scale = scaled_unit(content.unit, [np.array(limits), value])
+    axes.plot(places, np.array(limits) / scale.divisor, "-o", color=_LIMIT, lw=1.8, ms=4, label=content.limit)
+    axes.plot(place, value / scale.divisor, color=COLOURS[0], lw=1.2, label=f"{content.value} over the run")
     axes.plot(
-        radius[:1],
-        load[:1] / scale.divisor,
+        place[:1],
+        value[:1] / scale.divisor,
         "o",
         color="white",
         mec=COLOURS[0],
@@ -69,26 +52,26 @@ def crane_plot(
         label="start",
         zorder=3,
     )
-    if governing is not None:
+    if content.governing is not None:
         axes.plot(
-            [governing[0]],
-            [governing[1] / scale.divisor],
+            [content.governing[0]],
+            [content.governing[1] / scale.divisor],
             "D",
             color=COLOURS[1],
             ms=7,
             label="governs",
             zorder=4,
         )
-    finite = np.isfinite(radius)
-    low = min(radii[0], float(radius[finite].min(initial=radii[0])))
-    high = max(radii[-1], float(radius[finite].max(initial=radii[-1])))
+    finite = np.isfinite(place)
+    low = min(places[0], float(place[finite].min(initial=places[0])))
+    high = max(places[-1], float(place[finite].max(initial=places[-1])))
     axes.set_xlim(low - 0.04 * (high - low), high + 0.04 * (high - low))
     axes.set_ylim(bottom=0.0)
     tidy_axes(axes)
-    axes.set_xlabel("radius [m]", color=INK)
-    axes.set_ylabel(f"load [{scale.text}]", color=INK)
+    axes.set_xlabel(content.place, color=INK)
+    axes.set_ylabel(f"{content.value} [{scale.text}]", color=INK)
     add_legend(axes)
-    add_title(figure, title)
+    add_title(figure, content.title)
     return few_colours(figure_png(figure))
 
 

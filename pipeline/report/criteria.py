@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.case.criteria import CraneCriterion, tensions_of
-from heavylift.pipeline.checks.criteria import crane_points
+from heavylift.pipeline.case.rope_parts import tensions_of
+from heavylift.pipeline.checks.criteria import RecordedRun
 from heavylift.pipeline.checks.quantities import Quantities
-from heavylift.pipeline.pictures.criteria_plots import crane_plot, tension_plot, utilisation_plot
+from heavylift.pipeline.pictures.criteria_plots import curve_plot, tension_plot, utilisation_plot
 from heavylift.pipeline.report.document import Figure, Section, Table, Text
 from heavylift.pipeline.report.operation import phase_bands
 from heavylift.pipeline.results.signals import scaled_unit
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from heavylift.numerics.outcome import InputError
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.case.criteria.results import CriterionResult, CurveFigure
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
@@ -161,9 +161,10 @@ def _charts(
     quantities = Quantities(case, out)
     quantities.__dict__["results"] = results
     for criterion in case.criteria:
-        loads = [one for one in found if one.name == criterion.name and one.unit == "N"]
-        if isinstance(criterion, CraneCriterion) and loads:
-            items.append(_crane_figure(case, quantities, criterion, loads[0], album))
+        lines = [one for one in found if one.name == criterion.name]
+        if lines:
+            figures = criterion.figures(RecordedRun(case, quantities, criterion), lines)
+            items += [_curve_figure(figure, album) for figure in figures]
     bands = phase_bands(results)
     histories: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
     for result in sorted(found, key=lambda one: -(one.utilisation or 0.0)):
@@ -191,21 +192,6 @@ def _charts(
     return items
 
 
-def _crane_figure(
-    case: Case, quantities: Quantities, criterion: CraneCriterion, result: CriterionResult, album: Album
-) -> Figure:
-    points = crane_points(case, quantities, criterion)
-    governing = None
-    if math.isfinite(result.value):
-        record = 0 if result.time is None else int(np.argmin(np.abs(points.times - result.time)))
-        governing = float(points.radius[record]), result.value
-    content = crane_plot(
-        criterion.curve.radius,
-        points.capacities,
-        points.radius,
-        points.load,
-        title=f"Crane curve, {criterion.name}",
-        governing=governing,
-    )
-    used = f"; at most {words} is used" if (words := used_words(result)) else ""
-    return Figure(album.add(f"crane_{criterion.name}", content), f"Load over the curve of the crane{used}.")
+def _curve_figure(figure: CurveFigure, album: Album) -> Figure:
+    used = f"; at most {words} is used" if (words := used_words(figure.line)) else ""
+    return Figure(album.add(figure.name, curve_plot(figure)), f"{figure.caption}{used}.")

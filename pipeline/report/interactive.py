@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.checks.criteria import CriterionResult
+    from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
     from heavylift.pipeline.page.scene import SceneMotion
     from heavylift.pipeline.report.document import Verdict

@@ -19,8 +19,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_case, run_case
 from heavylift.pipeline.assemble.early_checks import scene_errors
 from heavylift.pipeline.case.schema import case_schema
-from heavylift.pipeline.checks.criteria import evaluate_criteria
-from heavylift.pipeline.checks.quantities import evaluate_checks
+from tests.pipeline.judged import judged_checks, judged_criteria
 
 DOCS = ROOT / "docs"
 GUIDES = (
@@ -182,11 +181,11 @@ def test_the_case_of_rigging_runs_and_passes(tmp_path):
     (tmp_path / "case.toml").write_text("\n".join(pieces("rigging.md")), encoding="utf-8")
     case = load_case(tmp_path)
     assert run_case(case).outcome is Outcome.COMPLETED
-    checks = evaluate_checks(case, case.output_folder)
+    checks = judged_checks(case, case.output_folder)
     assert [check.id for check in checks if not check.passed] == []
     assert len(checks) == 8
     assert next(check.where for check in checks if check.id == "slings") == "sling_left_1 at 10.3 s"
-    judged = evaluate_criteria(case, case.output_folder)
+    judged = judged_criteria(case, case.output_folder)
     assert [one.name for one in judged if not one.passed] == []
     assert len({one.name for one in judged}) == 10
 
@@ -195,7 +194,7 @@ def test_the_case_of_equipment_runs_and_passes(tmp_path):
     (tmp_path / "case.toml").write_text("\n".join(pieces("equipment.md")), encoding="utf-8")
     case = load_case(tmp_path)
     assert run_case(case, stages=("simulate",)).outcome is Outcome.COMPLETED
-    checks = evaluate_checks(case, case.output_folder)
+    checks = judged_checks(case, case.output_folder)
     assert [check.id for check in checks if not check.passed] == []
     assert len(checks) == 6
 

@@ -12,11 +12,11 @@ import pytest
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_case, run_case
 from heavylift.pipeline.assemble.scene import assemble_scene
-from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.commands.verify import verify_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.simulation import Simulation
+from tests.pipeline.judged import judged_criteria
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 SCRIPT = CASES / "cad_block_on_gantry" / "make_block.py"
@@ -66,7 +66,7 @@ def test_every_check_and_criterion_passes(name, count, tmp_path):
     )
     assert len(verdict.checks) == count
     case = load_case(CASES / name)
-    judged = evaluate_criteria(case, tmp_path)
+    judged = judged_criteria(case, tmp_path)
     assert judged
     assert all(one.passed for one in judged), [one.name for one in judged if not one.passed]
 

@@ -25,7 +25,7 @@ from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.case.case_file import read_document
 from heavylift.pipeline.case.repeat import expand
-from heavylift.pipeline.checks.criteria import evaluate_criteria
+from tests.pipeline.judged import judged_criteria
 
 ROOT = Path(__file__).resolve().parents[2]
 R, BY = changed.about_vertical(math.radians(37.0)), [1000.0, 700.0, 0.0]
@@ -124,7 +124,7 @@ def outcome_of(document: dict[str, Any], file: Path, folder: Path) -> tuple[Any,
     assert report.outcome in ({Outcome.COMPLETED, Outcome.PHASES_LEFT} if phases else {Outcome.COMPLETED}), (
         report.message
     )
-    lines = evaluate_criteria(case, report.folder.root) if case.criteria else []
+    lines = judged_criteria(case, report.folder.root) if case.criteria else []
     return load_results(case), {
         f"{line.name} {number}": float(line.value) for number, line in enumerate(lines)
     }

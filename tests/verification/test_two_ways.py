@@ -24,8 +24,8 @@ from test_invariance import SCENES, document_of
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.results.statistics import record_statistics
+from tests.pipeline.judged import judged_criteria
 
 G = 9.81
 EVERY = 20
@@ -49,7 +49,7 @@ def recorded(
     case = load_case(changed.written(document, folder, file))
     report = run_case(case, stages=("mesh", "modes", "simulate"))
     assert report.outcome in {Outcome.COMPLETED, Outcome.PHASES_LEFT}, report.message
-    return case, load_results(case), evaluate_criteria(case, report.folder.root) if case.criteria else []
+    return case, load_results(case), judged_criteria(case, report.folder.root) if case.criteria else []
 
 
 DURATIONS = {

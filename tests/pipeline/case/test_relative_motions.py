@@ -11,7 +11,7 @@ import pytest
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.assemble.early_checks import scene_errors
-from heavylift.pipeline.checks.quantities import evaluate_checks
+from tests.pipeline.judged import judged_checks
 
 HERE = Path(__file__).parents[1]
 PLATE = """
@@ -55,7 +55,7 @@ def test_a_pendulum_seen_from_a_tilted_hull(folder):
     case = load_case(folder)
     assert scene_errors(case) == []
     assert run_case(case).outcome is Outcome.COMPLETED
-    checks = evaluate_checks(case, case.output_folder)
+    checks = judged_checks(case, case.output_folder)
     assert [check.id for check in checks if not check.passed] == []
     results = load_results(case)
     turned = np.radians(-90.0 + 30.0) + results["pivot.angle"]

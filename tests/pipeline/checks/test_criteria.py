@@ -13,16 +13,15 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline import load_case
-from heavylift.pipeline.checks import quantities as checks_module
-from heavylift.pipeline.checks.criteria import evaluate_criteria
-from heavylift.pipeline.checks.judge import judge
-from heavylift.pipeline.checks.lift_rules import (
+from heavylift.pipeline.case.criteria.lift_rules import (
     bending_factor,
     capacity_at,
     clause,
     sling_factor,
     table_factor,
 )
+from heavylift.pipeline.checks import quantities as checks_module
+from heavylift.pipeline.checks.judge import judge
 from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
 from heavylift.pipeline.log import Log
@@ -36,6 +35,7 @@ from heavylift.pipeline.report.document import Album
 from heavylift.pipeline.report.report import _verdict
 from heavylift.pipeline.results.histories import ChannelInfo, Results
 from heavylift.pipeline.results.rope_lines import rope_tangents
+from tests.pipeline.judged import judged_criteria
 
 TIMES = 0.1 * np.arange(101)
 ONES = np.ones(101)
@@ -84,7 +84,7 @@ def judged(folder, monkeypatch):
         monkeypatch.setattr(checks_module, "load_results", lambda *_: found)
         with (folder / "case.toml").open("a") as file:
             file.write(text)
-        return evaluate_criteria(load_case(folder), folder / "out")
+        return judged_criteria(load_case(folder), folder / "out")
 
     return judge
 
@@ -577,7 +577,7 @@ def test_the_phase_in_which_it_governs(judged, folder):
     assert row.phase == "phase 2"
     case = load_case(text)
     case._document["scenario"] = {"phases": [{"name": "tensioning"}, {"name": "hoisting"}]}
-    (row,) = evaluate_criteria(case, folder / "out")
+    (row,) = judged_criteria(case, folder / "out")
     assert row.phase == "hoisting"
 
 
@@ -597,7 +597,7 @@ def test_a_criterion_of_some_phases(judged, folder):
 
     def value(**keys):
         (one,) = case.criteria
-        return evaluate_criteria(
+        return judged_criteria(
             case.model_copy(update={"criteria": (one.model_copy(update=keys),)}), folder, found
         )[0]
 
@@ -611,7 +611,7 @@ def test_a_criterion_of_some_phases(judged, folder):
     mean = value(phases=("tensioning",), dynamic_factor=1.0, static_at="mean")
     assert mean.value == pytest.approx((2.9 * 1e4 + 4.0 * 8e3) / 6.9)
     with pytest.raises(InputError, match=r"criterion 'slings': the run has no 'scenario.phase'"):
-        evaluate_criteria(
+        judged_criteria(
             case.model_copy(
                 update={"criteria": (case.criteria[0].model_copy(update={"phases": ("hoisting",)}),)}
             ),

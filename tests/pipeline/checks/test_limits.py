@@ -13,12 +13,13 @@ import pytest
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case
 from heavylift.pipeline.checks import quantities as checks_module
-from heavylift.pipeline.checks.quantities import Quantities, evaluate_checks
+from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.commands.verify import check_table, verify_case
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.report.report import _check_section, _verdict
 from heavylift.pipeline.results.histories import ChannelInfo, Results
 from heavylift.pipeline.results.statistics import chosen_columns, run_statistics
+from tests.pipeline.judged import judged_checks
 
 TIMES = 0.1 * np.arange(101)
 TENSIONS = {  # peaks of 10 kN, 30 kN and 20 kN at 1 s, 4 s and 9 s
@@ -62,7 +63,7 @@ def checked(folder, monkeypatch):
 
     def check(text):
         case = appended(folder, text)
-        return case, evaluate_checks(case, folder / "out")
+        return case, judged_checks(case, folder / "out")
 
     return check
 
@@ -359,7 +360,7 @@ def test_a_ratio_may_divide_by_zero_before_the_time_of_a_check(folder, monkeypat
     monkeypatch.setattr(checks_module, "load_results", lambda *_: results(**{"sling_3.tension": zero}))
     ratio = "channel.ratio(sling_2.tension, sling_3.tension).max"
     case = appended(folder, quoted(id="c", quantity=ratio, maximum=1e9, after="2 s"))
-    (check,) = evaluate_checks(case, folder / "out")
+    (check,) = judged_checks(case, folder / "out")
     assert check.value == pytest.approx(1.5e4, rel=1e-12)
 
 
@@ -448,7 +449,7 @@ def test_an_amount_has_no_sign(folder, monkeypatch):
     text = quoted(id="amount", quantity="channel.sling_1.tension.absolute", maximum="30 kN")
     text += quoted(id="early", quantity="channel.sling_1.tension.absolute", maximum="30 kN", until="2 s")
     text += quoted(id="least", quantity="channel.sling_1.tension.absolute", minimum="39 kN")
-    amount, early, least = evaluate_checks(appended(folder, text), folder / "out")
+    amount, early, least = judged_checks(appended(folder, text), folder / "out")
     assert amount.value == pytest.approx(4e4, rel=1e-3)
     assert (amount.passed, amount.where) == (False, "at 4.7 s")
     assert early.value == pytest.approx(3e4 * np.sin(1.6) - 1e4, rel=1e-3)
@@ -470,7 +471,7 @@ def test_an_amount_has_no_sign(folder, monkeypatch):
 def test_a_limit_on_one_side_tells_of_the_other(folder, monkeypatch, statistic, limit, told):
     monkeypatch.setattr(checks_module, "load_results", lambda *_: results(**SWINGS))
     text = quoted(id="one", quantity=f"channel.sling_1.tension.{statistic}", **limit)
-    (check,) = evaluate_checks(appended(folder, text), folder / "out")
+    (check,) = judged_checks(appended(folder, text), folder / "out")
     assert check.note.startswith(told) if told else not check.note
     assert ("'absolute' judges both sides" in check.note) == bool(told)
 

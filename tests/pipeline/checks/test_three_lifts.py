@@ -7,7 +7,7 @@ import math
 import pytest
 
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.checks.criteria import evaluate_criteria
+from tests.pipeline.judged import judged_criteria
 
 G = 9.81
 HEAD = """
@@ -40,7 +40,7 @@ def criteria(folder, text):
     report = run_case(case, stages=("mesh", "simulate"))
     assert report.outcome.name == "COMPLETED", report.message
     found = {}
-    for line in evaluate_criteria(case, case.output_folder):
+    for line in judged_criteria(case, case.output_folder):
         found.setdefault(line.name, []).append(line)
     return found
 

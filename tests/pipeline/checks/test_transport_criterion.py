@@ -11,8 +11,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, run_case
-from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.checks.quantities import Quantities
+from tests.pipeline.judged import judged_criteria
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "spmt_steering" / "case.toml"
 
@@ -35,7 +35,7 @@ def test_a_transporter_is_judged_by_what_it_tells_and_records(tmp_path) -> None:
     )
     case = load_case(folder)
     assert run_case(case, stages=["simulate"]).outcome is Outcome.COMPLETED
-    rows = evaluate_criteria(case, folder / "out")
+    rows = judged_criteria(case, folder / "out")
     failed = [row.what for row in rows if not row.passed]
     assert failed == ["tilt at which it tips over, groups that give way"]
     assert len(rows) == 8
@@ -64,7 +64,7 @@ def test_tyres_that_slide_fail(tmp_path) -> None:
     case = load_case(tmp_path)
     run = run_case(case, stages=["simulate"])
     assert run.outcome is Outcome.COMPLETED
-    (row,) = (row for row in evaluate_criteria(case, tmp_path / "out") if "friction allows" in row.what)
+    (row,) = (row for row in judged_criteria(case, tmp_path / "out") if "friction allows" in row.what)
     assert row.value == pytest.approx(1.0, abs=1e-9)
     assert not row.passed
 

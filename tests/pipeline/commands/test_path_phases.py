@@ -9,9 +9,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.checks.quantities import evaluate_checks
 from heavylift.pipeline.commands.scenario import scenario_command
 from heavylift.pipeline.log import Log
+from tests.pipeline.judged import judged_checks
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "spmt_warp"
 PHASES = """
@@ -73,7 +73,7 @@ def test_phases_of_a_path_from_a_case(tmp_path) -> None:
     results = load_results(tmp_path)
     log = results.metadata["scenario"]["log"]
     assert [line[0] for line in log if line[2] == "done"] == pytest.approx([2.0, 11.0, 16.0, 60.0], abs=1e-5)
-    (check,) = evaluate_checks(case, case.output_folder)
+    (check,) = judged_checks(case, case.output_folder)
     assert check.passed
 
 

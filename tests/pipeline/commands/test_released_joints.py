@@ -12,9 +12,9 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.checks.quantities import evaluate_checks
 from heavylift.pipeline.commands.scenario import scenario_command
 from heavylift.pipeline.log import Log
+from tests.pipeline.judged import judged_checks
 
 CASE = """
 title = "A load on two welds, one to a lug that stays with it"
@@ -97,7 +97,7 @@ def test_a_weld_of_a_case_lets_go(tmp_path: Path) -> None:
     np.testing.assert_allclose(
         results["load.position"] - results["lug.position"], [[0, 0, -1]] * len(late), atol=1e-9
     )
-    assert all(check.passed for check in evaluate_checks(case, case.output_folder))
+    assert all(check.passed for check in judged_checks(case, case.output_folder))
 
 
 @pytest.mark.slow

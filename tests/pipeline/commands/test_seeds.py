@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
-from heavylift.pipeline.checks.criteria import CriterionResult
+from heavylift.pipeline.case.criteria.results import CriterionResult
 from heavylift.pipeline.checks.judge import Judged
 from heavylift.pipeline.commands import statistics as seeds_module
 from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.checks.criteria import evaluate_criteria
 from heavylift.pipeline.checks.hanging import hanging_warnings
-from heavylift.pipeline.checks.quantities import evaluate_checks
+from tests.pipeline.judged import judged_checks, judged_criteria
 
 EA, DEPTH, RADIUS, BELOW = 6e8, 3.0, 0.4, 26.0
 REACH = (2.4, 3.1, 3.1, 3.6)  # depths at which the lines reach their lugs
@@ -135,7 +134,7 @@ def test_criteria_on_an_equalizer_judge_its_lines(model, tmp_path):
     """The same numbers with both models: those of statics by hand, and those of the group of ropes."""
     case = load_case(lift(tmp_path / "lift", model))
     run_case(case, stages=("simulate",))
-    found = {one.name: one for one in evaluate_criteria(case, case.output_folder)}
+    found = {one.name: one for one in judged_criteria(case, case.output_folder)}
     results = load_results(case, case.output_folder)
     forces, rope = by_hand()
     close = 1e-3 if model == "pulleys" else 1e-5
@@ -239,5 +238,5 @@ def test_a_check_on_the_rope_over_pulleys_says_what_it_does_not_see(model, tmp_p
     more = '[[check]]\nid = "all"\nquantity = "channel.loader_*.tension.max"\nmaximum = "9 MN"\nsource = "a limit"\n'
     case = load_case(lift(tmp_path / "lift", model, more))
     run_case(case, stages=("simulate",))
-    (check,) = evaluate_checks(case, case.output_folder)
+    (check,) = judged_checks(case, case.output_folder)
     assert ("its lines have loader_rope.segment_tension" in check.note) == (model == "massless")

@@ -13,10 +13,11 @@ import pytest
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.assemble.scene import assemble_scene
-from heavylift.pipeline.checks.quantities import Quantities, evaluate_checks
+from heavylift.pipeline.checks.quantities import Quantities
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.model_io import read_reduced
 from heavylift.pipeline.results.storage import OutputFolder
+from tests.pipeline.judged import judged_checks
 
 COMPUTED = ("mesh", "modes", "simulate")
 
@@ -44,7 +45,7 @@ def run(folder, *overrides, stages=COMPUTED, **options):
 def test_the_beam_rings_at_the_frequencies_of_its_reduced_body(small_case):
     report, _ = run(small_case)
     assert report.outcome is Outcome.COMPLETED
-    checks = {check.id: check for check in evaluate_checks(load_case(small_case), report.folder.root)}
+    checks = {check.id: check for check in judged_checks(load_case(small_case), report.folder.root)}
     assert checks["mass"].value == pytest.approx(0.312, rel=1e-12)
     assert checks["ringdown_1"].error < 1e-4
     assert all(check.passed for check in checks.values())

@@ -9,8 +9,8 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.checks.quantities import evaluate_checks
 from heavylift.pipeline.stages.work import StageReport
+from tests.pipeline.judged import judged_checks
 
 TEXT = (Path(__file__).resolve().parents[1] / "transport.toml").read_text(encoding="utf-8")
 
@@ -176,4 +176,4 @@ def test_a_check_of_an_unknown_group_names_those_that_there_are(tmp_path) -> Non
     run(tmp_path, ("[simulate]", check), ('duration = "40 s"', 'duration = "1 s"'))
     case = load_case(tmp_path)
     with pytest.raises(InputError, match="expected a component: fl, fr, rl, rr"):
-        evaluate_checks(case, case.output_folder)
+        judged_checks(case, case.output_folder)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CLEARANCES",
     "LEAD",
+    "OF_THE_CASE",
     "Clause",
     "bending_factor",
     "capacity_at",
@@ -70,6 +71,10 @@ class Clause(NamedTuple):
             return self.source
         words = {"seen": "public copy", "memory": "NOT CONFIRMED: from memory", "assumption": "assumption"}
         return f"{self.source} [{words.get(self.status, f'NOT CONFIRMED: {self.status}')}]"
+
+
+OF_THE_CASE = Clause("limit of the case file", "case file")
+"""Of limits that the case file gives without a source."""
 
 
 def _lines(name: str) -> list[str]:
