@@ -354,7 +354,8 @@ def filled(record: type[R], **fields: Any) -> R:
     Traceback (most recent call last):
     TypeError: Spring without 'stiffness'
     """
-    own = _own_fields(record)
+    of_class: Any = record
+    own = _own_fields(of_class)
     if fields.keys() != own.keys():
         unknown, missing = fields.keys() - own.keys(), own.keys() - fields.keys()
         said = [f"with unknown {', '.join(map(repr, sorted(unknown)))}"] if unknown else []
