@@ -62,7 +62,7 @@ class Layout:
     column_count
         Length of a record.
     body_names, block_names, line_names, deck_names, tank_names
-        Names by number of the body, of the block of rows, of the mooring line, of the deck and of the tank, for messages.
+        Names by number of the body, the block of rows, the mooring line, the deck and the tank, for messages.
     notes
         What the user should know of the scene.
     director

@@ -97,8 +97,8 @@ def pack_transporters(
         of_deck.first, of_deck.count, of_deck.across = place
         of_deck.begin, of_deck.end, of_deck.right, of_deck.left = deck.borders
     vehicles = records(VehicleData, len(scene.transporters))
-    groups: list[GroupData] = []
-    bogies: list[BogieData] = []
+    groups: list[Any] = []
+    bogies: list[Any] = []
     pumps: list[tuple[float, float]] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
@@ -220,7 +220,8 @@ def pack_transporters(
             step = 2 * law.block_count if row_count > 1 else 0
             for i, point in enumerate(np.asarray(group.bogies, dtype=np.float64)):
                 bogie = BogieData.one()
-                bogie.place, bogie.side, bogie.start_force = places.pack(book, point), side + step * i, load
+                bogie_place: Any = places.pack(book, point)
+                bogie.place, bogie.side, bogie.start_force = bogie_place, side + step * i, load
                 bogies.append(bogie)
             sides.append(
                 [

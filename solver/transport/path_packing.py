@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,12 +42,12 @@ class PathPacking:
 
     def __init__(self, scene: Scene, book: MarkerBook) -> None:
         self._scene, self._book = scene, book
-        self._paths: list[PathData] = []
-        self._plans: list[PathPlan] = []
+        self._paths: list[Any] = []
+        self._plans: list[Any] = []
         self._weights: list[float] = []
         self._deck_plans: list[list[int]] = []
         self._bogies: list[tuple[float, float, bool]] = []
-        self._drives: list[DriveData] = []
+        self._drives: list[Any] = []
         self._capacity: list[tuple[float, float]] = []
         self._routes: list[Route] = []
         self._turns: list[tuple[int, NDArray[np.float64]]] = []
@@ -117,7 +117,8 @@ class PathPacking:
         path.block, path.attachments, outputs = at
         path.column, path.drive_column = outputs.at(PathOutputs), outputs.at(DriveOutputs)
         path.parts = placed(SteeringParts, outputs)
-        path.middle = places.pack(self._book, places.points.mean(axis=0))
+        made: Any = places.pack(self._book, places.points.mean(axis=0))
+        path.middle = made
         path.forward = self._book.direction(transporter.body, places.axes[0], FORCES, at=np.zeros(3))
         path.side = side_of[transporter.body]
         path.first_plan, path.plans = first_plan, len(bodies)

@@ -540,7 +540,7 @@ def watch_paths(kind: Paths, work: Workspace, system: RowArrays) -> None:
 
 
 @kernel(internal=True)
-def watch_drive(state: DriveState, interval: float) -> None:
+def watch_drive(state: DriveState, interval: int) -> None:
     """What a drive gave in the step that ended, and its extremes."""
     note_value(state.forces, interval, state.force)
     note_value(state.tractions, interval, state.traction)
@@ -552,7 +552,7 @@ def watch_drive(state: DriveState, interval: float) -> None:
 
 
 @kernel(internal=True)
-def record_drive(state: DriveState, interval: float, driven: float, out: DriveOutputs) -> None:
+def record_drive(state: DriveState, interval: int, driven: float, out: DriveOutputs) -> None:
     """Of a drive, with the number of bogies that push with its force."""
     out.drive_demand, out.bogie_drive = driven * state.force, state.force
     out.bogie_drive_max = largest_of(state.forces, interval, state.force)

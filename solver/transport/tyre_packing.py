@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +46,8 @@ class TyrePacking:
 
     def __init__(self, scene: Scene, book: MarkerBook) -> None:
         self._scene, self._book, self._paths = scene, book, PathPacking(scene, book)
-        self._table: list[TyreData] = []
-        self._rows: list[PlaneRows] = []
+        self._table: list[Any] = []
+        self._rows: list[Any] = []
         self._wheels: list[tuple[float, float, float]] = []
         self._planes: list[Deck] = []
         self._deck_planes = [self._plane(deck) for deck in scene.decks]
