@@ -19,7 +19,6 @@ from heavylift.pipeline.case.ballast import BallastSection, check_plan
 from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.checks import CheckSection, ConvergeSection, QuantityReference
 from heavylift.pipeline.case.collisions import collision_pairs
-from heavylift.pipeline.case.criteria.base import CriterionSection
 from heavylift.pipeline.case.criteria_table import Criteria
 from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
@@ -128,7 +127,7 @@ class Case(SceneTables, _CaseHeading):
             texts[f"check.{index}.reference.quantity"] = check.reference.quantity
         self._can_be_computed(texts)
 
-    def _criterion_can_be_computed(self, index: int, criterion: CriterionSection) -> None:
+    def _criterion_can_be_computed(self, index: int, criterion: Any) -> None:
         """What a criterion looks at must exist."""
         key = f"criteria.{index}"
         criterion.check_case(self, key)

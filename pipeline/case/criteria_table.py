@@ -5,22 +5,21 @@ from __future__ import annotations
 import importlib
 import inspect
 import sys
-from functools import cache, reduce
-from operator import or_
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-from pydantic import AfterValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic import AfterValidator
+from pydantic_core import PydanticCustomError
 
 from heavylift.pipeline.case import criteria as package
-from heavylift.pipeline.case.criteria.base import CriterionSection
+from heavylift.pipeline.case.described import Chosen
+from heavylift.solver.scene.descriptions import Family
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from pydantic import ValidationInfo
-    from pydantic.json_schema import JsonSchemaValue
+    from heavylift.pipeline.case.criteria.base import CriterionSection
 
 __all__ = ["Criteria", "criterion_kinds"]
 
@@ -38,9 +37,10 @@ def criterion_kinds() -> dict[str, type[CriterionSection]]:
     """
     found: dict[str, type[CriterionSection]] = {}
     for kind in _read_kinds():
-        if inspect.isabstract(kind) or "type" not in kind.model_fields:
+        words = get_args(kind.model_fields["type"].annotation) if "type" in kind.model_fields else ()
+        if inspect.isabstract(kind) or len(words) != 1:
             raise TypeError(f"{_place(kind)}: a kind of criteria has a key 'type' with one word, and `judge`")
-        (word,) = kind.model_fields["type"].annotation.__args__  # type: ignore[union-attr]
+        (word,) = words
         if word in found:
             raise TypeError(f"{_place(kind)}: {word!r} is the word of {_place(found[word])}")
         found[word] = kind
@@ -48,19 +48,18 @@ def criterion_kinds() -> dict[str, type[CriterionSection]]:
 
 
 def _read_kinds() -> Iterator[type[CriterionSection]]:
+    """Classes that files of the package define, but for what they derive from, which stands in `base`."""
+    from heavylift.pipeline.case.criteria.base import CriterionSection
+
+    given = CriterionSection.__module__
     for folder in package.__path__:
         for file in sorted(Path(folder).glob("[!_]*.py")):
             module = importlib.import_module(f"{package.__name__}.{file.stem}")
             if Path(str(module.__file__)) != file:
                 raise TypeError(f"{file}: another file of this name is {module.__file__}")
             for kind in vars(module).values():
-                own = inspect.isclass(kind) and kind.__module__ == module.__name__
-                # what other kinds derive from stands in `base`
-                if (
-                    own
-                    and issubclass(kind, CriterionSection)
-                    and module.__name__ != CriterionSection.__module__
-                ):
+                own = inspect.isclass(kind) and kind.__module__ == module.__name__ != given
+                if own and issubclass(kind, CriterionSection):
                     yield kind
 
 
@@ -68,26 +67,21 @@ def _place(kind: type) -> str:
     return f"{sys.modules[kind.__module__].__file__}, {kind.__name__}"
 
 
-@cache
-def _adapter() -> TypeAdapter[Any]:
-    made: Any = reduce(or_, criterion_kinds().values())
-    return TypeAdapter(cast("Any", tuple[Annotated[made, Field(discriminator="type")], ...]))
+class _Kinds(Family[Any]):
+    """The kinds as a family: their sections are written as such, and not made of descriptions."""
+
+    def get(self, word: str) -> type[CriterionSection] | None:
+        """Section that a word stands for; None if there is none."""
+        return criterion_kinds().get(word)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All words in their order."""
+        return tuple(criterion_kinds())
 
 
-class _AnyKind:
-    """Annotation of a list of criteria, whose kinds are read when a case has some."""
-
-    def validate(self, value: Any, info: ValidationInfo) -> Any:
-        """The criteria of a list of tables."""
-        return _adapter().validate_python(value, context=info.context)
-
-    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self.validate)
-
-    def __get_pydantic_json_schema__(
-        self, _schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return handler(_adapter().core_schema)
+def _section(kind: type[CriterionSection]) -> type[CriterionSection]:
+    return kind
 
 
 def _one_each(criteria: Sequence[Any]) -> Sequence[Any]:
@@ -106,5 +100,8 @@ def _one_each(criteria: Sequence[Any]) -> Sequence[Any]:
     return criteria
 
 
-Criteria = Annotated[tuple[CriterionSection, ...], _AnyKind(), AfterValidator(_one_each)]
+Criteria = Annotated[
+    tuple[Annotated[Any, Chosen(_Kinds("criterion", package.__name__), _section)], ...],
+    AfterValidator(_one_each),
+]
 """All criteria of a case."""

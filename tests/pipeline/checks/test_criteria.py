@@ -521,6 +521,37 @@ def test_slack_and_what_dynamics_take_away(judged):
     assert (slack.value, slack.passed, slack.note) == (0.0, False, "for 1.1 s by records")
 
 
+def test_the_spread_of_tensions(judged):
+    """10 kN (1 + 0.2 sin), 10 kN (1 - 0.2 sin) and 10 kN from 1 s on: 0.4 |sin| of the mean, but for what is slack."""
+    wave = 0.2 * np.sin(2.0 * np.pi * TIMES / 10.0)
+    lifted = TIMES > 0.95
+    tensions = {f"sling_{i}__tension": 1e4 * lifted * (1.0 + s * wave) for i, s in ((1, 1), (2, -1), (3, 0))}
+    given = {"type": "spread", "ropes": ["sling_*"]}
+    text = criterion(name="alike", maximum=0.35, **given)
+    text += criterion(name="later", maximum=0.5, after="5 s", **given)
+    text += criterion(name="before", maximum=0.5, until="0.9 s", **given)
+    text += criterion(name="two", type="spread", ropes=["sling_3", "sling_1"], maximum=0.25, source="plan")
+    alike, later, before, two = judged(text, **tensions)
+    assert (alike.value, alike.limit, alike.unit, alike.passed) == (pytest.approx(0.4), 0.35, "1", False)
+    assert (alike.time, alike.where) == (pytest.approx(2.5), "sling_1 over sling_2")
+    assert (alike.utilisation, alike.seen) == (pytest.approx(0.4 / 0.35), "101 records")
+    assert alike.source == "limit of the case file"
+    used = alike.history[1]
+    assert np.isnan(used[:10]).all()
+    assert used[10:] == pytest.approx(2.0 * np.abs(wave[10:]) / 0.35)
+    assert (later.value, later.time, later.where) == (
+        pytest.approx(0.4),
+        pytest.approx(7.5),
+        "sling_2 over sling_1",
+    )
+    assert later.passed
+    assert (before.passed, before.note, before.where) == (False, "the ropes never carry", "")
+    assert math.isnan(before.value)
+    # 10 kN and 8 kN, 2 over 9, are further apart than 12 kN and 10 kN
+    assert (two.value, two.passed, two.source) == (pytest.approx(2.0 / 9.0), True, "plan")
+    assert (two.time, two.where) == (pytest.approx(7.5), "sling_3 over sling_1")
+
+
 def test_clearance_and_tilt(judged):
     """The load comes down to 1.4 m and turns by 2 deg about (1, 1, 0)."""
     height = np.column_stack([0.0 * TIMES, 0.0 * TIMES, 1.4 + 0.1 * (TIMES - 6.0) ** 2])
@@ -686,6 +717,10 @@ def test_a_criterion_of_some_phases(judged, folder):
         (SLING | {"after": "5 s", "until": "4 s"}, "until: 4 s is not later than 'after'"),
         (SLING | {"breaking_load": 0}, "breaking_load: 0 is too small"),
         (SLING | {"type": "slings"}, "criteria.0: type = 'slings'; expected one of 'crane', 'sling'"),
+        (
+            {"name": "a", "type": "spread", "ropes": ["sling_1"], "maximum": 0.1},
+            "ropes: 'sling_1' alone; expected two ropes or more",
+        ),
         (
             {"name": "a", "type": "limit", "quantity": "channel.sling_1.tensoin.max", "maximum": 1},
             "did you mean 'tension'?",
