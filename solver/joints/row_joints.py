@@ -1,0 +1,306 @@
+"""Joints that are a list of rows: one kind writes the rows of all of them.
+
+With points p, and unit directions d of a and e of b::
+
+    point       p_b - p_a = 0                 three rows
+    travel      d . (p_b - p_a) = 0
+    square      d . e = 0
+
+"Integrated simulation ... (2018)", eqs. 163-164 and sections 2.4.2 to 2.4.6, with independent rows in place of cross
+products. Which rows a joint has says its description, see `heavylift.solver.scene.connections.Joint.ROWS`; what it
+records besides the reaction, the angle or the travel, say its channels. Joints with rows of their own beside these
+take the kernels of this file for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.jit import kernel
+from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import Record, Records, records
+from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import (
+    AngleMarkers,
+    JointPlace,
+    TravelMarkers,
+    angle_markers,
+    point_markers,
+    refuse_opposite,
+    travel_direction,
+    travel_markers,
+)
+from heavylift.solver.joints.reactions import (
+    AngleState,
+    add_force,
+    add_moment,
+    clear_reaction,
+    reaction_outputs,
+    record_angle,
+    record_travel,
+    write_reaction,
+)
+from heavylift.solver.joints.row_writing import (
+    difference,
+    put_point_rows,
+    residuals,
+    square_bias,
+    square_row,
+    targets,
+    travel_bias,
+    travel_row,
+    write_point_bias,
+)
+from heavylift.solver.kinds import implement
+from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
+from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import (
+    ROW_WORDS,
+    AngleOutputs,
+    Joint,
+    Rows,
+    TravelOutputs,
+    axes_about,
+)
+
+__all__ = [
+    "RowJoints",
+    "RowPart",
+    "fill_part_bias",
+    "fill_part_rows",
+    "pack",
+    "pack_parts",
+    "record_reactions",
+]
+
+LARGEST_COSINE = 0.9
+"""Of the angle between two axes that are square to each other, at the start: the row vanishes if they are parallel."""
+
+POINT, TRAVEL, SQUARE = range(len(ROW_WORDS))
+"""Numbers of the words of rows, in their order."""
+
+
+class RowPart(Record):
+    """A row of a joint, or the three of its point, which are the first of its block.
+
+    Attributes
+    ----------
+    word
+        `POINT`, `TRAVEL` or `SQUARE`.
+    block, row
+        Block of the joint, and number of the first row in it.
+    a, b
+        Markers of the points on both sides, or of the directions d and e.
+    along
+        Marker of the direction of a travel.
+    column
+        First record column of the joint.
+    """
+
+    word: int
+    block: int
+    row: int
+    a: int
+    b: int
+    along: int
+    column: int
+
+
+class TurnEntry(Record):
+    """A recorded angle: its markers, and the column of its outputs."""
+
+    angle: AngleMarkers
+    column: int
+
+
+class SlideEntry(Record):
+    """A recorded travel: its markers, and the column of its outputs."""
+
+    travel: TravelMarkers
+    column: int
+
+
+class RowJoints(Arrays):
+    """All joints of a scene that are a list of rows.
+
+    Attributes
+    ----------
+    parts
+        Their rows.
+    turns, slides
+        What is recorded of those that turn about an axis, and slide along one.
+    state
+        Whole turns, see `record_angle`.
+    """
+
+    carried_fields: ClassVar[tuple[str, ...]] = ("state",)
+
+    parts: Records[RowPart]
+    turns: Records[TurnEntry]
+    state: Records[AngleState]
+    slides: Records[SlideEntry]
+
+
+angle_outputs = outputs_at(AngleOutputs)
+travel_outputs = outputs_at(TravelOutputs)
+
+
+def pack(joints: Sequence[Joint], places: Sequence[JointPlace], book: MarkerBook) -> RowJoints:
+    """Make the kind."""
+    parts, turns, slides = [], [], []
+    for joint, place in zip(joints, places, strict=True):
+        parts += pack_parts(joint, joint.ROWS, place, book)
+        turn, slide = place.column.at(AngleOutputs), place.column.at(TravelOutputs)
+        if turn >= 0:
+            turns.append((angle_markers(book, joint, RECORD), turn))
+        if slide >= 0:
+            slides.append((travel_markers(book, joint, RECORD), slide))
+    return RowJoints(
+        records(RowPart, parts),
+        records(TurnEntry, turns),
+        records(AngleState, len(turns)),
+        records(SlideEntry, slides),
+    )
+
+
+def pack_parts(joint: Joint, rows: Rows, place: JointPlace, book: MarkerBook) -> list[tuple[Any, ...]]:
+    """Fields of the records `RowPart` of some rows of a joint, which are the first of its block.
+
+    Raises
+    ------
+    InputError
+        If the joint starts on another branch of its rows, or with parallel axes that are to be square.
+    """
+    _refuse_starts(joint, rows, place)
+    directions = dict(zip("xyz", joint.frame_a.axes.T, strict=True))
+    if any(axis in "mn" for _, *axes in rows for axis in axes):
+        across = joint.frame_a.axes @ axes_about(travel_direction(joint), source=joint.name)
+        directions |= zip("mn", across.T[:2], strict=True)
+
+    def on_a(axis: str) -> int:
+        return book.direction(joint.body_a, directions[axis], at=joint.frame_a.point)
+
+    def on_b(axis: str) -> int:
+        at = joint.frame_b
+        return book.direction(joint.body_b, at.axes[:, "xyz".index(axis)], at=at.point)
+
+    points, first = point_markers(book, joint), 0
+    fields = []
+    for word, *axes in rows:
+        number = list(ROW_WORDS).index(word)
+        if number == SQUARE:
+            a, b, along = on_a(axes[0]), on_b(axes[1]), -1
+        else:
+            (a, b), along = points, on_a(axes[0]) if number == TRAVEL else -1
+        fields.append((number, place.block, first, a, b, along, place.column))
+        first += len(ROW_WORDS[word])
+    return fields
+
+
+def _refuse_starts(joint: Joint, rows: Rows, place: JointPlace) -> None:
+    """Refuse a start from which rows of directions lead elsewhere, or nowhere."""
+    squares = [axes for word, *axes in rows if word == "square"]
+    turned = [a for a in "xyz" if {b for d, b in squares if d == a} == set("xyz") - {a}]
+    # with two axes of b square to one of a, these are parallel; with one row more, all axes are
+    parallel = [0, 1, 2] if turned and len(squares) == 3 else ["xyz".index(a) for a in turned]
+    refuse_opposite(joint, place, parallel)
+    for a, b in squares:
+        if a != b:
+            continue
+        axes = (place.frames[0].axes[:, "xyz".index(a)], place.frames[1].axes[:, "xyz".index(b)])
+        cosine = abs(float(axes[0] @ axes[1]))
+        if not cosine < LARGEST_COSINE:
+            raise InputError(
+                f"the axes are {np.degrees(np.arccos(min(cosine, 1.0))):.1f} deg apart at the start",
+                source=joint.name,
+                key="axes",
+                expected="two axes square to each other",
+            )
+
+
+@kernel(internal=True)
+def fill_part_rows(parts: Records[RowPart], with_residual: bool, work: Workspace, system: RowArrays) -> None:
+    """Rows from the markers."""
+    for i in range(parts.shape[0]):
+        part = parts[i]
+        block, row, g = part.block, part.row, residuals(system, part.block)
+        if part.word == POINT:
+            put_point_rows(system, 2 * block, 0, work, part.a, -1.0)
+            put_point_rows(system, 2 * block + 1, 0, work, part.b, 1.0)
+            if with_residual:
+                g[0], g[1], g[2] = difference(work, part.a, part.b)
+        elif part.word == TRAVEL:
+            value = travel_row(system, block, row, work, part.a, part.b, part.along)
+            if with_residual:
+                g[row] = value
+        else:
+            value = square_row(system, block, row, work, part.a, part.b)
+            if with_residual:
+                g[row] = value
+
+
+@kernel(internal=True)
+def fill_part_bias(parts: Records[RowPart], work: Workspace, system: RowArrays) -> None:
+    """Quadratic velocity terms."""
+    for i in range(parts.shape[0]):
+        part = parts[i]
+        target = targets(system, part.block)
+        if part.word == POINT:
+            write_point_bias(system, part.block, work, part.a, part.b)
+        elif part.word == TRAVEL:
+            target[part.row] = -travel_bias(work, part.a, part.b, part.along)
+        else:
+            target[part.row] = -square_bias(work, part.a, part.b)
+
+
+@kernel(internal=True)
+def record_reactions(
+    parts: Records[RowPart], work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Force and moment of the rows on b."""
+    for i in range(parts.shape[0]):
+        clear_reaction(reaction_outputs(row, parts[i].column))
+    for i in range(parts.shape[0]):
+        part = parts[i]
+        out = reaction_outputs(row, part.column)
+        if part.word == POINT:
+            write_reaction(system, part.block, out)
+        elif part.word == TRAVEL:
+            add_force(system, part.block, part.row, work, part.along, out)
+        else:
+            add_moment(system, part.block, part.row, work, part.b, part.a, out)
+
+
+@implement(fill_rows, RowJoints)
+@kernel(internal=True)
+def fill_row_joints(kind: RowJoints, with_residual: bool, work: Workspace, system: RowArrays) -> None:
+    """All rows."""
+    fill_part_rows(kind.parts, with_residual, work, system)
+
+
+@implement(fill_bias, RowJoints)
+@kernel(internal=True)
+def fill_row_joint_bias(kind: RowJoints, time: float, work: Workspace, system: RowArrays) -> None:
+    """Of all rows."""
+    fill_part_bias(kind.parts, work, system)
+
+
+@implement(record_joints, RowJoints)
+@kernel(internal=True)
+def record_row_joints(
+    kind: RowJoints, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
+) -> None:
+    """Reaction on b, angles, travels."""
+    record_reactions(kind.parts, work, system, row)
+    for i in range(kind.turns.shape[0]):
+        turn = kind.turns[i]
+        record_angle(work, turn.angle, kind.state[i], time, angle_outputs(row, turn.column))
+    for i in range(kind.slides.shape[0]):
+        slide = kind.slides[i]
+        record_travel(work, slide.travel, travel_outputs(row, slide.column))
