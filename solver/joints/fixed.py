@@ -25,4 +25,4 @@ class FixedJoint(Joint):
     A frame of ANCF elements keeps its tangent only, 5 rows: it has no torsion.
     """
 
-    ROWS: ClassVar = (("point",), ("square", "z", "x"), ("square", "z", "y"), ("square", "x", "y"))
+    ROWS: ClassVar = (("point",), ("parallel", "z"), ("square", "x", "y"))

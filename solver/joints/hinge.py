@@ -43,7 +43,7 @@ class Hinge(Joint):
     """
 
     PLACE: ClassVar = Place.AXIS
-    ROWS: ClassVar = (("point",), ("square", "z", "x"), ("square", "z", "y"))
+    ROWS: ClassVar = (("point",), ("parallel", "z"))
     CHANNELS: ClassVar = HingeOutputs.CHANNELS
     COORDINATE: ClassVar = "angle"
 

@@ -21,4 +21,4 @@ class Planar(Joint):
     """The point of b stays in the plane across the axis of a, and the axes are parallel."""
 
     PLACE: ClassVar = Place.AXIS
-    ROWS: ClassVar = (("travel", "z"), ("square", "z", "x"), ("square", "z", "y"))
+    ROWS: ClassVar = (("travel", "z"), ("parallel", "z"))

@@ -2,7 +2,8 @@
 
 With points p, and unit directions d of a and e of b::
 
-    point       p_b - p_a = 0                 three rows
+    point       p_b - p_a = 0              three rows
+    parallel    d . e = 0,  d . f = 0      two rows: e, f are the two axes of b that are not that of d
     travel      d . (p_b - p_a) = 0
     square      d . e = 0
 
@@ -82,23 +83,21 @@ __all__ = [
 LARGEST_COSINE = 0.9
 """Of the angle between two axes that are square to each other, at the start: the row vanishes if they are parallel."""
 
-POINT, TRAVEL, SQUARE = range(len(ROW_WORDS))
+POINT, PARALLEL, TRAVEL, SQUARE = range(len(ROW_WORDS))
 """Numbers of the words of rows, in their order."""
 
 
 class RowPart(Record):
-    """A row of a joint, or the three of its point, which are the first of its block.
+    """Rows of a joint that belong to one word; those of its point are the first of its block.
 
     Attributes
     ----------
     word
-        `POINT`, `TRAVEL` or `SQUARE`.
+        `POINT`, `PARALLEL`, `TRAVEL` or `SQUARE`.
     block, row
         Block of the joint, and number of the first row in it.
-    a, b
-        Markers of the points on both sides, or of the directions d and e.
-    along
-        Marker of the direction of a travel.
+    a, b, c
+        Markers: of both points and the direction of a travel, or of the directions d, e, f.
     column
         First record column of the joint.
     """
@@ -108,7 +107,7 @@ class RowPart(Record):
     row: int
     a: int
     b: int
-    along: int
+    c: int
     column: int
 
 
@@ -194,11 +193,16 @@ def pack_parts(joint: Joint, rows: Rows, place: JointPlace, book: MarkerBook) ->
     fields = []
     for word, *axes in rows:
         number = list(ROW_WORDS).index(word)
-        if number == SQUARE:
-            a, b, along = on_a(axes[0]), on_b(axes[1]), -1
+        if word == "point":
+            markers = (*points, -1)
+        elif word == "travel":
+            markers = (*points, on_a(axes[0]))
         else:
-            (a, b), along = points, on_a(axes[0]) if number == TRAVEL else -1
-        fields.append((number, place.block, first, a, b, along, place.column))
+            on_other = [
+                on_b(axis) for axis in ("xyz".replace(axes[0], "") if word == "parallel" else axes[1])
+            ]
+            markers = (on_a(axes[0]), *on_other, *[-1] * (2 - len(on_other)))
+        fields.append((number, place.block, first, *markers, place.column))
         first += len(ROW_WORDS[word])
     return fields
 
@@ -206,10 +210,9 @@ def pack_parts(joint: Joint, rows: Rows, place: JointPlace, book: MarkerBook) ->
 def _refuse_starts(joint: Joint, rows: Rows, place: JointPlace) -> None:
     """Refuse a start from which rows of directions lead elsewhere, or nowhere."""
     squares = [axes for word, *axes in rows if word == "square"]
-    turned = [a for a in "xyz" if {b for d, b in squares if d == a} == set("xyz") - {a}]
-    # with two axes of b square to one of a, these are parallel; with one row more, all axes are
-    parallel = [0, 1, 2] if turned and len(squares) == 3 else ["xyz".index(a) for a in turned]
-    refuse_opposite(joint, place, parallel)
+    parallel = [axes[0] for word, *axes in rows if word == "parallel"]
+    # with a row more, all axes are parallel
+    refuse_opposite(joint, place, range(3) if parallel and squares else ["xyz".index(a) for a in parallel])
     for a, b in squares:
         if a != b:
             continue
@@ -229,20 +232,27 @@ def fill_part_rows(parts: Records[RowPart], with_residual: bool, work: Workspace
     """Rows from the markers."""
     for i in range(parts.shape[0]):
         part = parts[i]
-        block, row, g = part.block, part.row, residuals(system, part.block)
-        if part.word == POINT:
-            put_point_rows(system, 2 * block, 0, work, part.a, -1.0)
-            put_point_rows(system, 2 * block + 1, 0, work, part.b, 1.0)
+        word, block, row, a, b, c = part.word, part.block, part.row, part.a, part.b, part.c
+        if word == POINT:
+            put_point_rows(system, 2 * block, 0, work, a, -1.0)
+            put_point_rows(system, 2 * block + 1, 0, work, b, 1.0)
             if with_residual:
-                g[0], g[1], g[2] = difference(work, part.a, part.b)
-        elif part.word == TRAVEL:
-            value = travel_row(system, block, row, work, part.a, part.b, part.along)
+                g = residuals(system, block)
+                g[0], g[1], g[2] = difference(work, a, b)
+        elif word == PARALLEL:
+            first = square_row(system, block, row, work, a, b)
+            second = square_row(system, block, row + 1, work, a, c)
             if with_residual:
-                g[row] = value
+                g = residuals(system, block)
+                g[row], g[row + 1] = first, second
+        elif word == TRAVEL:
+            value = travel_row(system, block, row, work, a, b, c)
+            if with_residual:
+                residuals(system, block)[row] = value
         else:
-            value = square_row(system, block, row, work, part.a, part.b)
+            value = square_row(system, block, row, work, a, b)
             if with_residual:
-                g[row] = value
+                residuals(system, block)[row] = value
 
 
 @kernel(internal=True)
@@ -250,13 +260,16 @@ def fill_part_bias(parts: Records[RowPart], work: Workspace, system: RowArrays) 
     """Quadratic velocity terms."""
     for i in range(parts.shape[0]):
         part = parts[i]
-        target = targets(system, part.block)
+        target, row = targets(system, part.block), part.row
         if part.word == POINT:
             write_point_bias(system, part.block, work, part.a, part.b)
+        elif part.word == PARALLEL:
+            target[row] = -square_bias(work, part.a, part.b)
+            target[row + 1] = -square_bias(work, part.a, part.c)
         elif part.word == TRAVEL:
-            target[part.row] = -travel_bias(work, part.a, part.b, part.along)
+            target[row] = -travel_bias(work, part.a, part.b, part.c)
         else:
-            target[part.row] = -square_bias(work, part.a, part.b)
+            target[row] = -square_bias(work, part.a, part.b)
 
 
 @kernel(internal=True)
@@ -271,8 +284,11 @@ def record_reactions(
         out = reaction_outputs(row, part.column)
         if part.word == POINT:
             write_reaction(system, part.block, out)
+        elif part.word == PARALLEL:
+            add_moment(system, part.block, part.row, work, part.b, part.a, out)
+            add_moment(system, part.block, part.row + 1, work, part.c, part.a, out)
         elif part.word == TRAVEL:
-            add_force(system, part.block, part.row, work, part.along, out)
+            add_force(system, part.block, part.row, work, part.c, out)
         else:
             add_moment(system, part.block, part.row, work, part.b, part.a, out)
 

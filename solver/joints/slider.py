@@ -24,13 +24,7 @@ class Slider(Joint):
     """The point of b slides along the axis without turning, by the travel."""
 
     PLACE: ClassVar = Place.AXIS
-    ROWS: ClassVar = (
-        ("travel", "x"),
-        ("travel", "y"),
-        ("square", "z", "x"),
-        ("square", "z", "y"),
-        ("square", "x", "y"),
-    )
+    ROWS: ClassVar = (("travel", "x"), ("travel", "y"), ("parallel", "z"), ("square", "x", "y"))
     CHANNELS: ClassVar = SlidingOutputs.CHANNELS
     COORDINATE: ClassVar = "travel"
 

@@ -94,11 +94,17 @@ Rows = tuple[tuple[str, ...], ...]
 
 ROW_WORDS: Mapping[str, tuple[bool, ...]] = {
     "point": (False, False, False),
+    "parallel": (True, True),
     "travel": (False,),
     "square": (True,),
 }
 """Whether each of the rows that a word stands for is an angle."""
-ROW_DIRECTIONS: Mapping[str, tuple[str, ...]] = {"point": (), "travel": ("xyzmn",), "square": ("xyz", "xyz")}
+ROW_DIRECTIONS: Mapping[str, tuple[str, ...]] = {
+    "point": (),
+    "parallel": ("xyz",),
+    "travel": ("xyzmn",),
+    "square": ("xyz", "xyz"),
+}
 """Directions that go with a word."""
 ROW_JOINTS = "heavylift.solver.joints.row_joints"
 """Module of the kind of joints that are a list of rows."""
@@ -259,7 +265,8 @@ class Joint:
     """What a case file says of where it is."""
     ROWS: ClassVar[Rows] = ()
     """Its rows in order, if it is a list of them and needs no kernels of its own: ``("point",)``, ``p_b - p_a = 0``,
-    three rows, which come first; ``("travel", d)``, ``d_a . (p_b - p_a) = 0``; ``("square", d, e)``, ``d_a . e_b = 0``.
+    three rows, which come first; ``("parallel", d)``, the axes d of both sides are, two rows; ``("travel", d)``,
+    ``d_a . (p_b - p_a) = 0``; ``("square", d, e)``, ``d_a . e_b = 0``.
     Directions are the axes x, y, z of the joint frames, and of a travel m and n too: across that of the joint."""
     ROTATIONAL: ClassVar[tuple[bool, ...]] = ()
     """Whether each of its rows is an angle, not a length; follows from `ROWS`."""
