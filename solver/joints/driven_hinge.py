@@ -29,7 +29,7 @@ from heavylift.solver.joints.hinge import Hinge, HingeOutputs
 from heavylift.solver.joints.packing import AngleMarkers, JointPlace, angle_markers
 from heavylift.solver.joints.reactions import AngleState, add_torque, record_angle
 from heavylift.solver.joints.row_joints import (
-    RowPart,
+    RowParts,
     fill_part_bias,
     fill_part_rows,
     pack_parts,
@@ -84,7 +84,7 @@ class DrivenHinges(Arrays):
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
-    parts: Records[RowPart]
+    parts: RowParts
     table: Records[DrivenHingeEntry]
     state: Records[DrivenHingeState]
     profiles: Floats1
@@ -93,15 +93,15 @@ class DrivenHinges(Arrays):
 def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> DrivenHinges:
     """Make the kind."""
     profiles, starts, drives = pack_profiles([joint.drive for joint in joints])
-    parts, table = [], []
+    parts = pack_parts([(joint, joint.ROWS) for joint in joints], places, book)
+    table = []
     for joint, place, start in zip(joints, places, starts, strict=True):
-        parts += pack_parts(joint, joint.ROWS, place, book)
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
         driven, recorded = angle_markers(book, joint), angle_markers(book, joint, RECORD)
         table.append((place.block, place.column, z_a, driven, recorded, start))
     state = records(DrivenHingeState, len(table))
     state["drive"] = drives
-    return DrivenHinges(records(RowPart, parts), records(DrivenHingeEntry, table), state, profiles)
+    return DrivenHinges(parts, records(DrivenHingeEntry, table), state, profiles)
 
 
 @implement(fill_rows, DrivenHinges)

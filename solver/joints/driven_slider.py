@@ -34,7 +34,7 @@ from heavylift.solver.joints.packing import (
 )
 from heavylift.solver.joints.reactions import add_force, record_travel
 from heavylift.solver.joints.row_joints import (
-    RowPart,
+    RowParts,
     fill_part_bias,
     fill_part_rows,
     pack_parts,
@@ -82,7 +82,7 @@ class DrivenSliders(Arrays):
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
-    parts: Records[RowPart]
+    parts: RowParts
     table: Records[DrivenSliderEntry]
     state: Records[DriveState]
     profiles: Floats1
@@ -91,13 +91,13 @@ class DrivenSliders(Arrays):
 def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBook) -> DrivenSliders:
     """Make the kind."""
     profiles, starts, state = pack_profiles([joint.drive for joint in joints])
-    parts, table = [], []
+    parts = pack_parts([(joint, joint.ROWS) for joint in joints], places, book)
+    table = []
     for joint, place, start in zip(joints, places, starts, strict=True):
-        parts += pack_parts(joint, joint.ROWS, place, book)
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
         points, recorded = point_markers(book, joint), travel_markers(book, joint, RECORD)
         table.append((place.block, *points, place.column, z_a, recorded, start))
-    return DrivenSliders(records(RowPart, parts), records(DrivenSliderEntry, table), state, profiles)
+    return DrivenSliders(parts, records(DrivenSliderEntry, table), state, profiles)
 
 
 @implement(fill_rows, DrivenSliders)

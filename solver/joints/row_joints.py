@@ -15,13 +15,13 @@ take the kernels of this file for them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, ClassVar
+from collections.abc import Iterable, Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.arrays import Arrays
+from heavylift.numerics.arrays import Arrays, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record, Records, records
@@ -72,7 +72,7 @@ from heavylift.solver.scene.connections import (
 
 __all__ = [
     "RowJoints",
-    "RowPart",
+    "RowParts",
     "fill_part_bias",
     "fill_part_rows",
     "pack",
@@ -83,17 +83,12 @@ __all__ = [
 LARGEST_COSINE = 0.9
 """Of the angle between two axes that are square to each other, at the start: the row vanishes if they are parallel."""
 
-POINT, PARALLEL, TRAVEL, SQUARE = range(len(ROW_WORDS))
-"""Numbers of the words of rows, in their order."""
-
 
 class RowPart(Record):
     """Rows of a joint that belong to one word; those of its point are the first of its block.
 
     Attributes
     ----------
-    word
-        `POINT`, `PARALLEL`, `TRAVEL` or `SQUARE`.
     block, row
         Block of the joint, and number of the first row in it.
     a, b, c
@@ -102,13 +97,30 @@ class RowPart(Record):
         First record column of the joint.
     """
 
-    word: int
     block: int
     row: int
     a: int
     b: int
     c: int
     column: int
+
+
+class RowParts(Arrays):
+    """Rows of joints.
+
+    Attributes
+    ----------
+    points, travels, parallels, squares
+        By their words.
+    columns
+        First record column of each joint, shape (n,).
+    """
+
+    points: Records[RowPart]
+    travels: Records[RowPart]
+    parallels: Records[RowPart]
+    squares: Records[RowPart]
+    columns: Ints1
 
 
 class TurnEntry(Record):
@@ -140,7 +152,7 @@ class RowJoints(Arrays):
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
-    parts: Records[RowPart]
+    parts: RowParts
     turns: Records[TurnEntry]
     state: Records[AngleState]
     slides: Records[SlideEntry]
@@ -152,59 +164,61 @@ travel_outputs = outputs_at(TravelOutputs)
 
 def pack(joints: Sequence[Joint], places: Sequence[JointPlace], book: MarkerBook) -> RowJoints:
     """Make the kind."""
-    parts, turns, slides = [], [], []
+    parts = pack_parts([(joint, joint.ROWS) for joint in joints], places, book)
+    turns, slides = [], []
     for joint, place in zip(joints, places, strict=True):
-        parts += pack_parts(joint, joint.ROWS, place, book)
         turn, slide = place.column.at(AngleOutputs), place.column.at(TravelOutputs)
         if turn >= 0:
             turns.append((angle_markers(book, joint, RECORD), turn))
         if slide >= 0:
             slides.append((travel_markers(book, joint, RECORD), slide))
     return RowJoints(
-        records(RowPart, parts),
+        parts,
         records(TurnEntry, turns),
         records(AngleState, len(turns)),
         records(SlideEntry, slides),
     )
 
 
-def pack_parts(joint: Joint, rows: Rows, place: JointPlace, book: MarkerBook) -> list[tuple[Any, ...]]:
-    """Fields of the records `RowPart` of some rows of a joint, which are the first of its block.
+def pack_parts(
+    joints: Iterable[tuple[Joint, Rows]], places: Sequence[JointPlace], book: MarkerBook
+) -> RowParts:
+    """Rows of joints, the first of their blocks.
 
     Raises
     ------
     InputError
-        If the joint starts on another branch of its rows, or with parallel axes that are to be square.
+        If a joint starts on another branch of its rows, or with parallel axes that are to be square.
     """
-    _refuse_starts(joint, rows, place)
-    directions = dict(zip("xyz", joint.frame_a.axes.T, strict=True))
-    if any(axis in "mn" for _, *axes in rows for axis in axes):
-        across = joint.frame_a.axes @ axes_about(travel_direction(joint), source=joint.name)
-        directions |= zip("mn", across.T[:2], strict=True)
+    fields: dict[str, list[tuple[int, ...]]] = {word: [] for word in ROW_WORDS}
+    for (joint, rows), place in zip(joints, places, strict=True):
+        _refuse_starts(joint, rows, place)
+        points, first = point_markers(book, joint), 0
+        for word, *axes in rows:
+            markers = _markers(joint, word, axes, points, book)
+            fields[word].append((place.block, first, *markers, place.column))
+            first += len(ROW_WORDS[word])
+    tables = (records(RowPart, fields[word]) for word in ("point", "travel", "parallel", "square"))
+    return RowParts(*tables, np.array([place.column for place in places], dtype=np.int64))
 
-    def on_a(axis: str) -> int:
-        return book.direction(joint.body_a, directions[axis], at=joint.frame_a.point)
 
-    def on_b(axis: str) -> int:
-        at = joint.frame_b
-        return book.direction(joint.body_b, at.axes[:, "xyz".index(axis)], at=at.point)
-
-    points, first = point_markers(book, joint), 0
-    fields = []
-    for word, *axes in rows:
-        number = list(ROW_WORDS).index(word)
-        if word == "point":
-            markers = (*points, -1)
-        elif word == "travel":
-            markers = (*points, on_a(axes[0]))
-        else:
-            on_other = [
-                on_b(axis) for axis in ("xyz".replace(axes[0], "") if word == "parallel" else axes[1])
-            ]
-            markers = (on_a(axes[0]), *on_other, *[-1] * (2 - len(on_other)))
-        fields.append((number, place.block, first, *markers, place.column))
-        first += len(ROW_WORDS[word])
-    return fields
+def _markers(
+    joint: Joint, word: str, axes: Sequence[str], points: tuple[int, int], book: MarkerBook
+) -> tuple[int, int, int]:
+    """Those of a word of rows, -1 for one that it does not have."""
+    if word == "point":
+        return (*points, -1)
+    a, b = joint.frame_a, joint.frame_b
+    direction = a.axes[:, "xyz".find(axes[0])]
+    if axes[0] in "mn":
+        across = a.axes @ axes_about(travel_direction(joint), source=joint.name)
+        direction = across[:, "mn".index(axes[0])]
+    on_a = book.direction(joint.body_a, direction, at=a.point)
+    if word == "travel":
+        return (*points, on_a)
+    others = axes[1] if word == "square" else "xyz".replace(axes[0], "")
+    on_b = [book.direction(joint.body_b, b.axes[:, "xyz".index(axis)], at=b.point) for axis in others]
+    return on_a, on_b[0], on_b[1] if len(on_b) > 1 else -1
 
 
 def _refuse_starts(joint: Joint, rows: Rows, place: JointPlace) -> None:
@@ -228,69 +242,75 @@ def _refuse_starts(joint: Joint, rows: Rows, place: JointPlace) -> None:
 
 
 @kernel(internal=True)
-def fill_part_rows(parts: Records[RowPart], with_residual: bool, work: Workspace, system: RowArrays) -> None:
+def fill_part_rows(parts: RowParts, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows from the markers."""
-    for i in range(parts.shape[0]):
-        part = parts[i]
-        word, block, row, a, b, c = part.word, part.block, part.row, part.a, part.b, part.c
-        if word == POINT:
-            put_point_rows(system, 2 * block, 0, work, a, -1.0)
-            put_point_rows(system, 2 * block + 1, 0, work, b, 1.0)
-            if with_residual:
-                g = residuals(system, block)
-                g[0], g[1], g[2] = difference(work, a, b)
-        elif word == PARALLEL:
-            first = square_row(system, block, row, work, a, b)
-            second = square_row(system, block, row + 1, work, a, c)
-            if with_residual:
-                g = residuals(system, block)
-                g[row], g[row + 1] = first, second
-        elif word == TRAVEL:
-            value = travel_row(system, block, row, work, a, b, c)
-            if with_residual:
-                residuals(system, block)[row] = value
-        else:
-            value = square_row(system, block, row, work, a, b)
-            if with_residual:
-                residuals(system, block)[row] = value
+    for i in range(parts.points.shape[0]):
+        part = parts.points[i]
+        block, a, b = part.block, part.a, part.b
+        put_point_rows(system, 2 * block, 0, work, a, -1.0)
+        put_point_rows(system, 2 * block + 1, 0, work, b, 1.0)
+        if with_residual:
+            g = residuals(system, block)
+            g[0], g[1], g[2] = difference(work, a, b)
+    for i in range(parts.travels.shape[0]):
+        part = parts.travels[i]
+        value = travel_row(system, part.block, part.row, work, part.a, part.b, part.c)
+        if with_residual:
+            residuals(system, part.block)[part.row] = value
+    for i in range(parts.parallels.shape[0]):
+        part = parts.parallels[i]
+        block, row, a, b, c = part.block, part.row, part.a, part.b, part.c
+        first = square_row(system, block, row, work, a, b)
+        second = square_row(system, block, row + 1, work, a, c)
+        if with_residual:
+            g = residuals(system, block)
+            g[row], g[row + 1] = first, second
+    for i in range(parts.squares.shape[0]):
+        part = parts.squares[i]
+        value = square_row(system, part.block, part.row, work, part.a, part.b)
+        if with_residual:
+            residuals(system, part.block)[part.row] = value
 
 
 @kernel(internal=True)
-def fill_part_bias(parts: Records[RowPart], work: Workspace, system: RowArrays) -> None:
+def fill_part_bias(parts: RowParts, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
-    for i in range(parts.shape[0]):
-        part = parts[i]
+    for i in range(parts.points.shape[0]):
+        part = parts.points[i]
+        write_point_bias(system, part.block, work, part.a, part.b)
+    for i in range(parts.travels.shape[0]):
+        part = parts.travels[i]
+        targets(system, part.block)[part.row] = -travel_bias(work, part.a, part.b, part.c)
+    for i in range(parts.parallels.shape[0]):
+        part = parts.parallels[i]
         target, row = targets(system, part.block), part.row
-        if part.word == POINT:
-            write_point_bias(system, part.block, work, part.a, part.b)
-        elif part.word == PARALLEL:
-            target[row] = -square_bias(work, part.a, part.b)
-            target[row + 1] = -square_bias(work, part.a, part.c)
-        elif part.word == TRAVEL:
-            target[row] = -travel_bias(work, part.a, part.b, part.c)
-        else:
-            target[row] = -square_bias(work, part.a, part.b)
+        target[row] = -square_bias(work, part.a, part.b)
+        target[row + 1] = -square_bias(work, part.a, part.c)
+    for i in range(parts.squares.shape[0]):
+        part = parts.squares[i]
+        targets(system, part.block)[part.row] = -square_bias(work, part.a, part.b)
 
 
 @kernel(internal=True)
-def record_reactions(
-    parts: Records[RowPart], work: Workspace, system: RowArrays, row: NDArray[np.float64]
-) -> None:
+def record_reactions(parts: RowParts, work: Workspace, system: RowArrays, row: NDArray[np.float64]) -> None:
     """Force and moment of the rows on b."""
-    for i in range(parts.shape[0]):
-        clear_reaction(reaction_outputs(row, parts[i].column))
-    for i in range(parts.shape[0]):
-        part = parts[i]
+    for i in range(parts.columns.shape[0]):
+        clear_reaction(reaction_outputs(row, parts.columns[i]))
+    for i in range(parts.points.shape[0]):
+        part = parts.points[i]
+        write_reaction(system, part.block, reaction_outputs(row, part.column))
+    for i in range(parts.travels.shape[0]):
+        part = parts.travels[i]
+        add_force(system, part.block, part.row, work, part.c, reaction_outputs(row, part.column))
+    for i in range(parts.parallels.shape[0]):
+        part = parts.parallels[i]
         out = reaction_outputs(row, part.column)
-        if part.word == POINT:
-            write_reaction(system, part.block, out)
-        elif part.word == PARALLEL:
-            add_moment(system, part.block, part.row, work, part.b, part.a, out)
-            add_moment(system, part.block, part.row + 1, work, part.c, part.a, out)
-        elif part.word == TRAVEL:
-            add_force(system, part.block, part.row, work, part.c, out)
-        else:
-            add_moment(system, part.block, part.row, work, part.b, part.a, out)
+        add_moment(system, part.block, part.row, work, part.b, part.a, out)
+        add_moment(system, part.block, part.row + 1, work, part.c, part.a, out)
+    for i in range(parts.squares.shape[0]):
+        part = parts.squares[i]
+        out = reaction_outputs(row, part.column)
+        add_moment(system, part.block, part.row, work, part.b, part.a, out)
 
 
 @implement(fill_rows, RowJoints)

@@ -37,7 +37,7 @@ from heavylift.solver.joints.packing import (
 )
 from heavylift.solver.joints.reactions import add_force, reactions, record_travel
 from heavylift.solver.joints.row_joints import (
-    RowPart,
+    RowParts,
     fill_part_bias,
     fill_part_rows,
     pack_parts,
@@ -109,7 +109,7 @@ class ScrewEntry(JointEntry):
 class Screws(Arrays):
     """All screws of a scene: rows of the cylindrical joints, and what each keeps."""
 
-    parts: Records[RowPart]
+    parts: RowParts
     table: Records[ScrewEntry]
 
 
@@ -138,16 +138,16 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
                 key=key,
                 expected="none: a screw is rigid; a soft body or joint beside it",
             )
-    parts, table = [], []
+    parts = pack_parts([(joint, Cylindrical.ROWS) for joint in joints], places, book)
+    table = []
     for joint, place in zip(joints, places, strict=True):
-        parts += pack_parts(joint, Cylindrical.ROWS, place, book)
         pitch = joint.lead / (2.0 * math.pi)
         _refuse_other_turns(joint, place, pitch)
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
         recorded = angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD)
         markers = (z_a, angle_markers(book, joint), *recorded)
         table.append((place.block, *point_markers(book, joint), place.column, *markers, pitch))
-    return Screws(records(RowPart, parts), records(ScrewEntry, table))
+    return Screws(parts, records(ScrewEntry, table))
 
 
 def _refuse_other_turns(joint: Screw, place: JointPlace, pitch: float) -> None:
