@@ -198,8 +198,13 @@ def pack_parts(
             markers = _markers(joint, word, axes, points, book)
             fields[word].append((place.block, first, *markers, place.column))
             first += len(ROW_WORDS[word])
-    tables = (records(RowPart, fields[word]) for word in ("point", "travel", "parallel", "square"))
-    return RowParts(*tables, np.array([place.column for place in places], dtype=np.int64))
+    return RowParts(
+        points=records(RowPart, fields["point"]),
+        travels=records(RowPart, fields["travel"]),
+        parallels=records(RowPart, fields["parallel"]),
+        squares=records(RowPart, fields["square"]),
+        columns=np.array([place.column for place in places], dtype=np.int64),
+    )
 
 
 def _markers(
