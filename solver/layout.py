@@ -218,7 +218,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.scenario.packing import pack_scenario
 
         copied = np.zeros(0) if scene.touches else carried
-        director = pack_scenario(scene, kinds, channels, phases, width, copied, profiles)
+        director = pack_scenario(scene, kinds, made.block_names, channels, phases, width, copied, profiles)
         forces.append(director)
         groups |= {SCENARIO}
     controllers = None

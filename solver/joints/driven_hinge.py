@@ -14,30 +14,31 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
+    RECORD,
     Workspace,
     fill_bias,
     fill_rows,
     record_joints,
     set_targets,
 )
-from heavylift.solver.joints import hinge
 from heavylift.solver.joints.driving import DriveState, aim, drive_work, pack_profiles
-from heavylift.solver.joints.hinge import (
-    Hinge,
-    HingeEntry,
-    fill_hinge_bias,
-    fill_hinge_rows,
-    hinge_outputs,
-    record_hinges,
+from heavylift.solver.joints.hinge import Hinge, HingeOutputs
+from heavylift.solver.joints.packing import AngleMarkers, JointPlace, angle_markers
+from heavylift.solver.joints.reactions import AngleState, add_torque, record_angle
+from heavylift.solver.joints.row_joints import (
+    RowParts,
+    fill_part_bias,
+    fill_part_rows,
+    pack_parts,
+    record_reactions,
 )
-from heavylift.solver.joints.packing import JointPlace
-from heavylift.solver.joints.reactions import AngleState, add_torque
 from heavylift.solver.joints.row_writing import angle_bias, angle_row, near_angle, residuals, targets
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
 
 __all__ = ["DrivenHinges", "pack"]
@@ -46,10 +47,17 @@ __all__ = ["DrivenHinges", "pack"]
 ROW = 5
 
 
-class DrivenHingeEntry(HingeEntry):
-    """A hinge, with its direction marker x of a and the start of its profile."""
+hinge_outputs = outputs_at(HingeOutputs)
 
-    x_a: int
+
+class DrivenHingeEntry(Record):
+    """A hinge: block, first record column, direction marker z of a, markers of angle, start of its profile."""
+
+    block: int
+    column: int
+    z_a: int
+    driven: AngleMarkers
+    recorded: AngleMarkers
     profile: int
 
 
@@ -64,6 +72,8 @@ class DrivenHinges(Arrays):
 
     Attributes
     ----------
+    parts
+        Rows of the hinges.
     table
         What each keeps.
     state
@@ -74,6 +84,7 @@ class DrivenHinges(Arrays):
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
+    parts: RowParts
     table: Records[DrivenHingeEntry]
     state: Records[DrivenHingeState]
     profiles: Floats1
@@ -81,14 +92,16 @@ class DrivenHinges(Arrays):
 
 def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook) -> DrivenHinges:
     """Make the kind."""
-    rows = hinge.pack_entries(joints, places, book)
-    x_a = [book.direction(joint.body_a, joint.frame_a.axes[:, 0], at=joint.frame_a.point) for joint in joints]
     profiles, starts, drives = pack_profiles([joint.drive for joint in joints])
-    entries = ((*row, x, start) for row, x, start in zip(rows, x_a, starts, strict=True))
-    table = records(DrivenHingeEntry, entries)
-    state = records(DrivenHingeState, len(rows))
+    parts = pack_parts([(joint, joint.ROWS) for joint in joints], places, book)
+    table = []
+    for joint, place, start in zip(joints, places, starts, strict=True):
+        z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
+        driven, recorded = angle_markers(book, joint), angle_markers(book, joint, RECORD)
+        table.append((place.block, place.column, z_a, driven, recorded, start))
+    state = records(DrivenHingeState, len(table))
     state["drive"] = drives
-    return DrivenHinges(table, state, profiles)
+    return DrivenHinges(parts, records(DrivenHingeEntry, table), state, profiles)
 
 
 @implement(fill_rows, DrivenHinges)
@@ -97,10 +110,11 @@ def fill_driven_hinge_rows(
     kind: DrivenHinges, with_residual: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Rows of the hinge and of its angle."""
-    fill_hinge_rows(kind, with_residual, work, system)
+    fill_part_rows(kind.parts, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        angle = angle_row(system, entry.block, ROW, work, entry.x_a, entry.x_b, entry.y_b)
+        seen = entry.driven
+        angle = angle_row(system, entry.block, ROW, work, seen.x_a, seen.x_b, seen.y_b)
         if with_residual:
             off = angle - kind.state[j].drive.prescribed
             residuals(system, entry.block)[ROW] = near_angle(off, 0.0)
@@ -121,10 +135,10 @@ def aim_driven_hinges(
 @kernel(internal=True)
 def fill_driven_hinge_bias(kind: DrivenHinges, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms and the prescribed acceleration."""
-    fill_hinge_bias(kind, time, work, system)
+    fill_part_bias(kind.parts, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        gamma = angle_bias(work, entry.x_a, entry.x_b, entry.y_b)
+        gamma = angle_bias(work, entry.driven.x_a, entry.driven.x_b, entry.driven.y_b)
         targets(system, entry.block)[ROW] = profile_value(kind.profiles, entry.profile, time)[2] - gamma
 
 
@@ -134,10 +148,11 @@ def record_driven_hinges(
     kind: DrivenHinges, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """As a hinge, with the torque and the work of the drive."""
-    record_hinges(kind, time, work, system, row)
+    record_reactions(kind.parts, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         block, out = entry.block, hinge_outputs(row, entry.column)
+        record_angle(work, entry.recorded, kind.state[j], time, out.turn)
         add_torque(system, block, ROW, work, entry.z_a, out.reaction)
         prescribed = profile_value(kind.profiles, entry.profile, time)[0]
         out.turn.angle = near_angle(out.turn.angle, prescribed)

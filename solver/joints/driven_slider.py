@@ -17,28 +17,36 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Records, records
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
+    RECORD,
     Workspace,
     fill_bias,
     fill_rows,
     record_joints,
     set_targets,
 )
-from heavylift.solver.joints import slider
 from heavylift.solver.joints.driving import DriveState, aim, drive_work, pack_profiles
-from heavylift.solver.joints.packing import JointPlace
-from heavylift.solver.joints.reactions import add_force
-from heavylift.solver.joints.row_writing import residuals, targets, travel_bias, travel_row
-from heavylift.solver.joints.slider import (
-    Slider,
-    SliderEntry,
-    fill_slider_bias,
-    fill_slider_rows,
-    record_sliders,
-    slider_outputs,
+from heavylift.solver.joints.packing import (
+    JointEntry,
+    JointPlace,
+    TravelMarkers,
+    point_markers,
+    travel_markers,
 )
+from heavylift.solver.joints.reactions import add_force, record_travel
+from heavylift.solver.joints.row_joints import (
+    RowParts,
+    fill_part_bias,
+    fill_part_rows,
+    pack_parts,
+    record_reactions,
+)
+from heavylift.solver.joints.row_writing import residuals, targets, travel_bias, travel_row
+from heavylift.solver.joints.slider import Slider
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.sliding_joints import SlidingOutputs
 
 __all__ = ["DrivenSliders", "pack"]
 
@@ -46,9 +54,14 @@ __all__ = ["DrivenSliders", "pack"]
 ROW = 5
 
 
-class DrivenSliderEntry(SliderEntry):
-    """A slider, with the start of its profile."""
+slider_outputs = outputs_at(SlidingOutputs)
 
+
+class DrivenSliderEntry(JointEntry):
+    """A slider, with its direction marker z of a, markers of the recorded travel, start of its profile."""
+
+    z_a: int
+    travel: TravelMarkers
     profile: int
 
 
@@ -57,6 +70,8 @@ class DrivenSliders(Arrays):
 
     Attributes
     ----------
+    parts
+        Rows of the sliders.
     table
         What each keeps.
     state
@@ -67,6 +82,7 @@ class DrivenSliders(Arrays):
 
     carried_fields: ClassVar[tuple[str, ...]] = ("state",)
 
+    parts: RowParts
     table: Records[DrivenSliderEntry]
     state: Records[DriveState]
     profiles: Floats1
@@ -74,10 +90,14 @@ class DrivenSliders(Arrays):
 
 def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBook) -> DrivenSliders:
     """Make the kind."""
-    rows = slider.pack_entries(joints, places, book)
     profiles, starts, state = pack_profiles([joint.drive for joint in joints])
-    table = records(DrivenSliderEntry, ((*row, start) for row, start in zip(rows, starts, strict=True)))
-    return DrivenSliders(table, state, profiles)
+    parts = pack_parts([(joint, joint.ROWS) for joint in joints], places, book)
+    table = []
+    for joint, place, start in zip(joints, places, starts, strict=True):
+        z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
+        points, recorded = point_markers(book, joint), travel_markers(book, joint, RECORD)
+        table.append((place.block, *points, place.column, z_a, recorded, start))
+    return DrivenSliders(parts, records(DrivenSliderEntry, table), state, profiles)
 
 
 @implement(fill_rows, DrivenSliders)
@@ -86,7 +106,7 @@ def fill_driven_slider_rows(
     kind: DrivenSliders, with_residual: bool, work: Workspace, system: RowArrays
 ) -> None:
     """Rows of the slider and of its travel."""
-    fill_slider_rows(kind, with_residual, work, system)
+    fill_part_rows(kind.parts, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         block = entry.block
@@ -110,7 +130,7 @@ def aim_driven_sliders(
 @kernel(internal=True)
 def fill_driven_slider_bias(kind: DrivenSliders, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms and the prescribed acceleration."""
-    fill_slider_bias(kind, time, work, system)
+    fill_part_bias(kind.parts, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         gamma = travel_bias(work, entry.point_a, entry.point_b, entry.z_a)
@@ -123,9 +143,10 @@ def record_driven_sliders(
     kind: DrivenSliders, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """As a slider, with the force and the work of the drive."""
-    record_sliders(kind, time, work, system, row)
+    record_reactions(kind.parts, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         out = slider_outputs(row, entry.column)
+        record_travel(work, entry.travel, out.slide)
         add_force(system, entry.block, ROW, work, entry.z_a, out.reaction)
         work.sums.drive_work += drive_work(system, entry.block, ROW, kind.state[j])

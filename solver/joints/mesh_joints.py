@@ -20,6 +20,7 @@ from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.mesh_rows import FrameWeld, Square, SquareJoint
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.connections import AlongJoint, EdgeJoint, Joint
 from heavylift.solver.scene.meshes import FrameBody, MeshBody
 from heavylift.solver.scene.scene import AnyBody, Scene
@@ -70,7 +71,9 @@ def _check(part: Joint, joint: Joint, bodies: Mapping[str, AnyBody]) -> None:
     from heavylift.solver.joints.registry import joint_module
 
     book = MarkerBook()
-    place = JointPlace(0, 0, start_frames(part, list(bodies.values())))
+    place = JointPlace(
+        0, ChannelBook().add(part.name, part.CHANNELS), start_frames(part, list(bodies.values()))
+    )
     joint_module(part).pack([part], [place], book)
     for name in (part.body_a, part.body_b):
         body = bodies.get(name)
@@ -109,7 +112,9 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
             (bodies.get(joint.body_b), joint.frame_b),
         )
     ]
-    place = JointPlace(0, 0, start_frames(joint, list(bodies.values())))
+    place = JointPlace(
+        0, ChannelBook().add(joint.name, joint.CHANNELS), start_frames(joint, list(bodies.values()))
+    )
     common = {
         key: getattr(joint, key)
         for key in ("name", "body_a", "body_b", "frame_a", "frame_b", "compliance", "relaxation")

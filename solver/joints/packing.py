@@ -16,6 +16,7 @@ from heavylift.solver.interface import ROWS
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.bodies import Driven
 from heavylift.solver.scene.connections import GROUND, Joint, JointFrame
+from heavylift.solver.scene.outputs import Columns
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.scene import AnyBody
@@ -43,13 +44,13 @@ class JointPlace:
     block
         Number of its block of rows.
     column
-        First record column.
+        Where its outputs are in a record.
     frames
         Joint frames of a and b in the world at the start.
     """
 
     block: int
-    column: int
+    column: Columns
     frames: tuple[JointFrame, JointFrame]
 
 

@@ -12,15 +12,16 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import MOVES, TURNS, Attachment, RowSystem, pack_rows
-from heavylift.solver.scene.connections import GROUND, JOINTS
+from heavylift.solver.scene.connections import GROUND, JOINTS, ROW_JOINTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from heavylift.solver.scene.connections import Joint
+    from heavylift.solver.scene.outputs import Columns
     from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["joint_module", "largest_opening", "pack_joints"]
+__all__ = ["block_order", "joint_module", "largest_opening", "pack_joints"]
 
 OPEN = 3.0
 """Distance of the points of a joint, in radii of gyration of the larger body, at which a run has failed."""
@@ -45,9 +46,14 @@ def joint_module(joint: Joint) -> Any:
     return module
 
 
+def block_order(joint: Joint) -> str:
+    """Blocks of joints are in the order of this: the file that describes them, or that of the kind with a drive."""
+    return type(joint).__module__ if joint.kind_module == ROW_JOINTS else joint.kind_module
+
+
 def pack_joints(
     joints: Sequence[Joint],
-    columns: Sequence[int],
+    columns: Sequence[Columns],
     book: MarkerBook,
     attachment: Callable[[str], Attachment],
     scales: Callable[[str], tuple[float, float]],
@@ -58,7 +64,7 @@ def pack_joints(
     Parameters
     ----------
     joints, columns
-        Joints and the first record column of each.
+        Joints, and where the outputs of each are in a record.
     book
         Receives the markers.
     attachment
@@ -73,20 +79,15 @@ def pack_joints(
     InputError
         If a joint names a body that is not there, holds nothing that can move, or starts on the wrong branch.
     """
-    groups: dict[Any, list[tuple[Joint, int]]] = {}
-    for joint, column in zip(joints, columns, strict=True):
-        groups.setdefault(joint_module(joint), []).append((joint, column))
-    kinds: list[Any] = []
+    groups: dict[Any, tuple[list[Joint], list[JointPlace]]] = {}
     ordered: list[tuple[Joint, tuple[bool, ...]]] = []
     # in an order of their own, whatever that of the scene
-    for module in sorted(groups, key=lambda module: module.__name__):
-        members = groups[module]
-        places = [
-            JointPlace(len(ordered) + i, column, start_frames(joint, bodies))
-            for i, (joint, column) in enumerate(members)
-        ]
-        ordered += [(joint, joint.rotational) for joint, _ in members]
-        kinds.append(module.pack([joint for joint, _ in members], places, book))
+    for joint, column in sorted(zip(joints, columns, strict=True), key=lambda pair: block_order(pair[0])):
+        members, places = groups.setdefault(joint_module(joint), ([], []))
+        members.append(joint)
+        places.append(JointPlace(len(ordered), column, start_frames(joint, bodies)))
+        ordered.append((joint, joint.rotational))
+    kinds = [module.pack(*group, book) for module, group in groups.items()]
 
     def system(inverse_mass: Any, monitor: int) -> RowSystem:
         sides = [(attachment(joint.body_a), attachment(joint.body_b)) for joint, _ in ordered]

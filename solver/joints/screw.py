@@ -25,10 +25,24 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Records, records
-from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints import slider_hinge
-from heavylift.solver.joints.packing import JointPlace
-from heavylift.solver.joints.reactions import add_force, clear_reaction, reactions, record_travel
+from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
+from heavylift.solver.joints.packing import (
+    AngleMarkers,
+    JointEntry,
+    JointPlace,
+    TravelMarkers,
+    angle_markers,
+    point_markers,
+    travel_markers,
+)
+from heavylift.solver.joints.reactions import add_force, reactions, record_travel
+from heavylift.solver.joints.row_joints import (
+    RowParts,
+    fill_part_bias,
+    fill_part_rows,
+    pack_parts,
+    record_reactions,
+)
 from heavylift.solver.joints.row_writing import (
     add_direction_row,
     angle_bias,
@@ -43,12 +57,7 @@ from heavylift.solver.joints.row_writing import (
     travel_bias,
     vector,
 )
-from heavylift.solver.joints.slider_hinge import (
-    SliderHingeEntry,
-    add_slider_hinge_reaction,
-    fill_slider_hinge_bias,
-    fill_slider_hinge_rows,
-)
+from heavylift.solver.joints.slider_hinge import Cylindrical
 from heavylift.solver.kinds import implement
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at
@@ -87,16 +96,20 @@ class Screw(Joint):
 screw_outputs = outputs_at(ScrewOutputs)
 
 
-class ScrewEntry(SliderHingeEntry):
-    """A cylindrical joint, with its direction marker x of a and the travel a radian [m]."""
+class ScrewEntry(JointEntry):
+    """Direction marker z of a, markers of angle and travel, the travel a radian [m]."""
 
-    x_a: int
+    z_a: int
+    turn: AngleMarkers
+    angle: AngleMarkers
+    travel: TravelMarkers
     pitch: float
 
 
 class Screws(Arrays):
-    """All screws of a scene."""
+    """All screws of a scene: rows of the cylindrical joints, and what each keeps."""
 
+    parts: RowParts
     table: Records[ScrewEntry]
 
 
@@ -125,13 +138,16 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
                 key=key,
                 expected="none: a screw is rigid; a soft body or joint beside it",
             )
-    rows = slider_hinge.pack_entries(joints, places, book)
-    for i, (joint, place) in enumerate(zip(joints, places, strict=True)):
+    parts = pack_parts([(joint, Cylindrical.ROWS) for joint in joints], places, book)
+    table = []
+    for joint, place in zip(joints, places, strict=True):
         pitch = joint.lead / (2.0 * math.pi)
         _refuse_other_turns(joint, place, pitch)
-        x_a = book.direction(joint.body_a, joint.frame_a.axes[:, 0], at=joint.frame_a.point)
-        rows[i] += (x_a, pitch)
-    return Screws(records(ScrewEntry, rows))
+        z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
+        recorded = angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD)
+        markers = (z_a, angle_markers(book, joint), *recorded)
+        table.append((place.block, *point_markers(book, joint), place.column, *markers, pitch))
+    return Screws(parts, records(ScrewEntry, table))
 
 
 def _refuse_other_turns(joint: Screw, place: JointPlace, pitch: float) -> None:
@@ -159,11 +175,12 @@ def _scale_row(system: RowArrays, attachment: int, row: int, factor: float) -> N
 @kernel(internal=True)
 def fill_screw_rows(kind: Screws, with_residual: bool, work: Workspace, system: RowArrays) -> None:
     """Rows of a cylindrical joint and of the thread."""
-    fill_slider_hinge_rows(kind, with_residual, work, system)
+    fill_part_rows(kind.parts, with_residual, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         block, point_a, point_b = entry.block, entry.point_a, entry.point_b
-        angle = angle_row(system, block, THREAD, work, entry.x_a, entry.x_b, entry.y_b)
+        turn = entry.turn
+        angle = angle_row(system, block, THREAD, work, turn.x_a, turn.x_b, turn.y_b)
         _scale_row(system, 2 * block, THREAD, -entry.pitch)
         _scale_row(system, 2 * block + 1, THREAD, -entry.pitch)
         e, r = vector(work, entry.z_a), difference(work, point_a, point_b)
@@ -180,10 +197,10 @@ def fill_screw_rows(kind: Screws, with_residual: bool, work: Workspace, system: 
 @kernel(internal=True)
 def fill_screw_bias(kind: Screws, time: float, work: Workspace, system: RowArrays) -> None:
     """Quadratic velocity terms."""
-    fill_slider_hinge_bias(kind, time, work, system)
+    fill_part_bias(kind.parts, work, system)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
-        turning = angle_bias(work, entry.x_a, entry.x_b, entry.y_b)
+        turning = angle_bias(work, entry.turn.x_a, entry.turn.x_b, entry.turn.y_b)
         along = travel_bias(work, entry.point_a, entry.point_b, entry.z_a)
         targets(system, entry.block)[THREAD] = entry.pitch * turning - along
 
@@ -194,11 +211,10 @@ def record_screws(
     kind: Screws, time: float, work: Workspace, system: RowArrays, row: NDArray[np.float64]
 ) -> None:
     """Reaction on b, angle, travel, force of the thread."""
+    record_reactions(kind.parts, work, system, row)
     for j in range(kind.table.shape[0]):
         entry = kind.table[j]
         out = screw_outputs(row, entry.column)
-        clear_reaction(out.reaction)
-        add_slider_hinge_reaction(system, entry, work, out.reaction)
         add_force(system, entry.block, THREAD, work, entry.z_a, out.reaction)
         force, e = reactions(system, entry.block)[THREAD], vector(work, entry.z_a)
         for k in range(3):

@@ -401,6 +401,7 @@ def share_profiles(
 def pack_scenario(
     scene: Any,
     kinds: tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]],
+    block_names: Sequence[str],
     channels: Sequence[Channel],
     columns: Columns,
     width: int,
@@ -415,6 +416,8 @@ def pack_scenario(
         With a scenario.
     kinds
         Of bodies and joints, in which `reserve_tables` has made room, and systems.
+    block_names
+        Of the blocks of the rows of joints, in their order.
     channels
         Of the whole record.
     columns, width
@@ -467,7 +470,8 @@ def pack_scenario(
             states[movers.numbers[name]].leader = movers.numbers[leader]
             states[movers.numbers[name]].ratio = ratios[name]
     weight = _Weights(scene)
-    blocks = _joint_blocks(kinds[1], first_columns, scenario)
+    released = [action.joint for action in scenario.actions if isinstance(action, ReleaseJoint)]
+    blocks = {name: block_names.index(name) for name in released}
     rolling = next((kind for kind in kinds[1] if isinstance(kind, Transporters)), None)
     helpers = {("pump", pump.name): i for i, pump in enumerate(() if scene.sea is None else scene.sea.pumps)}
     helpers |= {("levelling", one.name): i for i, one in enumerate(scene.transporters)}
@@ -573,20 +577,6 @@ def _profile_start(
                     place = DRIVE_HEAD - len(AXES) + AXES.index(axis)
                     return int(base + entry.drive + array[int(entry.drive) + place])
     raise AssertionError(name)
-
-
-def _joint_blocks(joints: Sequence[Any], columns: Mapping[str, int], scenario: Scenario) -> dict[str, int]:
-    """Blocks of the joints that are released, by name."""
-    names = {
-        columns[action.joint]: action.joint for action in scenario.actions if isinstance(action, ReleaseJoint)
-    }
-    return {
-        names[int(entry.column)]: int(entry.block)
-        for kind in joints
-        if names and "table" in kind._fields and "block" in kind.table.dtype.names
-        for entry in kind.table
-        if int(entry.column) in names
-    }
 
 
 class _Weights:

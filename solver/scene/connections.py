@@ -53,6 +53,8 @@ __all__ = [
     "JOINTS",
     "MEASURES",
     "ROPES",
+    "ROW_JOINTS",
+    "ROW_WORDS",
     "AlongJoint",
     "AngleOutputs",
     "Between",
@@ -68,6 +70,7 @@ __all__ = [
     "RopeOutputs",
     "RopeParts",
     "RopePoint",
+    "Rows",
     "SheaveParts",
     "ThrustOutputs",
     "TorqueOutputs",
@@ -94,6 +97,27 @@ class Place(Enum):
     """Two points."""
     EDGE = "edge"
     """Edges of shells."""
+
+
+Rows = tuple[tuple[str, ...], ...]
+"""Words of rows, each with its directions, see `Joint.ROWS`."""
+
+ROW_WORDS: Mapping[str, tuple[bool, ...]] = {
+    "point": (False, False, False),
+    "parallel": (True, True),
+    "travel": (False,),
+    "square": (True,),
+}
+"""Whether each of the rows that a word stands for is an angle."""
+ROW_DIRECTIONS: Mapping[str, tuple[str, ...]] = {
+    "point": (),
+    "parallel": ("xyz",),
+    "travel": ("xyzmn",),
+    "square": ("xyz", "xyz"),
+}
+"""Directions that go with a word."""
+ROW_JOINTS = "heavylift.solver.joints.row_joints"
+"""Module of the kind of joints that are a list of rows."""
 
 
 @outputs
@@ -271,8 +295,13 @@ class Joint:
     """Its type in a case file."""
     PLACE: ClassVar[Place] = Place.POINT
     """What a case file says of where it is."""
+    ROWS: ClassVar[Rows] = ()
+    """Its rows in order, if it is a list of them and needs no kernels of its own: ``("point",)``, ``p_b - p_a = 0``,
+    three rows, which come first; ``("parallel", d)``, the axes d of both sides are, two rows; ``("travel", d)``,
+    ``d_a . (p_b - p_a) = 0``; ``("square", d, e)``, ``d_a . e_b = 0``.
+    Directions are the axes x, y, z of the joint frames, and of a travel m and n too: across that of the joint."""
     ROTATIONAL: ClassVar[tuple[bool, ...]] = ()
-    """Whether each of its rows is an angle, not a length."""
+    """Whether each of its rows is an angle, not a length; follows from `ROWS`."""
     CHANNELS: ClassVar[tuple[ChannelKind, ...]] = ReactionOutputs.CHANNELS
     """What it records, in the order of its columns."""
     COORDINATE: ClassVar[Literal["", "angle", "travel"]] = ""
@@ -286,10 +315,30 @@ class Joint:
     compliance: float = 0.0
     relaxation: float = 0.0
 
+    def __init_subclass__(cls) -> None:
+        """Complete a description.
+
+        Raises
+        ------
+        TypeError
+            If there is no such row.
+        """
+        super().__init_subclass__()
+        if "ROWS" not in vars(cls):
+            return
+        for place, (word, *axes) in enumerate(cls.ROWS):
+            known = ROW_DIRECTIONS.get(word)
+            fits = known is not None and len(axes) == len(known)
+            if not fits or not all(a in of for a, of in zip(axes, known or (), strict=True)):
+                raise TypeError(f"{cls.__qualname__}: no row is {' '.join((word, *axes))!r}")
+            if word == "point" and place > 0:
+                raise TypeError(f"{cls.__qualname__}: the rows of the point come first")
+        cls.ROTATIONAL = tuple(turns for word, *_ in cls.ROWS for turns in ROW_WORDS[word])
+
     @property
     def kind_module(self) -> str:
         """Module with the function `pack` that makes the kind of such joints."""
-        return type(self).__module__
+        return ROW_JOINTS if self.ROWS else type(self).__module__
 
     @property
     def rotational(self) -> tuple[bool, ...]:

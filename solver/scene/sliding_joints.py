@@ -42,7 +42,7 @@ class SlidesAndTurns(Joint):
     """What joints have whose b turns about one axis of a and slides along one."""
 
     PLACE: ClassVar = Place.AXIS
-    ROTATIONAL: ClassVar = (False, False, True, True)
+    ROWS: ClassVar = (("travel", "m"), ("travel", "n"), ("parallel", "z"))
     CHANNELS: ClassVar = SlidesAndTurnsOutputs.CHANNELS
 
     angle_limits: Annotated[Limits | None, Quantity("angle")] = None

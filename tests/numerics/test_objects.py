@@ -21,7 +21,7 @@ from heavylift.numerics.objects import Unit, build_unit, entry, load_unit
 from heavylift.solver import compiling
 from heavylift.solver.forces.gravity import UniformGravity
 from heavylift.solver.forces.point import PointForces
-from heavylift.solver.joints.ball import BallJoints
+from heavylift.solver.joints.row_joints import RowJoints
 
 compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs compiled kernels")
 
@@ -223,7 +223,7 @@ def test_processes_compile_and_a_dead_one_leaves_its_work_to_us(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("HEAVYLIFT_CACHE_DIR", str(tmp_path))
-    kinds: tuple[Any, ...] = (UniformGravity, BallJoints, PointForces)
+    kinds: tuple[Any, ...] = (UniformGravity, RowJoints, PointForces)
     units = [compiling.unit_of(kind.__module__, kind.__name__, "step") for kind in kinds]
     files = {f"{unit.name}-" for unit in units}
     for program in (sys.executable, "/bin/false"):

@@ -123,7 +123,7 @@ COMMANDS = {
     "rao": (".",),
     "ballast": (".",),
     "doctor": (),
-    "compile": ("BallJoints", "PointForces", "UniformGravity", "--force"),
+    "compile": ("RowJoints", "PointForces", "UniformGravity", "--force"),
 }
 """Tokens of every command; `view` has a test of its own."""
 

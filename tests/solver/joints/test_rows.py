@@ -19,7 +19,7 @@ from heavylift.solver.interface import (
     record_joints,
     set_targets,
 )
-from heavylift.solver.joints.registry import joint_module
+from heavylift.solver.joints.registry import block_order
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.connections import JointFrame
 from heavylift.solver.scene.scene import RigidBody, Scene
@@ -158,7 +158,7 @@ def model() -> Model:
     layout = pack_scene(Scene(bodies, joints=tuple(joints.values())))
     layout.joints.need("accurate")
     start_scene(layout.bodies, layout.work, 0.0)
-    order = sorted(NAMES, key=lambda name: joint_module(joints[name]).__name__)
+    order = sorted(NAMES, key=lambda name: block_order(joints[name]))
     return Model(layout, joints, {name: block for block, name in enumerate(order)})
 
 
