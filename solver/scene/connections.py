@@ -45,7 +45,7 @@ from heavylift.solver.scene.outputs import (
 from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 __all__ = [
     "FORCES",
