@@ -49,6 +49,7 @@ from heavylift.solver.rows.structure import (
 )
 from heavylift.solver.scene.mesh_shapes import line, rectangle
 from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection, Support
+from heavylift.solver.scene.outputs import Columns
 
 STEP = 2e-3
 SPOT, OTHER = (2, (0.3, 0.7)), (0, (0.6, 0.2))
@@ -246,7 +247,7 @@ def make(name: str, scheme: str) -> Model:
         points.append(shape @ type_of(body).start_coordinates(body).reshape(-1, 3)[vectors])
     empty = BodyMarkers((), (), ())
     markers = BodyMarkers((0, 1), tuple(points), (False, False), (FORCES, FORCES), tuple(points), (0, 0))
-    kind = pack_meshes([body], 0, [0], 0, [markers], [empty], moving=[2])
+    kind = pack_meshes([body], 0, [0], [Columns(0, ())], [markers], [empty], moving=[2])
     kind.table[0].scheme = SCHEMES[scheme]
     matrices = mesh_matrices(kind)
     kind.position[matrices.places] += 0.02 * rng.normal(size=len(matrices.places))
