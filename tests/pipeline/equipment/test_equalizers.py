@@ -262,7 +262,11 @@ def test_several_lines_lead_to_one_lug(pulley, tmp_path):
             "equalizers.0.beam",
             "body 'loader_beam', inertia",
         ),
-        (("length = 23.0", "length = 1e308"), "equalizers.0", "no finite place"),
+        (
+            ("[-4.0, 0, 2.5], length = 23.0", "[-4.0, 0, 2.5], length = 1e308"),
+            "equalizers.0.lines.0.length",
+            "1e+308 is too large; expected a length [m] up to 1e+100 m",
+        ),
         (('pulley = { mass = "1 t" }', ""), "equalizers.0.pulley", "is missing"),
         (("[-4.0, 0, 2.5]", "[-4.0, 0, 2.5], count = 0"), "equalizers.0.lines.0.count", "expected"),
     ],
