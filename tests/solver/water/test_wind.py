@@ -421,7 +421,11 @@ def test_a_free_body_drifts_off_as_the_closed_form_says(integrator):
     simulation = Simulation(Scene(bodies=(body,), forces=(follow,)), 0.05, integrator)
     layout = simulation._layout
     loads = [element(body="box", point=np.zeros(3), area=area, coefficient=1.0)]
-    kind = pack_fluid_loads([WindField(speed=speed)], loads, [(0, 1)], [-1, -1, -1])
+    fields = [WindField(speed=speed)]
+    # the scene has no columns for them: they write where the totals stand, which are written last
+    before = [one for one in layout.channels if not one.name.startswith(("energy.", "momentum."))]
+    columns = add_fluid_channels(ChannelBook(before), fields, loads)
+    kind = pack_fluid_loads(fields, loads, [(0, 1)], columns)
     simulation._layout = replace(layout, forces=Forces((*layout.forces, kind)))
     times, records = simulation.advance(400)
     k = 0.5 * 1.225 * area / mass
