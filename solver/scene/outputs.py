@@ -77,7 +77,7 @@ class Outputs(_Record):
     Attributes
     ----------
     CHANNELS
-        What is recorded, in the order of its columns; without the channels of `nested` classes that the scene decides.
+        What is recorded, in the order of its columns, those of `nested` classes with them.
     OUTPUTS
         Fields: a channel, or another class of outputs.
 
@@ -153,7 +153,8 @@ def outputs(declared: type[O]) -> type[O]:
     Raises
     ------
     TypeError
-        If a field has no channel, stands twice, or its annotation does not say what it is.
+        If a field has no channel, a channel no annotation, one stands twice, an annotation does not say what it is,
+        there are several bases, or parts within what has fixed columns.
     """
     place = declared.__module__, declared.__qualname__
     if place in _MADE:
@@ -171,12 +172,21 @@ def outputs(declared: type[O]) -> type[O]:
             raise TypeError(
                 f"{where}.{name}: {given!r}, expected a channel with its quantity and its sentence"
             )
+        if given.of is not None and issubclass(given.of, Parts) and not in_parts:
+            raise TypeError(
+                f"{where}.{name}: {given.of.__name__} has no fixed columns, expected it beside this class"
+            )
         one = given.of if given.of is not None else given.channels(name)
         expected = _annotation(one, in_parts=in_parts)
         if str(annotation) != expected:
             raise TypeError(f"{where}.{name}: {annotation}, expected {expected}")
         found[name] = one
         delattr(made, name)
+    bare = [name for name, one in vars(made).items() if isinstance(one, _Declared)]
+    if bare:
+        raise TypeError(f"{where}.{bare[0]} has no annotation")
+    if len(made.__bases__) > 1:
+        raise TypeError(f"{where} has several bases, expected one, and others nested")
     made.OUTPUTS = found
     made.CHANNELS = tuple(_flat(found))
     names = [one.name for one in made.CHANNELS]

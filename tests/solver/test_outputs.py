@@ -166,9 +166,17 @@ def test_a_number_that_is_none_is_written_too() -> None:
             "tension_max twice",
         ),
         ("a: LineOutputs = nested(PullOutputs)", "expected PullOutputs"),
+        ("a: SegmentOutputs = nested(SegmentOutputs)", "SegmentOutputs has no fixed columns"),
+        ('a = channel("force", "it")', "Wrong.a has no annotation"),
     ],
 )
 def test_what_is_no_declaration_is_refused(fields: str, words: str) -> None:
     text = f"from __future__ import annotations\n@outputs\nclass Wrong(LineOutputs):\n    {fields}\n"
     with pytest.raises(TypeError, match=words):
         exec(textwrap.dedent(text), {**globals(), "__name__": f"wrong_{abs(hash(fields))}"})  # noqa: S102
+
+
+def test_one_base_lays_the_record_out() -> None:
+    text = "@outputs\nclass Both(LineOutputs, PullOutputs):\n    pass\n"
+    with pytest.raises(TypeError, match="several bases, expected one"):
+        exec(text, {**globals(), "__name__": "wrong_bases"})  # noqa: S102
