@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene

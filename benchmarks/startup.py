@@ -41,7 +41,7 @@ PROCESSES = 2
 LARGEST = 12
 """Units that are listed."""
 PARTS = ["units", "scenes", "edit"]
-EDITED = "solver/laws/wire_rope.py"
+EDITED = "solver/force_elements/wire_rope.py"
 
 HINGE = """
 [bodies.arm]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     import h5py
 
-__all__ = ["HOLDS_ALL", "check_hdf5", "is_hdf5", "opened_hdf5", "outside_of_hdf5", "told_of_file"]
+__all__ = ["HOLDS_ALL", "check_hdf5", "is_hdf5", "opened_hdf5", "outside_of_hdf5", "reported_of_file"]
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -215,12 +215,12 @@ def opened_hdf5(path: Path, expected: str, *, foreign: bool = False) -> Iterator
 
     if foreign:
         check_hdf5(path, expected)
-    with told_of_file(path, expected), h5py.File(path, "r") as file:
+    with reported_of_file(path, expected), h5py.File(path, "r") as file:
         yield file
 
 
 @contextlib.contextmanager
-def told_of_file(path: Path, expected: str) -> Iterator[None]:
+def reported_of_file(path: Path, expected: str) -> Iterator[None]:
     """Say of whatever a library raises while a file is read that the file is at fault."""
     try:
         yield

@@ -411,10 +411,10 @@ def _explain(symbol: str, unit: Unit, dispatcher: Any, error: Exception) -> str:
     else:
         file, line = dispatcher.py_func.__code__.co_filename, str(dispatcher.py_func.__code__.co_firstlineno)
     reasons = [part.strip() for part in text.splitlines() if part.strip() and "\x1b" not in part]
-    said = next(
+    message = next(
         (part for part in reasons if not part.startswith(("Failed", "During", "File"))), type(error).__name__
     )
-    return f"{unit.name}: {symbol.rpartition('.')[2]} does not compile: {file}, line {line}: {said}"
+    return f"{unit.name}: {symbol.rpartition('.')[2]} does not compile: {file}, line {line}: {message}"
 
 
 @cache
@@ -530,7 +530,7 @@ def native_function(address: int, parameters: Iterable[Any], result: Any) -> Cal
         for i, of_type, where in pointers:
             held[i] = of_type.accept(held[i], where)
         for i, _, _ in pointers:
-            held[i].address  # noqa: B018  # may import kernels that declare verbs: tables stay as they are afterwards
+            held[i].address  # noqa: B018  # may import kernels that declare operations: tables stay as they are afterwards
         words: list[Any] = []
         for encode, value in zip(encoders, held, strict=True):
             encode(words, value)

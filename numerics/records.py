@@ -358,9 +358,9 @@ def filled(record: type[R], **fields: Any) -> R:
     own = _own_fields(of_class)
     if fields.keys() != own.keys():
         unknown, missing = fields.keys() - own.keys(), own.keys() - fields.keys()
-        said = [f"with unknown {', '.join(map(repr, sorted(unknown)))}"] if unknown else []
-        said += [f"without {', '.join(repr(name) for name in own if name in missing)}"] if missing else []
-        raise TypeError(f"{record.__name__} {' and '.join(said)}")
+        problems = [f"with unknown {', '.join(map(repr, sorted(unknown)))}"] if unknown else []
+        problems += [f"without {', '.join(repr(name) for name in own if name in missing)}"] if missing else []
+        raise TypeError(f"{record.__name__} {' and '.join(problems)}")
     made = record.one()
     for name, value in fields.items():
         made[name] = value

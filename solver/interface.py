@@ -1,4 +1,4 @@
-"""What every kind offers to the step: tables of kinds, the verbs they know, and the shared workspace.
+"""What every kind offers to the step: tables of kinds, the operations they know, and the shared workspace.
 
 Coordinates of a body are its velocities ``U``: of a rigid frame the world velocity of the frame
 origin and the body-axis angular velocity, then the flexible coordinates. A *marker* is a vector

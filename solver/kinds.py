@@ -1,12 +1,13 @@
-"""Verbs, and tables of the kinds that know them: a scene is data.
+"""Operations, and tables of the kinds that know them: a scene is data.
 
-A *kind* is a class of `Arrays` for all things of one sort. A *verb* is a function of which every kind brings its own
-version (`implement`). What a kind does is compiled once, into an object file of its own. A scene is a `Table`: for each
-verb a list of pairs, the address of a compiled function and that of the arrays that it serves. A call of a verb on a
-table is a loop over such a list, so a scene executes only what it contains, and nothing is compiled for it.
+A *kind* is a class of `Arrays` for all things of one sort. An *operation* is a function of which every kind brings
+its own version (`implement`). What a kind does is compiled once, into an object file of its own. A scene is a
+`Table`: for each operation a list of pairs, the address of a compiled function and that of the arrays that it
+serves. A call of an operation on a table is a loop over such a list, so a scene executes only what it contains, and
+nothing is compiled for it.
 
-A call of a verb on a single kind, or a tuple of some, whose classes are known when the caller is compiled, is a direct
-call.
+A call of an operation on a single kind, or a tuple of some, whose classes are known when the caller is compiled, is
+a direct call.
 """
 
 from __future__ import annotations
@@ -71,11 +72,11 @@ F = TypeVar("F", bound=Callable[..., Any])
 WORD_BYTES = 8
 
 STEP = "step"
-"""Group of the verbs that scenes of all sorts need."""
+"""Group of the operations that scenes of all sorts need."""
 
 
 class Table(Sequence[Any]):
-    """Kinds that are served together; a subclass says which verbs it knows: those whose first parameter it is.
+    """Kinds that are served together; a subclass says which operations it knows: those whose first parameter it is.
 
     Attributes
     ----------
@@ -88,12 +89,12 @@ class Table(Sequence[Any]):
         If a kind is not made from that base.
     """
 
-    verbs: ClassVar[list[Any]] = []
+    operations: ClassVar[list[Any]] = []
     members: ClassVar[type] = object
 
     def __init_subclass__(cls) -> None:
-        """Every class of tables has verbs of its own."""
-        cls.verbs = []
+        """Every class of tables has operations of its own."""
+        cls.operations = []
 
     def __init__(self, kinds: Iterable[Any] = (), groups: Iterable[str] | None = None) -> None:
         self.kinds = tuple(kinds)
@@ -133,7 +134,7 @@ class Table(Sequence[Any]):
         return iter(self.kinds)
 
     def need(self, group: str) -> None:
-        """Serve the verbs of one more group from now on."""
+        """Serve the operations of one more group from now on."""
         if self.groups is not None and group not in self.groups:
             self.groups |= {group}
             self._known = -1
@@ -155,21 +156,23 @@ class Table(Sequence[Any]):
         Raises
         ------
         TypeError
-            If a kind lacks a verb that it must have.
+            If a kind lacks an operation that it must have.
         """
-        if self._known != len(self.verbs):  # a module that declares verbs may have been imported meanwhile
+        if self._known != len(
+            self.operations
+        ):  # a module that declares operations may have been imported meanwhile
             lists = []
-            for verb in self.verbs:
-                served = [kind for kind in self.kinds if verb.serves(type(kind))]
-                if isinstance(verb, Members):
+            for operation in self.operations:
+                served = [kind for kind in self.kinds if operation.serves(type(kind))]
+                if isinstance(operation, Members):
                     lists.append([word for kind in served for word in (0, kind.address)])
-                elif self.groups is None or verb.group in self.groups:
+                elif self.groups is None or operation.group in self.groups:
                     lists.append(
-                        [word for kind in served for word in (verb.address(type(kind)), kind.address)]
+                        [word for kind in served for word in (operation.address(type(kind)), kind.address)]
                     )
                 else:
                     lists.append(
-                        [word for kind in served[:1] for word in (_refusal(verb.name), kind.address)]
+                        [word for kind in served[:1] for word in (_refusal(operation.name), kind.address)]
                     )
             memory = np.zeros(2 * len(lists) + sum(map(len, lists)), dtype=np.int64)
             place = 2 * len(lists)
@@ -179,7 +182,7 @@ class Table(Sequence[Any]):
                 place += len(pairs)
                 memory[2 * i + 1] = memory.ctypes.data + WORD_BYTES * place
             self._kept.append(memory)  # a group of arrays, or a call, may hold the address of an older one
-            self._memory, self._known = memory, len(self.verbs)
+            self._memory, self._known = memory, len(self.operations)
         return int(self._memory.ctypes.data)
 
 
@@ -199,11 +202,11 @@ _REFUSALS: dict[str, Any] = {}
 
 
 def _refusal(name: str) -> int:
-    """Address of a function that stands for a verb of a group which a table does not serve: nothing is passed over."""
+    """Address of a function that refuses an operation of a group which a table does not serve."""
     if name not in _REFUSALS:
 
         def refuse() -> None:
-            TROUBLES.append(f"{name} was called on a table that does not serve its group of verbs")
+            TROUBLES.append(f"{name} was called on a table that does not serve its group of operations")
 
         _REFUSALS[name] = ctypes.CFUNCTYPE(None)(refuse)
     return int(ctypes.cast(_REFUSALS[name], ctypes.c_void_p).value or 0)
@@ -263,19 +266,19 @@ class Verb:
         self._slot = np.zeros(1, dtype=np.int64)
         self.table = table = self._table()
         if table is not None:
-            self._slot[0] = 2 * len(table.verbs)
-            table.verbs.append(self)
+            self._slot[0] = 2 * len(table.operations)
+            table.operations.append(self)
         self.symbol = f"heavylift.slot.{contract.__module__.removeprefix('heavylift.')}.{self.name}"
         llvm.add_symbol(self.symbol, self._slot.ctypes.data)
         _declare(self)
 
     def _table(self) -> type[Table] | None:
-        """Class of tables of the first parameter; None for verbs that serve single kinds only."""
+        """Class of tables of the first parameter; None for operations that serve single kinds only."""
         first = next(iter(inspect.signature(self.contract).parameters.values())).annotation
         found = self.contract.__globals__.get(first) if isinstance(first, str) else first
         if found is None:
             raise TypeError(
-                f"{self.contract.__module__}.{self.name}: {first!r} is not known when the verb is declared"
+                f"{self.contract.__module__}.{self.name}: {first!r} is not known when the operation is declared"
             )
         return found if isinstance(found, type) and issubclass(found, Table) else None
 
@@ -286,7 +289,7 @@ class Verb:
         Raises
         ------
         TypeError
-            Names the verb and the parameter.
+            Names the operation and the parameter.
         """
         return _parameters(self)
 
@@ -337,8 +340,8 @@ class Members:
 
     def __init__(self, table: type[Table], base: type) -> None:
         self.base = base
-        self.table, self._slot = table, np.array([2 * len(table.verbs)], dtype=np.int64)
-        table.verbs.append(self)
+        self.table, self._slot = table, np.array([2 * len(table.operations)], dtype=np.int64)
+        table.operations.append(self)
         self.symbol = f"heavylift.members.{table.__name__}.{base.__name__}"
         llvm.add_symbol(self.symbol, self._slot.ctypes.data)
         _declare_members(self)
@@ -354,30 +357,30 @@ class Members:
 
 
 @cache
-def _parameters(verb: Verb) -> tuple[Any, ...]:
-    hints = declared_types(verb.contract)
+def _parameters(operation: Verb) -> tuple[Any, ...]:
+    hints = declared_types(operation.contract)
     made = []
-    for name in list(inspect.signature(verb.contract).parameters)[1:]:
+    for name in list(inspect.signature(operation.contract).parameters)[1:]:
         try:
             made.append(numba_type(hints[name]))
         except (KeyError, TypeError) as error:
-            raise TypeError(f"{verb.contract.__module__}.{verb.name}, {name}: {error}") from None
+            raise TypeError(f"{operation.contract.__module__}.{operation.name}, {name}: {error}") from None
     return tuple(made)
 
 
 def optional(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
-    """As `generic`, but kinds that do not implement the verb are passed over."""
+    """As `generic`, but kinds that do not implement the operation are passed over."""
     return lambda contract: Verb(contract, needed=False, group=group)
 
 
 def generic(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
-    """Turn a documented signature into a verb.
+    """Turn a documented signature into an operation.
 
     Parameters
     ----------
     group
-        Verbs of one group are compiled together: those that every step needs, those that contacts ask for, those of one
-        integrator. A table serves the groups that it is made for.
+        Operations of one group are compiled together: those that every step needs, those that contacts ask for,
+        those of one integrator. A table serves the groups that it is made for.
 
     Returns
     -------
@@ -390,12 +393,12 @@ def generic(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
     return lambda contract: Verb(contract, needed=True, group=group)
 
 
-def implement(verb: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Register a kernel as the version of a verb for one kind.
+def implement(operation: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Register a kernel as the version of an operation for one kind.
 
     Parameters
     ----------
-    verb
+    operation
         Made by `generic` or `optional`.
     kind
         The class of arrays.
@@ -403,19 +406,19 @@ def implement(verb: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable
     Raises
     ------
     TypeError
-        If the kernel has another number of parameters than the verb.
+        If the kernel has another number of parameters than the operation.
     """
 
     def register(function: Callable[..., Any]) -> Callable[..., Any]:
-        if kind in verb.implementations:
+        if kind in operation.implementations:
             raise TypeError(
-                f"{verb.name} of {kind.__name__} is there already: {verb.implementations[kind].__name__}"
+                f"{operation.name} of {kind.__name__} is there already: {operation.implementations[kind].__name__}"
             )
         own = inspect.signature(getattr(function, "py_func", function)).parameters
-        if len(own) != len(inspect.signature(verb.contract).parameters):
-            raise TypeError(f"{function.__name__} takes {len(own)} arguments, {verb.name} has others")
-        verb.implementations[kind] = function
-        _VERBS_OF.setdefault(kind, []).append(verb)
+        if len(own) != len(inspect.signature(operation.contract).parameters):
+            raise TypeError(f"{function.__name__} takes {len(own)} arguments, {operation.name} has others")
+        operation.implementations[kind] = function
+        _VERBS_OF.setdefault(kind, []).append(operation)
         return function
 
     return register
@@ -448,12 +451,12 @@ class Method:
 
 
 def method(group: str) -> Callable[[F], F]:
-    """Let Python call a kernel on a single kind, before time starts: no verb, for no kernel and no table knows it.
+    """Let Python call a kernel on a single kind, before time starts: no operation, for no kernel and no table knows it.
 
     Parameters
     ----------
     group
-        It is compiled with the verbs of this group of its kind.
+        It is compiled with the operations of this group of its kind.
 
     Returns
     -------
@@ -470,15 +473,15 @@ def import_kernels(kind: Any) -> None:
     Raises
     ------
     TypeError
-        If it lacks a verb that kinds of its tables must have, or another kind of the package has its name.
+        If it lacks an operation that kinds of its tables must have, or another kind of the package has its name.
     """
     for module in getattr(kind, "kernel_modules", ()):
         importlib.import_module(module)
-    known = [verb for base in kind.__mro__ for verb in _VERBS_OF.get(base, ())]
-    for table in {verb.table for verb in known if verb.table is not None}:
-        for verb in table.verbs:
-            if isinstance(verb, Verb) and verb.needed and verb not in known:
-                raise TypeError(f"{verb.name} is not implemented for {kind.__name__}")
+    known = [operation for base in kind.__mro__ for operation in _VERBS_OF.get(base, ())]
+    for table in {operation.table for operation in known if operation.table is not None}:
+        for operation in table.operations:
+            if isinstance(operation, Verb) and operation.needed and operation not in known:
+                raise TypeError(f"{operation.name} is not implemented for {kind.__name__}")
     if _KINDS.setdefault(_name(kind), kind) is not kind:
         where = f"in {kind.__module__} and {_KINDS[_name(kind)].__module__}"
         raise TypeError(f"two kinds have the name {kind.__name__}: {where}")
@@ -489,12 +492,12 @@ def _name(kind: type) -> str:
     return kind.__name__ if kind.__module__.startswith("heavylift.") else f"{kind.__module__}.{kind.__name__}"
 
 
-def _symbol(kind: type, verb: Verb | Method) -> str:
-    return f"{_name(kind)}.{verb.name}"
+def _symbol(kind: type, operation: Verb | Method) -> str:
+    return f"{_name(kind)}.{operation.name}"
 
 
 def kinds_with_verbs() -> list[type]:
-    """Kinds of the package that have versions of verbs, of the modules that are imported; bases of kinds are none."""
+    """Kinds of the package that have versions of operations, of the imported modules; bases of kinds are none."""
     found = {kind: None for base in _VERBS_OF for kind in _final(base)}
     return [kind for kind in found if kind.__module__.startswith("heavylift.")]
 
@@ -506,22 +509,24 @@ def _final(base: type) -> list[type]:
 
 
 def _kind_units(kind: Any) -> dict[str, Unit]:
-    """What is compiled of a kind, by group of verbs."""
+    """What is compiled of a kind, by group of operations."""
     import_kernels(kind)
     entries: dict[str, dict[str, Any]] = {}
     modules: dict[str, set[str]] = {}
-    direct = {kind.__module__}  # of versions that the others call, through modules that only declare verbs
+    direct = {
+        kind.__module__
+    }  # of versions that the others call, through modules that only declare operations
     for base in reversed(kind.__mro__):
-        for verb in _VERBS_OF.get(base, ()):
-            function = verb.chosen(kind)
+        for operation in _VERBS_OF.get(base, ()):
+            function = operation.chosen(kind)
             if not isinstance(function, Dispatcher):
                 continue
-            if not verb.table is not None:
+            if not operation.table is not None:
                 direct.add(function.py_func.__module__)
                 continue
-            types_of = (Reference(kind), *verb.parameters)
-            entries.setdefault(verb.group, {})[_symbol(kind, verb)] = function, types_of, types.none
-            modules.setdefault(verb.group, set()).add(function.py_func.__module__)
+            types_of = (Reference(kind), *operation.parameters)
+            entries.setdefault(operation.group, {})[_symbol(kind, operation)] = function, types_of, types.none
+            modules.setdefault(operation.group, set()).add(function.py_func.__module__)
         for called in _METHODS_OF.get(base, ()):
             if isinstance(called.kernel, Dispatcher):
                 (_, *parameters), result = declared_signature(called.kernel.py_func)
@@ -540,40 +545,42 @@ def _kind_units(kind: Any) -> dict[str, Unit]:
 
 
 kind_units: Callable[[Any], dict[str, Unit]] = cache(_kind_units)
-"""What is compiled of a kind, by group of verbs."""
+"""What is compiled of a kind, by group of operations."""
 
 
 # ---- in kernels ----
 
 
-def _declare(verb: Verb) -> None:
-    """Let kernels call a verb: of a table by its lists, of a single kind directly."""
+def _declare(operation: Verb) -> None:
+    """Let kernels call an operation: of a table by its lists, of a single kind directly."""
 
     class Template(AbstractTemplate):
-        key = verb
+        key = operation
 
         def generic(self, arguments: Any, named: Any) -> Signature | None:
             if named or not arguments:
                 return None
             first = arguments[0]
             if isinstance(first, TableType):
-                if first.table is not verb.table:  # another class of tables has another function in its place
+                if (
+                    first.table is not operation.table
+                ):  # another class of tables has another function in its place
                     return None
-                return call_signature(types.none, first, *verb.parameters)
+                return call_signature(types.none, first, *operation.parameters)
             kinds = first.types if isinstance(first, BaseTuple) else (first,)
             if all(isinstance(kind, Reference) for kind in kinds):
                 for kind in kinds:
-                    function = verb.chosen(kind.group)
+                    function = operation.chosen(kind.group)
                     if function is not None:
                         of_type = self.context.resolve_value_type(function)
                         of_type.get_call_type(self.context, (kind, *arguments[1:]), {})
                 return call_signature(types.none, *arguments)
             return None
 
-    infer_global(verb, types.Function(Template))
-    lower_builtin(verb, TableType, VarArg(types.Any))(_lower_table_call(verb))
-    lower_builtin(verb, Reference, VarArg(types.Any))(_lower_kind_call(verb))
-    lower_builtin(verb, BaseTuple, VarArg(types.Any))(_lower_kind_call(verb))
+    infer_global(operation, types.Function(Template))
+    lower_builtin(operation, TableType, VarArg(types.Any))(_lower_table_call(operation))
+    lower_builtin(operation, Reference, VarArg(types.Any))(_lower_kind_call(operation))
+    lower_builtin(operation, BaseTuple, VarArg(types.Any))(_lower_kind_call(operation))
 
 
 def _declare_members(members: Members) -> None:
@@ -610,9 +617,9 @@ def _ends_of_list(builder: Any, symbol: str, table: Any) -> tuple[Any, Any]:
     return constant_word(builder, at, 0), constant_word(builder, at, 1)
 
 
-def _lower_table_call(verb: Verb) -> Callable[..., Any]:
+def _lower_table_call(operation: Verb) -> Callable[..., Any]:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        first, last = _ends_of_list(builder, verb.symbol, values[0])
+        first, last = _ends_of_list(builder, operation.symbol, values[0])
         words = [
             word
             for of_type, value in zip(signature.args[1:], values[1:], strict=True)
@@ -639,7 +646,7 @@ def _lower_table_call(verb: Verb) -> Callable[..., Any]:
     return lower
 
 
-def _lower_kind_call(verb: Verb) -> Callable[..., Any]:
+def _lower_kind_call(operation: Verb) -> Callable[..., Any]:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         first = signature.args[0]
         if isinstance(first, BaseTuple):
@@ -647,7 +654,7 @@ def _lower_kind_call(verb: Verb) -> Callable[..., Any]:
         else:
             kinds = [(first, values[0])]
         for kind, value in kinds:
-            function = verb.chosen(kind.group)
+            function = operation.chosen(kind.group)
             if function is not None:
                 of_type = context.typing_context.resolve_value_type(function)
                 of_call = of_type.get_call_type(context.typing_context, (kind, *signature.args[1:]), {})

@@ -65,7 +65,7 @@ class Layout:
         Names by number of the body, the block of rows, the mooring line, the deck and the tank, for messages.
     notes
         What the user should know of the scene.
-    director
+    sequencer
         The scenario, if there is one; it is among the forces.
     controllers
         Those of ballast, if there are any; they are among the forces.
@@ -84,7 +84,7 @@ class Layout:
     deck_names: tuple[str, ...] = ()
     tank_names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    director: Any = None
+    sequencer: Any = None
     controllers: Any = None
 
 
@@ -184,7 +184,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         forces += made.sea.forces
     velocities = sum(velocity_count(body, made.bases) for body in ordered)
     if step > 0.0 and integrator == "dele2":
-        from heavylift.solver.measures.step_counts import pack_step_counts
+        from heavylift.solver.sensors.step_counts import pack_step_counts
 
         forces.append(pack_step_counts(step, velocities))
     widths = [end.width for end in map(attachments(ordered, dofs, made.bases), dofs)]
@@ -212,14 +212,14 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         contacts = kinds[2][-1]._replace(carried=carried, saved=carried.copy())
         kinds = (kinds[0], kinds[1], (*kinds[2][:-1], contacts))
     groups = {STEP, "record", integrator} | ({"contact"} if scene.touches else set())
-    director = None
+    sequencer = None
     if scene.scenario is not None:
         from heavylift.solver.scenario.interface import SCENARIO
         from heavylift.solver.scenario.packing import pack_scenario
 
         copied = np.zeros(0) if scene.touches else carried
-        director = pack_scenario(scene, kinds, made.block_names, channels, phases, width, copied, profiles)
-        forces.append(director)
+        sequencer = pack_scenario(scene, kinds, made.block_names, channels, phases, width, copied, profiles)
+        forces.append(sequencer)
         groups |= {SCENARIO}
     controllers = None
     if scene.sea is not None and scene.sea.controllers:
@@ -245,7 +245,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         line_names=() if made.sea is None else made.sea.line_names,
         deck_names=tuple(deck.name for deck in scene.decks),
         tank_names=() if scene.sea is None else tuple(tank.name for tank in scene.sea.tanks_of(ordered)),
-        director=director,
+        sequencer=sequencer,
         controllers=controllers,
     )
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.solver.coordinates import attachments, first_dofs, inverse_masses, inverse_scales
+from heavylift.solver.force_elements.watched import WatchedRopes, WatchesRopes, watch_ropes_of
 from heavylift.solver.interface import FORCES
-from heavylift.solver.laws.watched import WatchedRopes, WatchesRopes, watch_ropes_of
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import ChannelBook, MonitorOutputs
@@ -23,7 +23,7 @@ from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, Scene
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 if TYPE_CHECKING:
-    from heavylift.solver.laws.packing import PackedLaws
+    from heavylift.solver.force_elements.packing import PackedLaws
     from heavylift.solver.layout_sea import PackedSea
 
 __all__ = ["PackedConnections", "pack_connections", "point_forces"]
@@ -171,7 +171,7 @@ def _pack(
         held: RowSystem | None = make_system(inverse_mass, record.width) if scene.joints else None
         made = held
         if laws is not None:
-            from heavylift.solver.laws.system import extend_system
+            from heavylift.solver.force_elements.system import extend_system
 
             made = extend_system(held, laws.blocks, inverse_mass, record.width, laws=laws.fitted)
         if made is None:  # contacts alone have no rows of joints beside them
@@ -291,7 +291,7 @@ def _pack_laws(
     integrator: str,
 ) -> PackedLaws:
     """Ropes, springs, stops, friction, motors."""
-    from heavylift.solver.laws.packing import add_law_channels, law_owners, pack_laws
+    from heavylift.solver.force_elements.packing import add_law_channels, law_owners, pack_laws
 
     by_name = {joint.name: joint for joint in scene.joints}
     places = {owner.name: add_law_channels(owner, by_name, packed.record) for owner in law_owners(scene)}

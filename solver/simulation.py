@@ -206,7 +206,7 @@ class Simulation:
         if scene.scenario is not None:
             from heavylift.solver.scenario.operation import Operation
 
-            self.operation = Operation(self._layout.director, scene.scenario, self.channels)
+            self.operation = Operation(self._layout.sequencer, scene.scenario, self.channels)
         self.cpu_seconds = 0.0
         self.start_seconds = 0.0
         self.compile_seconds = 0.0
@@ -244,7 +244,7 @@ class Simulation:
         }
         entries = [self._run, start_scene, write_record]
         if self.operation is not None:
-            from heavylift.solver.scenario.director import begin_scenario
+            from heavylift.solver.scenario.sequencer import begin_scenario
 
             entries.append(begin_scenario)
         units |= {entry.unit.name: entry.unit for entry in entries}
@@ -314,11 +314,11 @@ class Simulation:
 
     def _begin_scenario(self, operation: Operation) -> None:
         """Do what the first phase begins with; a phase that is over before it begins is a mistake."""
-        from heavylift.solver.scenario.director import begin_scenario
+        from heavylift.solver.scenario.sequencer import begin_scenario
 
         layout = self._layout
         begin_scenario(
-            operation.director, layout.forces, layout.bodies, layout.joints, layout.systems, layout.work
+            operation.sequencer, layout.forces, layout.bodies, layout.joints, layout.systems, layout.work
         )
         operation.check_begun()
 
@@ -359,7 +359,7 @@ class Simulation:
     def _check_strains(self) -> None:
         """Refuse ropes that are too short for where the scene has come to rest."""
         if self._scene.ropes:
-            from heavylift.solver.laws.rope_packing import check_strains_at_rest
+            from heavylift.solver.force_elements.rope_packing import check_strains_at_rest
             from heavylift.solver.statics.forces import STEP
             from heavylift.solver.statics.rows_at_rest import fill_at_rest
 
@@ -512,7 +512,7 @@ class Simulation:
         self.cpu_seconds += clock.thread_time() - begin
         self.step_index = int(done)
         status = int(self._layout.work.status.outcome)
-        if self.operation is not None and status == int(self.operation.director.state.outcome) != 0:
+        if self.operation is not None and status == int(self.operation.sequencer.state.outcome) != 0:
             self.outcome, self.message = self.operation.end  # behind a step that is good
             self.ended = self.outcome is Outcome.COMPLETED
             self._layout.work.status.words[:] = 0.0
@@ -688,7 +688,7 @@ class Simulation:
         if self._lone is not None:
             self._lone.state = state["extremes"]
         self.outcome, self.message = Outcome.COMPLETED, ""
-        ended = self.operation is not None and int(self.operation.director.state.outcome) < 0
+        ended = self.operation is not None and int(self.operation.sequencer.state.outcome) < 0
         self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record
         self._layout.work.status.words[:] = 0.0
         self._started = True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from heavylift.pipeline.assemble.described import said_of
+from heavylift.pipeline.assemble.described import spec_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -66,15 +66,15 @@ def assemble_collisions(case: Case) -> tuple[c.Collision, ...]:
     found = []
     for name, (index, pair) in case.collided.items():
         section = case.collisions[index]
-        said = said_of(section, c.Collision)
-        said["clearance"] = section.clearance or name in case.measured_gaps
-        found.append(c.Collision(name=name, surfaces=pair, law=collision_law(case, section), **said))
+        spec = spec_of(section, c.Collision)
+        spec["clearance"] = section.clearance or name in case.measured_gaps
+        found.append(c.Collision(name=name, surfaces=pair, law=collision_law(case, section), **spec))
     return tuple(found)
 
 
 def collision_law(case: Case, section: Any) -> ContactLaw:
     """Law of a collision as the solver takes it; that of the thesis becomes a spring and a damper."""
-    law = section.DESCRIBED(**said_of(section, section.DESCRIBED))
+    law = section.DESCRIBED(**spec_of(section, section.DESCRIBED))
     taken: ContactLaw = law.at_step(_step(case)) if section.law == "thesis" else law
     return taken
 

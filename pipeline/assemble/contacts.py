@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.assemble.described import assemble, said_of
+from heavylift.pipeline.assemble.described import assemble, spec_of
 from heavylift.pipeline.assemble.meshes import read_points
 from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourSection
 from heavylift.pipeline.case.places import located
@@ -87,7 +87,7 @@ def assemble_contours(
             else:
                 points = _given_points(case, section)
                 neutral = _fit(name, section, points - sides[section.body].origin, None)
-            director = _director(section, neutral, bodies)
+            sequencer = _director(section, neutral, bodies)
             if neutral is not None:
                 nodes = None if body is None else body.reduced.nodes
                 check_contour(neutral, flip=getattr(section, "flip", False), nodes=nodes, source=name)
@@ -99,7 +99,7 @@ def assemble_contours(
                 flip=getattr(section, "flip", False),
                 radius=getattr(section, "radius", 0.0),
                 width=getattr(section, "width", 0.0),
-                director=director,
+                sequencer=sequencer,
             )
         )
     return tuple(found)
@@ -370,12 +370,12 @@ def assemble_contact(contact: Any, sides: Mapping[str, Side], folder: Path) -> c
         point=local if contact.at is None else side.from_world(contact.at),
         shape=assemble(contact.shape, sides, folder),
         law=_law(contact),
-        **said_of(contact, c.Contact),
+        **spec_of(contact, c.Contact),
     )
 
 
 def _law(contact: Any) -> c.ContactLaw:
-    given = said_of(contact, contact.DESCRIBED)
+    given = spec_of(contact, contact.DESCRIBED)
     if getattr(contact, "contact_modulus", None) is not None:
         # Hertz: a ball of radius R on a flat surface
         given["stiffness"] = 4.0 / 3.0 * contact.contact_modulus * float(np.sqrt(contact.shape.radius))

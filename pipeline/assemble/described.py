@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.solver.scene.descriptions import DescribedField
 
-__all__ = ["assemble", "assemble_list", "said_of"]
+__all__ = ["assemble", "assemble_list", "spec_of"]
 
 
 def assemble_list(case: Case, key: str, sides: Mapping[str, Side]) -> list[Any]:
@@ -36,7 +36,7 @@ def assemble_list(case: Case, key: str, sides: Mapping[str, Side]) -> list[Any]:
     return found
 
 
-def said_of(section: Any, described: Any) -> dict[str, Any]:
+def spec_of(section: Any, described: Any) -> dict[str, Any]:
     """What a section says of the fields of a description; without those that it leaves out."""
     given = {field.name: getattr(section, field.name) for field in described_fields(described)}
     return {name: value for name, value in given.items() if value is not None}

@@ -14,11 +14,11 @@ import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.assemble.frames import assemble_rigid, start_of_frame
-from heavylift.pipeline.case.joined import joined_to_hull, shared_with_hulls
+from heavylift.pipeline.case.connectivity import connected_to_hull, shared_with_hulls
+from heavylift.solver.force_elements.line_bearing import LineBearing
 from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.laws.line_bearing import LineBearing
 from heavylift.solver.scene.connections import GROUND, MEASURES, as_joint
-from heavylift.solver.scene.joined import joined_bodies, shared_bodies
+from heavylift.solver.scene.connectivity import connected_bodies, shared_bodies
 from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def scene_loading(scene: Scene, hulls: Iterable[str], name: str) -> Loading:
     """
     free = {body.name for body in scene.bodies if isinstance(getattr(body, "motion", Free()), Free)}
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints]
-    group, beyond = joined_bodies(name, free, pairs, set(hulls))
+    group, beyond = connected_bodies(name, free, pairs, set(hulls))
     shared = shared_bodies(name, free, pairs, list(hulls))
     hull = next(body for body in scene.bodies if body.name == name)
     assert isinstance(hull, RigidBody)
@@ -151,7 +151,7 @@ def _carried(
 
 def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
     """The same before there is a scene, as databases need it: flexible bodies from meshes, with what hangs on it."""
-    group, beyond = joined_to_hull(case, name)
+    group, beyond = connected_to_hull(case, name)
     section = case.bodies[name]
     assert section.type == "rigid"
     hull, _ = assemble_rigid(name, section)

@@ -18,8 +18,8 @@ from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.solver.drive import pack_profile, profile_value
-from heavylift.solver.scenario.director import PATH
 from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move, plan_speed
+from heavylift.solver.scenario.sequencer import PATH
 from heavylift.solver.scene.bodies import Driven, Fixed
 from heavylift.solver.scene.scenario import (
     AXES,
@@ -505,14 +505,14 @@ def starts_of(scene: Scene, operation: Operation) -> dict[str, float]:
 
 def routes_of(scene: Scene, operation: Operation) -> dict[str, Route]:
     """Routes of the transporters that are told something, by name, without what they are in the plane."""
-    director, found = operation.director, {}
+    sequencer, found = operation.sequencer, {}
     vehicles = [one.name for one in scene.transporters]
     told = {a.path for a in operation.scenario.actions if isinstance(a, (PathSpeed, PathGoOn))}
-    movers = [int(mover.number) for mover in director.movers if int(mover.sort) == PATH]
-    for name, number in zip([name for name in vehicles if name in told], movers, strict=True):
-        path = director.paths[number]
-        pieces = director.path_plan[path.first : path.first + path.count - MOVE_ROWS]
-        legs = director.path_legs[director.path_legs[:, 0] == number, 1:]
+    actuators = [int(actuator.number) for actuator in sequencer.actuators if int(actuator.sort) == PATH]
+    for name, number in zip([name for name in vehicles if name in told], actuators, strict=True):
+        path = sequencer.paths[number]
+        pieces = sequencer.path_plan[path.first : path.first + path.count - MOVE_ROWS]
+        legs = sequencer.path_legs[sequencer.path_legs[:, 0] == number, 1:]
         found[name] = Route(np.zeros((0, 0)), pieces, legs)
     return found
 

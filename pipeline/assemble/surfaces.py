@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from heavylift.numerics.hdf5_files import told_of_file
+from heavylift.numerics.hdf5_files import reported_of_file
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import surface_digest
@@ -147,7 +147,7 @@ def read_surface_file(path: Path) -> StoredSurface:
 
     expected = "a whole surface; make it with `heavylift mesh CASE --force`"
     with (
-        told_of_file(path, expected),
+        reported_of_file(path, expected),
         path.open("rb") as stream,
         np.load(stream, allow_pickle=False) as content,
     ):

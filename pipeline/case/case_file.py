@@ -34,7 +34,7 @@ from heavylift.pipeline.case.quantity_names import (
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case.report import ReportSection
-from heavylift.pipeline.case.scenario import Hook, Known, key_as_said, scenario_of
+from heavylift.pipeline.case.scenario import Hook, Known, key_as_given, scenario_of
 from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
@@ -270,7 +270,7 @@ class Case(SceneTables, _CaseHeading):
         try:
             check_scenario(operation, Movable(**self._movable, duration=self.simulate.duration or math.inf))
         except InputError as error:
-            key = key_as_said(self.scenario, self._known, error.key)
+            key = key_as_given(self.scenario, self._known, error.key)
             reject(error.problem, error.expected, key=f"scenario.{key}")
 
     def _plans_ballast(self) -> None:

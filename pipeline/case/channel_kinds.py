@@ -79,7 +79,7 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
     return found.pop() if len(found) == 1 else (kind,) if not channels else None
 
 
-def joint_coordinate(joint_type: str, said: object = None) -> str:
+def joint_coordinate(joint_type: str, spec: object = None) -> str:
     """The scalar on which springs and motors of a sort of joints act, ``"angle"`` or ``"travel"``; empty if none.
 
     What is `said` counts for joints that have both.
@@ -88,7 +88,7 @@ def joint_coordinate(joint_type: str, said: object = None) -> str:
     if described is None:
         return ""
     if has_both(joint_type):
-        return str(said) if said in {"angle", "travel"} else ""
+        return str(spec) if spec in {"angle", "travel"} else ""
     return described.COORDINATE
 
 

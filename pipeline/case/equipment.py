@@ -108,8 +108,8 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
         for index, row in enumerate(rows if isinstance(rows, list) else ()):
             key = f"{table}.{index}"
             try:
-                said = section_of(described).model_validate(row)
-                made = _build(described, said, _Places(found.document))
+                spec = section_of(described).model_validate(row)
+                made = _build(described, spec, _Places(found.document))
             except (ValidationError, _Unknown):
                 continue
             except InputError as error:
@@ -122,13 +122,13 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
     return found
 
 
-def _build(described: Any, said: Any, places: _Places) -> Made:
+def _build(described: Any, spec: Any, places: _Places) -> Made:
     """What a builder writes, all of it in finite numbers."""
     made = Made()
     huge = InputError("some of its parts would be at no finite place", expected="lengths of a sensible size")
     try:
         with np.errstate(all="ignore"):
-            described.build(said, places, made)
+            described.build(spec, places, made)
     except (OverflowError, ZeroDivisionError):
         raise huge from None
     if not all(_is_finite(part.entry) for part in made.parts):

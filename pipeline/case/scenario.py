@@ -70,7 +70,7 @@ from heavylift.solver.scene.scenario import (
     WinchTension,
 )
 
-__all__ = ["Hook", "Known", "ScenarioSection", "key_as_said", "scenario_of"]
+__all__ = ["Hook", "Known", "ScenarioSection", "key_as_given", "scenario_of"]
 
 TAUT = 1.0
 """Tension from which on a rope counts as taut, if nothing else is said [N]."""
@@ -358,7 +358,7 @@ class ConditionSection(_Comparison):
     arrived: Names | None = None
     """In place of a quantity: all these are at rest where they were told to go: ropes, hooks, tanks, drives."""
     user: Literal["continue"] | None = None
-    """In place of a quantity: someone says so while the run goes, ``heavylift scenario CASE --tell continue``."""
+    """In place of a quantity: someone says so while the run goes, ``heavylift scenario CASE --send continue``."""
     hold: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
     """How long it has to be true without a break [s]."""
 
@@ -409,9 +409,9 @@ def _bodies(patterns: Iterable[str] | None, known: Known) -> tuple[str, ...]:
 _SUBJECTS = ("quantity", "taut", "slack", "time", "arrived", "user")
 
 
-def _one_condition(said: Any) -> None:
+def _one_condition(spec: Any) -> None:
     """One thing to look at, with the values that it takes."""
-    subjects = [key for key in _SUBJECTS if getattr(said, key) is not None]
+    subjects = [key for key in _SUBJECTS if getattr(spec, key) is not None]
     if len(subjects) != 1:
         problem = f"{subjects[0]!r} beside another condition" if subjects else "neither 'quantity' nor 'time'"
         key = "time" if "time" in subjects else subjects[-1] if subjects else ""
@@ -420,7 +420,7 @@ def _one_condition(said: Any) -> None:
             "'all' or 'any' of two conditions" if subjects else f"one of them, or of {', '.join(_SUBJECTS)}",
             key=key,
         )
-    given = [key for key in ("above", "below") if getattr(said, key) is not None]
+    given = [key for key in ("above", "below") if getattr(spec, key) is not None]
     takes = {"quantity": {"above", "below"}, "taut": {"above"}, "slack": {"below"}}.get(subjects[0], set())
     odd = [key for key in given if key not in takes]
     if odd:
@@ -429,7 +429,7 @@ def _one_condition(said: Any) -> None:
         )
     if subjects[0] == "quantity" and len(given) != 1:
         reject("both 'above' and 'below'" if given else "neither 'above' nor 'below'", "one of them")
-    if said.of is not None and subjects[0] != "quantity":
+    if spec.of is not None and subjects[0] != "quantity":
         reject(f"'of' beside {subjects[0]!r}", "a quantity", key="of")
 
 
@@ -883,7 +883,7 @@ def scenario_of(section: ScenarioSection, known: Known) -> Scenario:
         rows.append(tuple(row))
     ends = _girder_ends(rows, known)
     rows = [tuple(replace(phase, limits=(*phase.limits, *ends)) for phase in row) for row in rows]
-    tracks = tuple(Track(said.name, row) for said, row in zip(section.tracks, rows[1:], strict=True))
+    tracks = tuple(Track(spec.name, row) for spec, row in zip(section.tracks, rows[1:], strict=True))
     return Scenario(rows[0], section.prepared, section.at_end == "stop", tracks)
 
 
@@ -912,7 +912,7 @@ def _told(key: str, make: Any) -> Any:
         ) from None
 
 
-def key_as_said(section: ScenarioSection, known: Known, key: str) -> str:
+def key_as_given(section: ScenarioSection, known: Known, key: str) -> str:
     """Key in the case of something wrong with an action of the scenario, which may be one of several made from it."""
     found = re.fullmatch(r"(.*phases\.(\d+)\.actions)\.(\d+)(.*)", key)
     if found is None:

@@ -443,7 +443,7 @@ class SceneTables(Section):
     """Motions of points of bodies in the axes of other bodies."""
     leads: Annotated[
         tuple[Annotated[Any, Chosen(MEASURES, word="leads")], ...],
-        Table("Leads", "lead", move=_move_sides),
+        Table("FleetAngles", "lead", move=_move_sides),
     ] = ()
     """Angles of ropes against where they should point."""
     lugs: Annotated[

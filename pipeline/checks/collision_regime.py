@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.pipeline.assemble.described import said_of
+from heavylift.pipeline.assemble.described import spec_of
 from heavylift.solver.scene.contacts import HertzLaw, ThesisLaw
 
 if TYPE_CHECKING:
@@ -180,7 +180,7 @@ def regime(section: Any, force: float, mass: float | None, step: float) -> Regim
     """
     if section.law == "rigid" or force <= 0.0:
         return None
-    law = section.DESCRIBED(**said_of(section, section.DESCRIBED))
+    law = section.DESCRIBED(**spec_of(section, section.DESCRIBED))
     taken = law.at_step(step) if isinstance(law, ThesisLaw) else law
     stiffness, damping = taken.stiffness, getattr(taken, "damping", 0.0)
     exponent = 1.5 if isinstance(taken, HertzLaw) else getattr(taken, "exponent", 1.0)

@@ -22,8 +22,8 @@ from heavylift.pipeline.commands.command_line import (
     NewKind,
     Out,
     Quiet,
+    SendCommand,
     Set,
-    TellWord,
     complain,
     guarded,
     print_json,
@@ -251,17 +251,17 @@ def scenario(
     *,
     out: Out = None,
     set_: Set = (),
-    tell: TellWord = None,
+    send: SendCommand = None,
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
     """Phases of an operation, and how long its ropes will be, without dynamics; or a word to a run that goes on."""
 
     def command(log: "Log") -> int:
-        if tell is not None:
-            from heavylift.pipeline.commands.scenario import tell_command
+        if send is not None:
+            from heavylift.pipeline.commands.scenario import send_command
 
-            print_lines([] if quiet else [tell_command(case, tell, out=out, overrides=set_)])
+            print_lines([] if quiet else [send_command(case, send, out=out, overrides=set_)])
             return 0
         from heavylift.pipeline.commands.scenario import scenario_command
 

@@ -27,8 +27,8 @@ __all__ = [
     "NewKind",
     "Out",
     "Quiet",
+    "SendCommand",
     "Set",
-    "TellWord",
     "complain",
     "guarded",
     "print_json",
@@ -67,10 +67,12 @@ NewFolder = Annotated[
         help="Where it is written: a new or empty folder; named as the kind if absent.", show_default=False
     ),
 ]
-TellWord = Annotated[
+SendCommand = Annotated[
     Literal["continue", "hold", "stop"] | None,
     Parameter(
-        name="--tell", help="Say this to the run that goes on in the output folder.", show_default=False
+        name=("--send", "--tell"),
+        help="Send this operator command to the run that works in the output folder.",
+        show_default=False,
     ),
 ]
 Quiet = Annotated[bool, Parameter(name="--quiet", help="Print errors only.", negative="")]

@@ -97,7 +97,7 @@ def _judge_seeds(
 ) -> JudgedCase:
     """The worst of several runs, line by line; one that stopped by itself has passed nothing."""
     from heavylift.pipeline.checks.judge import judge
-    from heavylift.pipeline.commands.statistics import simulate_seeds, told_stops
+    from heavylift.pipeline.commands.statistics import reported_stops, simulate_seeds
 
     root = case.output_folder if out is None else out
     runs = simulate_seeds(case, root, path, overrides, seeds, partial(judge, checks=False), log, force=force)
@@ -113,7 +113,7 @@ def _judge_seeds(
     passed = not missing and all(result.passed for result in results)
     outcome = Outcome.COMPLETED if passed else Outcome.CHECK_FAILED
     stopped = [run.outcome for run in runs if run.found is None]
-    message = "\n".join(line.strip() for line in told_stops(runs))
+    message = "\n".join(line.strip() for line in reported_stops(runs))
     return JudgedCase(case.name, stopped[0] if stopped else outcome, results, missing, message)
 
 

@@ -284,8 +284,8 @@ def serve(live: LiveRun, port: int = 0) -> ThreadingHTTPServer:
         def do_POST(self) -> None:
             if not self._is_ours():
                 return
-            said = self.headers.get("X-Heavylift", "")
-            if self.path != "/stop" or not secrets.compare_digest(said.encode(), live.token.encode()):
+            sent = self.headers.get("X-Heavylift", "")
+            if self.path != "/stop" or not secrets.compare_digest(sent.encode(), live.token.encode()):
                 self.send_error(HTTPStatus.FORBIDDEN)
                 return
             live.stop()

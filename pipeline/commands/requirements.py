@@ -56,10 +56,10 @@ def requirements(lines: list[str] | None = None) -> list[Requirement]:
     installed = _installed()
     found = []
     for line in _own_lines(installed.get("heavylift")) if lines is None else lines:
-        said = re.fullmatch(r"\s*([\w.-]+)\s*\(?([^;\[\]()]*)\)?\s*", line)
-        if said is None:  # of an extra, or of another system
+        spec = re.fullmatch(r"\s*([\w.-]+)\s*\(?([^;\[\]()]*)\)?\s*", line)
+        if spec is None:  # of an extra, or of another system
             continue
-        name, bounds = said[1], sorted((part.strip() for part in said[2].split(",")), reverse=True)
+        name, bounds = spec[1], sorted((part.strip() for part in spec[2].split(",")), reverse=True)
         place = installed.get(_plain(name))
         found.append(Requirement(name, ",".join(bounds), place.version if place else _version(name)))
     return found
@@ -125,10 +125,10 @@ def _within(version: str, bound: str) -> bool:
 
     A release candidate counts as the release before which it came; a bound that is no comparison holds.
     """
-    said = re.fullmatch(r"(>=|<=|==|!=|<|>)\s*([\d.]+)", bound)
-    if said is None:
+    spec = re.fullmatch(r"(>=|<=|==|!=|<|>)\s*([\d.]+)", bound)
+    if spec is None:
         return True
-    own, other = _release(version), _release(said[2])
+    own, other = _release(version), _release(spec[2])
     return {
         ">=": own >= other,
         "<=": own <= other,
@@ -136,13 +136,13 @@ def _within(version: str, bound: str) -> bool:
         "!=": own != other,
         "<": own < other,
         ">": own > other,
-    }[said[1]]
+    }[spec[1]]
 
 
 def _release(version: str) -> tuple[int, ...]:
     """Numbers of a release, without zeros at the end."""
-    said = re.match(r"(?:\d+!)?(\d+(?:\.\d+)*)", version)
-    numbers = [int(part) for part in said[1].split(".")] if said else []
+    spec = re.match(r"(?:\d+!)?(\d+(?:\.\d+)*)", version)
+    numbers = [int(part) for part in spec[1].split(".")] if spec else []
     while numbers and numbers[-1] == 0:
         numbers.pop()
     return tuple(numbers)

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from heavylift.pipeline.assemble.operation_plan import PlannedPhase
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.stages.told import Word
+    from heavylift.pipeline.stages.operator_commands import Command
     from heavylift.solver.scene.scenario import Phase
 
-__all__ = ["scenario_command", "tell_command"]
+__all__ = ["scenario_command", "send_command"]
 
 
 def scenario_command(
@@ -66,14 +66,14 @@ def scenario_command(
         layout = pack_scene(scene)
     scenario = scene.scenario
     assert scenario is not None
-    operation = Operation(layout.director, scenario, layout.channels)
+    operation = Operation(layout.sequencer, scenario, layout.channels)
     starts = starts_of(scene, operation)
     phases = plan(scenario, starts, routes_of(scene, operation))
     check_plan(case, phases, starts)
     check_hooks(case, scene)
     told = {name: starts[name] for row in phases for name in row[0].values}
     lines = [
-        line for said, row in zip(scenario.rows, phases, strict=True) for line in _table(said, row, starts)
+        line for spec, row in zip(scenario.rows, phases, strict=True) for line in _table(spec, row, starts)
     ]
     lines += [_summary(case, name, phases, starts) for name in told]
     released = [acted_on(a) for a in scenario.actions if isinstance(a, (Release, ReleaseJoint))]
@@ -82,7 +82,7 @@ def scenario_command(
     return _document(phases, told), lines
 
 
-def tell_command(path: Path, word: Word, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:
+def send_command(path: Path, word: Command, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:
     """Say a word to the run that goes on in the output folder of a case.
 
     Returns
@@ -95,12 +95,12 @@ def tell_command(path: Path, word: Word, *, out: Path | None = None, overrides: 
     InputError
         If something is wrong with the case, it has no scenario, or no run goes on.
     """
-    from heavylift.pipeline.stages.told import tell
+    from heavylift.pipeline.stages.operator_commands import send
 
     case = load_changed_case(path, overrides)
     if case.scenario is None:
         raise InputError("no scenario", source=case.file, key="scenario", expected="a case with one")
-    tell(case.output_folder if out is None else out, word)
+    send(case.output_folder if out is None else out, word)
     return f"{word}: told; the run takes it within a second"
 
 
@@ -123,12 +123,12 @@ def _document(phases: Sequence[Sequence[PlannedPhase]], starts: Mapping[str, flo
     return {"start": dict(starts), "phases": rows[0], "tracks": rows[1:]}
 
 
-def _table(said: Sequence[Phase], phases: Sequence[PlannedPhase], starts: Mapping[str, float]) -> list[str]:
+def _table(spec: Sequence[Phase], phases: Sequence[PlannedPhase], starts: Mapping[str, float]) -> list[str]:
     """Table of the phases of a track for a person."""
     names = list(phases[0].values)
     header = ["phase", "takes [s]", *names, "does", "ends with"]
     rows = [["start", "", *(f"{starts[name]:.3f}" for name in names), "", ""]]
-    for one, phase in zip(said, phases, strict=True):
+    for one, phase in zip(spec, phases, strict=True):
         joined = " or " if one.ends_with == "any" else " and "
         waits = joined.join(condition.text for condition in one.until) or "the end of the run"
         does = "; ".join(action.text for action in one.actions)

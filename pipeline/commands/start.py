@@ -95,15 +95,15 @@ def _run(app: Any) -> None:
     """
     from heavylift.numerics.outcome import visible
 
-    said = sys.argv[1:]
-    shown = [visible(token) for token in said]
-    if said == shown:
+    arguments = sys.argv[1:]
+    shown = [visible(token) for token in arguments]
+    if arguments == shown:
         app()
         return
     from cyclopts import CycloptsError
 
     try:
-        app(said, exit_on_error=False, print_error=False)
+        app(arguments, exit_on_error=False, print_error=False)
     except CycloptsError:
         app(shown)
 

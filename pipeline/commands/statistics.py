@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 __all__ = [
     "SeedRun",
     "gumbel_plots",
+    "reported_stops",
     "seed_keys",
     "simulate_seeds",
     "spectrum_plots",
     "statistics_command",
-    "told_stops",
 ]
 
 T = TypeVar("T")
@@ -286,7 +286,7 @@ def simulate_seeds(
     return runs
 
 
-def told_stops(runs: Sequence[SeedRun[Any]]) -> list[str]:
+def reported_stops(runs: Sequence[SeedRun[Any]]) -> list[str]:
     """Lines of the runs that stopped by themselves."""
     stopped = [run for run in runs if run.found is None]
     if not stopped:
@@ -387,7 +387,7 @@ def statistics_command(
     with locked(root):
         files = _write(folder, document, found, runs, case.name)
     document["files"] = [str(file) for file in files]
-    stops = told_stops(runs)
+    stops = reported_stops(runs)
     lines = [*_lines(document), *([""] if stops else []), *stops]
     return document, [*lines, "", *(f"  written: {file}" for file in files)]
 

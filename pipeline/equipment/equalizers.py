@@ -11,8 +11,8 @@ Sheaves with an efficiency eta hold tensions that differ: forces of two lines th
 from eta^2 to its inverse, and the ends of it while the rope runs past.
 
 A pulley at a stop is an anchor: its line takes what balance gives. As ``massless`` all lines are one rope whose path
-jumps from lug to lug, see `heavylift.solver.laws.equalized`, and with an efficiency
-`heavylift.solver.laws.equalized_friction`.
+jumps from lug to lug, see `heavylift.solver.force_elements.equalized`, and with an efficiency
+`heavylift.solver.force_elements.equalized_friction`.
 
 Equal forces have their resultant in the centroid of the lugs: a load on one equalizer hangs on that point, and turns
 over if its centre of mass lies above it.
@@ -188,32 +188,32 @@ class Equalizer:
     The smallest force of n lines is then down to ``efficiency^(2 (n - 1))`` of the largest."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A model has what it needs; pulleys stay below the fixed sheaves; extension pulleys are there."""
-        if (said.pulley is None) == (said.model == "pulleys"):
+        if (spec.pulley is None) == (spec.model == "pulleys"):
             raise InputError(
-                "'pulley' is missing" if said.pulley is None else "a pulley with model 'massless'",
+                "'pulley' is missing" if spec.pulley is None else "a pulley with model 'massless'",
                 key="pulley",
                 expected="'pulley' with model 'pulleys', and none with 'massless'",
             )
-        extended = any(line.other_point is not None for line in said.lines)
-        for key, given in (("friction", said.friction > 0.0), ("extension", extended)):
-            if given and said.model == "massless":
+        extended = any(line.other_point is not None for line in spec.lines)
+        for key, given in (("friction", spec.friction > 0.0), ("extension", extended)):
+            if given and spec.model == "massless":
                 raise InputError(f"{key!r} with model 'massless'", key=key, expected="model 'pulleys'")
-        if said.travel.up >= said.part_length:
+        if spec.travel.up >= spec.part_length:
             raise InputError(
-                f"{said.travel.up:.6g} m upwards, and part_length = {said.part_length:.6g} m: pulleys would "
+                f"{spec.travel.up:.6g} m upwards, and part_length = {spec.part_length:.6g} m: pulleys would "
                 "come through the fixed sheaves",
                 key="travel.up",
-                expected=f"less than {said.part_length:.6g} m",
+                expected=f"less than {spec.part_length:.6g} m",
             )
-        if len(_entries(said)) < 2:
+        if len(_entries(spec)) < 2:
             raise InputError("one line", key="lines", expected="at least two lines")
-        if not any(said.along):
+        if not any(spec.along):
             raise InputError("a direction of length zero", key="along", expected="a horizontal direction")
-        heading(said.along, "along")
-        for i, line in enumerate(said.lines):
-            if line.other_point is not None and said.extension is None:
+        heading(spec.along, "along")
+        for i, line in enumerate(spec.lines):
+            if line.other_point is not None and spec.extension is None:
                 raise InputError(
                     "'other_point' without 'extension'",
                     key=f"lines.{i}.other_point",
@@ -221,30 +221,30 @@ class Equalizer:
                 )
 
     @staticmethod
-    def build(said: Any, places: Places, made: Made) -> None:
+    def build(spec: Any, places: Places, made: Made) -> None:
         """Write the parts: beam, hinge, and pulleys, guides and ropes, or one rope of all lines."""
-        layout = _Layout.of(said, places)
-        name, r, centre = said.name, said.sheave_radius, np.array([0.0, 0.0, -said.sheave_depth])
-        length = 4.0 * r * len(_entries(said))
-        inertia = said.beam.inertia or [v * said.beam.mass * length**2 / 12.0 for v in (0.01, 1.0, 1.0)]
+        layout = _Layout.of(spec, places)
+        name, r, centre = spec.name, spec.sheave_radius, np.array([0.0, 0.0, -spec.sheave_depth])
+        length = 4.0 * r * len(_entries(spec))
+        inertia = spec.beam.inertia or [v * spec.beam.mass * length**2 / 12.0 for v in (0.01, 1.0, 1.0)]
         made.rigid(
             f"{name}_beam",
-            said.beam.mass,
+            spec.beam.mass,
             inertia,
             layout.hinge,
             layout.angle,
             key="beam",
             centre_of_mass=listed(centre),
         )
-        hinge = {"name": f"{name}_hinge", "type": "hinge", "between": [said.hook.body, f"{name}_beam"]}
+        hinge = {"name": f"{name}_hinge", "type": "hinge", "between": [spec.hook.body, f"{name}_beam"]}
         made.add("joints", hinge | {"at": listed(layout.hinge), "axis": [0.0, 0.0, 1.0]}, "hook")
-        write = _add_pulleys if said.model == "pulleys" else _add_massless
-        write(said, layout, places, made)
+        write = _add_pulleys if spec.model == "pulleys" else _add_massless
+        write(spec, layout, places, made)
 
 
-def _entries(said: Any) -> list[int]:
+def _entries(spec: Any) -> list[int]:
     """Number of the entry of `lines` to which each pulley belongs."""
-    return [i for i, line in enumerate(said.lines) for _ in range(line.count)]
+    return [i for i, line in enumerate(spec.lines) for _ in range(line.count)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,26 +274,26 @@ class _Layout:
     lengths: NDArray[np.float64]
 
     @staticmethod
-    def of(said: Any, places: Places) -> _Layout:
+    def of(spec: Any, places: Places) -> _Layout:
         """Find it, or say what does not fit."""
-        hinge = places.world(said.hook.body, said.hook.point)
-        along, angle = heading(said.along, "along")
-        entries = _entries(said)
+        hinge = places.world(spec.hook.body, spec.hook.point)
+        along, angle = heading(spec.along, "along")
+        entries = _entries(spec)
         count = len(entries)
-        offsets = (np.arange(count) - 0.5 * (count - 1)) * 4.0 * said.sheave_radius
-        outlets = hinge + np.outer(offsets, along) + said.sheave_depth * DOWN
-        ends = np.array([_end(said, i, places) for i in entries])
-        _check_lugs(said, ends, places)
+        offsets = (np.arange(count) - 0.5 * (count - 1)) * 4.0 * spec.sheave_radius
+        outlets = hinge + np.outer(offsets, along) + spec.sheave_depth * DOWN
+        ends = np.array([_end(spec, i, places) for i in entries])
+        _check_lugs(spec, ends, places)
         way = ends - outlets
         below = way @ DOWN
         aside = np.linalg.norm(way - np.outer(below, DOWN), axis=1)
-        lengths = np.hypot(aside, below - said.part_length)
-        reach = np.full(count, said.part_length)
+        lengths = np.hypot(aside, below - spec.part_length)
+        reach = np.full(count, spec.part_length)
         for k, i in enumerate(entries):
-            line = said.lines[i]
-            if below[k] <= said.part_length and line.length is None:
+            line = spec.lines[i]
+            if below[k] <= spec.part_length and line.length is None:
                 raise InputError(
-                    f"the lug is {below[k]:.6g} m below the fixed sheaves, its pulley {said.part_length:.6g} m",
+                    f"the lug is {below[k]:.6g} m below the fixed sheaves, its pulley {spec.part_length:.6g} m",
                     key=f"lines.{i}.point",
                     expected="a lug below the pulley",
                 )
@@ -307,7 +307,7 @@ class _Layout:
                     expected="a line that reaches the lug",
                 )
             reach[k] = below[k] - math.sqrt(line.length**2 - aside[k] ** 2)
-        return _Layout(hinge, along, angle, offsets, _start_depths(said, reach), ends, lengths)
+        return _Layout(hinge, along, angle, offsets, _start_depths(spec, reach), ends, lengths)
 
     def pulley(self, i: int, depth: float, sheave_depth: float) -> NDArray[np.float64]:
         """Place of a pulley in the world [m]."""
@@ -315,15 +315,15 @@ class _Layout:
         return found
 
 
-def _end(said: Any, i: int, places: Places) -> NDArray[np.float64]:
+def _end(spec: Any, i: int, places: Places) -> NDArray[np.float64]:
     """Where a line ends: its lug, or the place where it holds an extension pulley, in the world [m]."""
-    line = said.lines[i]
+    line = spec.lines[i]
     lug = places.world(line.body, line.point)
     if line.other_point is None:
         return lug
     other = places.world(line.body, line.other_point)
     middle, half = 0.5 * (lug + other), 0.5 * float(np.linalg.norm(other - lug))
-    r, sling = said.extension.radius, said.extension.sling_length
+    r, sling = spec.extension.radius, spec.extension.sling_length
     if not half > r:
         raise InputError(
             f"its lugs are {2.0 * half:.6g} m apart, the extension pulley is {2.0 * r:.6g} m wide",
@@ -352,13 +352,13 @@ def _sling_length(half: float, height: float, r: float) -> float:
     return 2.0 * straight + r * 2.0 * (0.5 * math.pi + math.atan2(height, half) - math.atan2(straight, r))
 
 
-def _check_lugs(said: Any, ends: NDArray[np.float64], places: Places) -> None:
+def _check_lugs(spec: Any, ends: NDArray[np.float64], places: Places) -> None:
     """Lugs are apart; a load that hangs on this equalizer alone hangs below its lugs."""
-    bodies = {line.body for line in said.lines}
-    entries = _entries(said)
+    bodies = {line.body for line in spec.lines}
+    entries = _entries(spec)
     for i, entry in enumerate(entries):
         for other, end in zip(entries[:i], ends[:i], strict=True):
-            same_body = said.lines[entry].body == said.lines[other].body
+            same_body = spec.lines[entry].body == spec.lines[other].body
             if other != entry and same_body and np.linalg.norm(ends[i] - end) < APART:
                 raise InputError(
                     f"the lugs of lines {other + 1} and {entry + 1} coincide",
@@ -369,7 +369,7 @@ def _check_lugs(said: Any, ends: NDArray[np.float64], places: Places) -> None:
     centre = places.centre_of_mass(load)
     if bodies or centre is None or not places.hangs_alone(load):
         return
-    lines = [said.lines[i] for i in entries]
+    lines = [spec.lines[i] for i in entries]
     lugs = [places.world(load, line.point) for line in lines]
     lugs += [
         places.world(load, line.other_point if line.other_point is not None else line.point) for line in lines
@@ -384,15 +384,15 @@ def _check_lugs(said: Any, ends: NDArray[np.float64], places: Places) -> None:
         )
 
 
-def _start_depths(said: Any, reach: NDArray[np.float64]) -> NDArray[np.float64]:
+def _start_depths(spec: Any, reach: NDArray[np.float64]) -> NDArray[np.float64]:
     """Depths of the pulleys below the fixed sheaves [m] at which the rope is as long as it is.
 
     `reach` are those at which the lines reach their lugs; all move by the same length until some come to their stops.
     """
-    middle = said.part_length
-    low, high = middle - said.travel.up, middle + said.travel.down
+    middle = spec.part_length
+    low, high = middle - spec.travel.up, middle + spec.travel.down
     shift = float(reach.mean()) - middle
-    least = min((line.length for line in said.lines if line.length is not None), default=math.inf)
+    least = min((line.length for line in spec.lines if line.length is not None), default=math.inf)
     if shift > OVERLAP * least:
         raise InputError(
             f"the load is drawn {shift:.6g} m lower than its lines reach",
@@ -400,9 +400,9 @@ def _start_depths(said: Any, reach: NDArray[np.float64]) -> NDArray[np.float64]:
             expected="a load drawn higher, longer lines, or a longer 'part_length'",
         )
     travel = reach - shift - middle
-    if not said.travel.at_stops and (travel.min() < -said.travel.up or travel.max() > said.travel.down):
+    if not spec.travel.at_stops and (travel.min() < -spec.travel.up or travel.max() > spec.travel.down):
         key, needed = (
-            ("up", -travel.min()) if travel.min() < -said.travel.up else ("down", float(travel.max()))
+            ("up", -travel.min()) if travel.min() < -spec.travel.up else ("down", float(travel.max()))
         )
         line = int(np.argmin(travel) if key == "up" else np.argmax(travel))
         raise InputError(
@@ -417,17 +417,17 @@ def _start_depths(said: Any, reach: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.clip(reach - shift, low, high))
 
 
-def _add_pulleys(said: Any, layout: _Layout, places: Places, made: Made) -> None:
+def _add_pulleys(spec: Any, layout: _Layout, places: Places, made: Made) -> None:
     """Moving pulleys on guides, the rope over all of them, and lines."""
-    name, r, depth = said.name, said.sheave_radius, said.sheave_depth
-    entries = _entries(said)
-    count, mass = len(entries), said.pulley.mass
+    name, r, depth = spec.name, spec.sheave_radius, spec.sheave_depth
+    entries = _entries(spec)
+    count, mass = len(entries), spec.pulley.mass
     disc = [v * mass * r * r for v in (0.25, 0.5, 0.25)]
     stops = {
-        "lower": -said.travel.up,
-        "upper": said.travel.down,
-        "stiffness": said.travel.stiffness,
-        "damping": said.travel.damping,
+        "lower": -spec.travel.up,
+        "upper": spec.travel.down,
+        "stiffness": spec.travel.stiffness,
+        "damping": spec.travel.damping,
     }
     path: list[dict[str, Any]] = [
         {"body": f"{name}_beam", "point": [float(layout.offsets[0]) - r, 0.0, -depth]}
@@ -435,59 +435,59 @@ def _add_pulleys(said: Any, layout: _Layout, places: Places, made: Made) -> None
     for i in range(count):
         pulley, x = f"{name}_pulley_{i + 1}", float(layout.offsets[i])
         place = layout.pulley(i, layout.depths[i], depth)
-        made.rigid(pulley, mass, said.pulley.inertia or disc, place, layout.angle, key="pulley")
+        made.rigid(pulley, mass, spec.pulley.inertia or disc, place, layout.angle, key="pulley")
         guide = {
             "name": f"{name}_guide_{i + 1}",
             "type": "slider",
             "between": [f"{name}_beam", pulley],
-            "points": [[x, 0.0, -depth - said.part_length], [0.0, 0.0, 0.0]],
+            "points": [[x, 0.0, -depth - spec.part_length], [0.0, 0.0, 0.0]],
             "axis": listed(DOWN),
             "limits": stops,
         }
-        made.add("joints", guide | ({"friction": said.friction} if said.friction else {}), "travel")
+        made.add("joints", guide | ({"friction": spec.friction} if spec.friction else {}), "travel")
         sheave = {"body": pulley, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, -1.0, 0.0]}
-        path.append(sheave | _rubs(said))
+        path.append(sheave | _rubs(spec))
         if i < count - 1:
             fixed = {"body": f"{name}_beam", "point": [x + 2.0 * r, 0.0, -depth]}
-            path.append(fixed | {"radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(said))
-        _add_line(said, i, entries[i], layout, places, made)
+            path.append(fixed | {"radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(spec))
+        _add_line(spec, i, entries[i], layout, places, made)
     path.append({"body": f"{name}_beam", "point": [float(layout.offsets[-1]) + r, 0.0, -depth]})
     rope = {
         "name": f"{name}_rope",
-        "axial_stiffness": said.rope.axial_stiffness,
-        "damping": said.rope.damping,
-        "length": _rope_length(said),
+        "axial_stiffness": spec.rope.axial_stiffness,
+        "damping": spec.rope.damping,
+        "length": _rope_length(spec),
         "path": path,
     }
     made.add("ropes", rope, "rope")
 
 
-def _rubs(said: Any) -> dict[str, float]:
+def _rubs(spec: Any) -> dict[str, float]:
     """What a sheave says of its efficiency: nothing if it has no friction."""
-    return {"efficiency": said.efficiency} if said.efficiency < 1.0 else {}
+    return {"efficiency": spec.efficiency} if spec.efficiency < 1.0 else {}
 
 
-def _rope_length(said: Any) -> float:
+def _rope_length(spec: Any) -> float:
     """Unstretched length of the rope over all pulleys [m]."""
-    count = len(_entries(said))
-    return float(2.0 * count * said.part_length + (2 * count - 1) * math.pi * said.sheave_radius)
+    count = len(_entries(spec))
+    return float(2.0 * count * spec.part_length + (2 * count - 1) * math.pi * spec.sheave_radius)
 
 
-def _add_line(said: Any, i: int, entry: int, layout: _Layout, places: Places, made: Made) -> None:
+def _add_line(spec: Any, i: int, entry: int, layout: _Layout, places: Places, made: Made) -> None:
     """A line from its pulley i to a lug, or to an extension pulley with a sling to two lugs."""
-    name, line = said.name, said.lines[entry]
+    name, line = spec.name, spec.lines[entry]
     end: dict[str, Any] = {"body": line.body, "point": list(line.point)}
-    of_rope = {"axial_stiffness": said.line.axial_stiffness, "damping": said.line.damping}
+    of_rope = {"axial_stiffness": spec.line.axial_stiffness, "damping": spec.line.damping}
     if line.other_point is not None:
-        body, r, mass = f"{name}_extension_{i + 1}", said.extension.radius, said.extension.mass
+        body, r, mass = f"{name}_extension_{i + 1}", spec.extension.radius, spec.extension.mass
         lugs = [places.world(line.body, point) for point in (line.point, line.other_point)]
         across = lugs[1] - lugs[0]
         angle = float(np.arctan2(across[1], across[0]))
         inertia = [v * mass * r * r for v in (0.25, 0.5, 0.25)]
         made.rigid(body, mass, inertia, layout.ends[i] + 2.0 * r * DOWN, angle, key="extension")
-        sheave = {"body": body, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(said)
+        sheave = {"body": body, "point": [0.0, 0.0, 0.0], "radius": r, "axis": [0.0, 1.0, 0.0]} | _rubs(spec)
         ends = [{"body": line.body, "point": list(point)} for point in (line.point, line.other_point)]
-        sling = {"name": f"{name}_sling_{i + 1}", **of_rope, "length": said.extension.sling_length}
+        sling = {"name": f"{name}_sling_{i + 1}", **of_rope, "length": spec.extension.sling_length}
         made.add("ropes", sling | {"path": [ends[0], sheave, ends[1]]}, f"lines.{entry}")
         end = {"body": body, "point": [0.0, 0.0, 2.0 * r]}
     start = {"body": f"{name}_pulley_{i + 1}", "point": [0.0, 0.0, 0.0]}
@@ -495,24 +495,24 @@ def _add_line(said: Any, i: int, entry: int, layout: _Layout, places: Places, ma
     made.add("ropes", rope | {"path": [start, end]}, f"lines.{entry}")
 
 
-def _add_massless(said: Any, layout: _Layout, _places: Places, made: Made) -> None:
+def _add_massless(spec: Any, layout: _Layout, _places: Places, made: Made) -> None:
     """One rope whose path jumps from lug to lug."""
     path: list[dict[str, Any]] = []
-    for x, i in zip(layout.offsets, _entries(said), strict=True):
-        line = said.lines[i]
-        path.append({"body": f"{said.name}_beam", "point": [float(x), 0.0, -said.sheave_depth]})
+    for x, i in zip(layout.offsets, _entries(spec), strict=True):
+        line = spec.lines[i]
+        path.append({"body": f"{spec.name}_beam", "point": [float(x), 0.0, -spec.sheave_depth]})
         path.append({"body": line.body, "point": list(line.point)})
     rope = {
-        "name": f"{said.name}_rope",
+        "name": f"{spec.name}_rope",
         "type": "equalized",
         "path": path,
         "lengths": listed(layout.lengths),
-        "depth": said.part_length,
-        "up": said.travel.up,
-        "down": said.travel.down,
-        "axial_stiffness": said.rope.axial_stiffness,
-        "rope_length": _rope_length(said),
-        "line_stiffness": said.line.axial_stiffness,
-        "damping": said.line.damping,
-    } | _rubs(said)
+        "depth": spec.part_length,
+        "up": spec.travel.up,
+        "down": spec.travel.down,
+        "axial_stiffness": spec.rope.axial_stiffness,
+        "rope_length": _rope_length(spec),
+        "line_stiffness": spec.line.axial_stiffness,
+        "damping": spec.line.damping,
+    } | _rubs(spec)
     made.add("ropes", rope, "lines")

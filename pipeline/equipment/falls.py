@@ -113,93 +113,93 @@ class Falls:
     """In place of `moves`, how the rope is hauled in, n times as fast as the hook moves."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """The rope ends at the crown; the block is below it; moves follow each other."""
-        if said.parts % 2:
-            raise InputError(f"{said.parts} parts", key="parts", expected="an even number")
-        heading(said.along, "along")
-        if said.drop <= 2.0 * said.sheave_radius:
+        if spec.parts % 2:
+            raise InputError(f"{spec.parts} parts", key="parts", expected="an even number")
+        heading(spec.along, "along")
+        if spec.drop <= 2.0 * spec.sheave_radius:
             raise InputError(
-                f"{said.drop:.6g} m with sheaves of {said.sheave_radius:.6g} m",
+                f"{spec.drop:.6g} m with sheaves of {spec.sheave_radius:.6g} m",
                 key="drop",
-                expected=f"more than {2.0 * said.sheave_radius:.6g} m",
+                expected=f"more than {2.0 * spec.sheave_radius:.6g} m",
             )
-        if said.moves and said.winch is not None:
+        if spec.moves and spec.winch is not None:
             raise InputError("both 'moves' and 'winch'", key="winch", expected="one of them, or neither")
-        check_moves(said.moves, "moves")
-        highest = np.cumsum([move.distance for move in said.moves]).max(initial=0.0)
-        if said.drop - highest <= 2.0 * said.sheave_radius:
+        check_moves(spec.moves, "moves")
+        highest = np.cumsum([move.distance for move in spec.moves]).max(initial=0.0)
+        if spec.drop - highest <= 2.0 * spec.sheave_radius:
             raise InputError(
-                f"hoisted by {highest:.6g} m, and the block is {said.drop:.6g} m below its crown",
+                f"hoisted by {highest:.6g} m, and the block is {spec.drop:.6g} m below its crown",
                 key="moves",
-                expected=f"less than {said.drop - 2.0 * said.sheave_radius:.6g} m",
+                expected=f"less than {spec.drop - 2.0 * spec.sheave_radius:.6g} m",
             )
 
     @staticmethod
-    def build(said: Any, places: Places, made: Made) -> None:
+    def build(spec: Any, places: Places, made: Made) -> None:
         """Write block, rope, what hangs on the hook, and the place of the block below its crown."""
-        name, r, count = said.name, said.sheave_radius, said.parts // 2
-        along, angle = heading(said.along, "along")
+        name, r, count = spec.name, spec.sheave_radius, spec.parts // 2
+        along, angle = heading(spec.along, "along")
         across = np.cross(-DOWN, along)
-        crown = places.world(said.crown.body, said.crown.point)
-        aside = sheaves_aside(said.parts, r, said.sheave_spacing)
-        spacing = said.sheave_spacing or 0.25 * r
-        depth, mass, width = said.block.hook_depth, said.block.mass, count * spacing
+        crown = places.world(spec.crown.body, spec.crown.point)
+        aside = sheaves_aside(spec.parts, r, spec.sheave_spacing)
+        spacing = spec.sheave_spacing or 0.25 * r
+        depth, mass, width = spec.block.hook_depth, spec.block.mass, count * spacing
         box = [mass * (a * a + b * b) / 12.0 for a, b in ((width, depth), (2 * r, depth), (2 * r, width))]
-        place = crown + said.drop * DOWN
+        place = crown + spec.drop * DOWN
         centre = [0.0, 0.0, -0.5 * depth]
-        inertia = said.block.inertia or box
+        inertia = spec.block.inertia or box
         made.rigid(f"{name}_block", mass, inertia, place, angle, key="block", centre_of_mass=centre)
 
         def on_crown(x: float, y: float) -> dict[str, Any]:
-            point = places.local(said.crown.body, crown + x * along + y * across)
-            return {"body": said.crown.body, "point": listed(point)}
+            point = places.local(spec.crown.body, crown + x * along + y * across)
+            return {"body": spec.crown.body, "point": listed(point)}
 
-        rubs = {"efficiency": said.efficiency} if said.efficiency < 1.0 else {}
+        rubs = {"efficiency": spec.efficiency} if spec.efficiency < 1.0 else {}
 
         def sheave(y: float) -> dict[str, Any]:
-            start = places.local(said.crown.body, crown)
-            axis = places.local(said.crown.body, crown + across) - start
+            start = places.local(spec.crown.body, crown)
+            axis = places.local(spec.crown.body, crown + across) - start
             return on_crown(0.0, y) | {"radius": r, "axis": listed(axis)} | rubs
 
         path = [on_crown(r, float(aside[0]))]
-        if said.drum is not None:
-            path = [_drum(said, "drum", crown, along, places), sheave(float(aside[0]))]
+        if spec.drum is not None:
+            path = [_drum(spec, "drum", crown, along, places), sheave(float(aside[0]))]
         for k in range(count):
             lower = {"body": f"{name}_block", "point": [0.0, float(aside[k]), 0.0]}
             path.append(lower | {"radius": r, "axis": [0.0, 1.0, 0.0]} | rubs)
             if k < count - 1:
                 path.append(sheave(0.5 * float(aside[k] + aside[k + 1])))
-        if said.other_drum is None:
+        if spec.other_drum is None:
             path.append(on_crown(-r, float(aside[-1])))
         else:
-            path += [sheave(float(aside[-1])), _drum(said, "other_drum", crown, -along, places)]
-        rope = {"name": f"{name}_rope", "path": path} | without_winch(said.rope)
-        if said.moves:
-            rope["winch"] = speeds_of(said.moves, float(said.parts))
-        elif said.winch is not None:
-            rope["winch"] = given(said.winch)
-        if said.other_drum is not None and (said.drum is None or said.efficiency < 1.0):
-            end = "last" if said.drum is None else "both"
+            path += [sheave(float(aside[-1])), _drum(spec, "other_drum", crown, -along, places)]
+        rope = {"name": f"{name}_rope", "path": path} | without_winch(spec.rope)
+        if spec.moves:
+            rope["winch"] = speeds_of(spec.moves, float(spec.parts))
+        elif spec.winch is not None:
+            rope["winch"] = given(spec.winch)
+        if spec.other_drum is not None and (spec.drum is None or spec.efficiency < 1.0):
+            end = "last" if spec.drum is None else "both"
             rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"end": end}
-        if said.rope.brake is not None and said.efficiency < 1.0:
+        if spec.rope.brake is not None and spec.efficiency < 1.0:
             raise InputError(
                 "a brake that answers to the tension, on a rope over sheaves with an efficiency",
                 key="rope.brake",
                 expected="no 'brake', or an efficiency of 1",
             )
-        limit_winch(rope, said.rope)
+        limit_winch(rope, spec.rope)
         made.add("ropes", rope, "rope")
         if places.has_steps():
             load = {"name": name, "body": f"{name}_block", "ropes": [f"{name}_rope"]}
             made.add("hook_loads", load, "block")
-        middle = places.local(said.crown.body, crown)
-        lead = {"name": f"{name}_lead", "between": [said.crown.body, f"{name}_block"]}
+        middle = places.local(spec.crown.body, crown)
+        lead = {"name": f"{name}_lead", "between": [spec.crown.body, f"{name}_block"]}
         lead |= {
-            key: listed(places.local(said.crown.body, crown + way) - middle)
+            key: listed(places.local(spec.crown.body, crown + way) - middle)
             for key, way in (("axis", DOWN), ("normal", across))
         }
-        made.add("leads", lead | {"points": [list(said.crown.point), [0.0, 0.0, 0.0]]}, "crown")
+        made.add("leads", lead | {"points": [list(spec.crown.point), [0.0, 0.0, 0.0]]}, "crown")
 
 
 def sheaves_aside(parts: int, radius: float, spacing: float | None) -> NDArray[np.float64]:
@@ -208,12 +208,12 @@ def sheaves_aside(parts: int, radius: float, spacing: float | None) -> NDArray[n
     return np.asarray((np.arange(count) - 0.5 * (count - 1)) * (spacing or 0.25 * radius))
 
 
-def limit_winch(rope: dict[str, Any], said: Any) -> None:
+def limit_winch(rope: dict[str, Any], spec: Any) -> None:
     """Give the winch of a rope that is written its brake and the speed that it can do."""
-    if said.brake is not None:
-        rope["winch"] = rope.get("winch", {}) | {"brake": said.brake}
-    if said.fastest is not None:
-        rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"fastest": said.fastest}
+    if spec.brake is not None:
+        rope["winch"] = rope.get("winch", {}) | {"brake": spec.brake}
+    if spec.fastest is not None:
+        rope["winch"] = rope.get("winch", {"times": [0.0], "speeds": [0.0]}) | {"fastest": spec.fastest}
 
 
 def without_winch(rope: Any) -> dict[str, Any]:
@@ -222,17 +222,17 @@ def without_winch(rope: Any) -> dict[str, Any]:
 
 
 def _drum(
-    said: Any, key: str, crown: NDArray[np.float64], along: NDArray[np.float64], places: Places
+    spec: Any, key: str, crown: NDArray[np.float64], along: NDArray[np.float64], places: Places
 ) -> dict[str, Any]:
     """Place of a drum, on the side from which its lead comes over the crown."""
-    drum = getattr(said, key)
+    drum = getattr(spec, key)
     place = places.world(drum.body, drum.point) - crown
-    if place @ along > -said.sheave_radius:
+    if place @ along > -spec.sheave_radius:
         raise InputError(
             f"it is {float(place @ along):.6g} m from the crown along 'along'",
             key=f"{key}.point",
-            expected=f"less than {-said.sheave_radius:.6g} m: the lead comes over the crown from that side"
+            expected=f"less than {-spec.sheave_radius:.6g} m: the lead comes over the crown from that side"
             if key == "drum"
-            else f"less than {-said.sheave_radius:.6g} m the other way: the lead leaves over the crown on that side",
+            else f"less than {-spec.sheave_radius:.6g} m the other way: the lead leaves over the crown on that side",
         )
     return {"body": drum.body, "point": list(drum.point)}

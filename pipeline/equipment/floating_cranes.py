@@ -149,19 +149,19 @@ class FloatingCrane:
     """Hooks."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Moves follow each other; the boom stays between the deck and upright, and in front of its stay."""
-        heading(said.along, "along")
-        check_moves(turned(said.luffing), "luffing")
-        if said.driven and said.stay is not None:
+        heading(spec.along, "along")
+        check_moves(turned(spec.luffing), "luffing")
+        if spec.driven and spec.stay is not None:
             raise InputError(
                 "a driven hinge under a boom that a stay holds",
                 key="driven",
                 expected="no 'stay'; or the winch of the stay, which a scenario tells as that of any rope",
             )
-        if said.slewing is not None:
-            check_moves(turned(said.slewing.moves), "slewing.moves")
-        angles = said.boom.angle + np.cumsum([0.0, *(turn.angle for turn in said.luffing)])
+        if spec.slewing is not None:
+            check_moves(turned(spec.slewing.moves), "slewing.moves")
+        angles = spec.boom.angle + np.cumsum([0.0, *(turn.angle for turn in spec.luffing)])
         if angles.min() < 0.0 or angles.max() > 0.5 * np.pi:
             worst = float(angles[np.argmax(np.abs(angles - 0.25 * np.pi))])
             raise InputError(
@@ -169,32 +169,32 @@ class FloatingCrane:
                 key="luffing",
                 expected="between 0 and 90 degrees above the deck",
             )
-        if (said.boom.centre or 0.0) > said.boom.length:
+        if (spec.boom.centre or 0.0) > spec.boom.length:
             raise InputError(
-                f"{said.boom.centre:.6g} m from the hinge of a boom of {said.boom.length:.6g} m",
+                f"{spec.boom.centre:.6g} m from the hinge of a boom of {spec.boom.length:.6g} m",
                 key="boom.centre",
-                expected=f"at most {said.boom.length:.6g} m",
+                expected=f"at most {spec.boom.length:.6g} m",
             )
-        if said.level and not said.luffing:
+        if spec.level and not spec.luffing:
             raise InputError(
                 "no 'luffing', and winches know of no other",
                 key="level",
                 expected="'luffing'; where a scenario luffs the boom it tells the hooks, too",
             )
-        for i, hook in enumerate(said.hooks):
+        for i, hook in enumerate(spec.hooks):
             check_moves(hook.moves, f"hooks.{i}.moves")
-            lowest = said.boom.length * (np.sin(angles.min()) - np.sin(said.boom.angle))
-            if said.level and hook.drop + lowest <= 2.0 * said.sheave_radius:
+            lowest = spec.boom.length * (np.sin(angles.min()) - np.sin(spec.boom.angle))
+            if spec.level and hook.drop + lowest <= 2.0 * spec.sheave_radius:
                 raise InputError(
                     f"the boom comes down by {-float(lowest):.6g} m to a hook that keeps its height, {hook.drop:.6g} m "
                     "below it",
                     key=f"hooks.{i}.drop",
-                    expected=f"more than {2.0 * said.sheave_radius - float(lowest):.6g} m",
+                    expected=f"more than {2.0 * spec.sheave_radius - float(lowest):.6g} m",
                 )
-        if said.stay is not None:
-            along, _ = heading(said.along, "along")
+        if spec.stay is not None:
+            along, _ = heading(spec.along, "along")
             for angle in angles:
-                point, head = _stay_ends(said, along, float(angle))
+                point, head = _stay_ends(spec, along, float(angle))
                 if point[0] * head[1] - point[1] * head[0] <= 0.0:
                     raise InputError(
                         f"at {np.degrees(float(angle)):.6g} degrees it does not pull the boom upwards",
@@ -203,21 +203,21 @@ class FloatingCrane:
                     )
 
     @staticmethod
-    def build(said: Any, places: Places, made: Made) -> None:
+    def build(spec: Any, places: Places, made: Made) -> None:
         """Write the boom, what holds it, and falls."""
-        name, carrier, boom = said.name, said.hull, said.boom
-        foot = places.world(said.hull, said.hinge)
-        axes = np.array([places.world(said.hull, row) for row in np.eye(3)]).T
-        axes -= places.world(said.hull, np.zeros(3))[:, None]  # of the hull in the world, in columns
-        along, _ = heading(said.along, "along")
+        name, carrier, boom = spec.name, spec.hull, spec.boom
+        foot = places.world(spec.hull, spec.hinge)
+        axes = np.array([places.world(spec.hull, row) for row in np.eye(3)]).T
+        axes -= places.world(spec.hull, np.zeros(3))[:, None]  # of the hull in the world, in columns
+        along, _ = heading(spec.along, "along")
         across = np.cross([0.0, 0.0, 1.0], along)
         frame = axes @ np.column_stack(
             [along, across, [0.0, 0.0, 1.0]]
         )  # ahead, left and up of the boom on its deck
         origin = np.zeros(3)
-        if said.slewing is not None:
-            carrier, origin = f"{name}_table", np.array(said.slewing.centre)
-            _add_table(said, places, made, axes)
+        if spec.slewing is not None:
+            carrier, origin = f"{name}_table", np.array(spec.slewing.centre)
+            _add_table(spec, places, made, axes)
 
         def on_carrier(point: Any) -> dict[str, Any]:
             return {"body": carrier, "point": listed(np.subtract(point, origin))}
@@ -238,41 +238,41 @@ class FloatingCrane:
             "between": [carrier, f"{name}_boom"],
             "at": listed(foot),
         }
-        if said.stay is None and not (said.luffing or said.driven):
+        if spec.stay is None and not (spec.luffing or spec.driven):
             made.add("joints", hinge | {"type": "fixed"}, "hinge")
         else:
             hinge |= {"type": "hinge", "axis": listed(-frame[:, 1])}
-            if said.stay is None:
+            if spec.stay is None:
                 standing = {"times": [0.0], "speeds": [0.0]}
-                hinge["drive"] = speeds_of(turned(said.luffing)) if said.luffing else standing
+                hinge["drive"] = speeds_of(turned(spec.luffing)) if spec.luffing else standing
             made.add("joints", hinge, "hinge")
-        if said.stay is not None:
-            _add_stay(said, made, along, on_carrier)
+        if spec.stay is not None:
+            _add_stay(spec, made, along, on_carrier)
         ahead = frame[:, 0] - np.array([0.0, 0.0, frame[2, 0]])  # horizontal in the world, as falls have it
-        for i, hook in enumerate(said.hooks):
+        for i, hook in enumerate(spec.hooks):
             crown = np.array([boom.length, 0.0, 0.0]) + up.T @ [*hook.at, 0.0]
             falls: dict[str, Any] = {
                 "name": f"{name}_hook_{hook.number or i + 1}",
                 "crown": {"body": f"{name}_boom", "point": listed(crown)},
                 "along": listed(ahead),
                 "parts": hook.parts,
-                "sheave_radius": said.sheave_radius,
-                "efficiency": said.efficiency,
+                "sheave_radius": spec.sheave_radius,
+                "efficiency": spec.efficiency,
                 "drop": hook.drop,
-                "block": given(said.block),
-                "rope": given(said.rope),
+                "block": given(spec.block),
+                "rope": given(spec.rope),
             }
             if hook.tension is not None:
                 falls["rope"] |= {"tension": hook.tension}
             if hook.winch is not None:
                 falls["drum"] = on_carrier(hook.winch)
-            if said.level and said.luffing:
+            if spec.level and spec.luffing:
                 drum = None
                 if hook.winch is not None:
                     drum = np.column_stack([along, across, [0.0, 0.0, 1.0]]).T @ np.subtract(
-                        hook.winch, said.hinge
+                        hook.winch, spec.hinge
                     )
-                falls["winch"] = _level(said, hook, crown, drum)
+                falls["winch"] = _level(spec, hook, crown, drum)
             elif hook.moves:
                 falls["moves"] = [given(move) for move in hook.moves]
             made.add("falls", falls, f"hooks.{i}")
@@ -293,10 +293,10 @@ def _turn(axes: NDArray[np.float64]) -> dict[str, Any]:
     return {"orientation": {"axis": listed(vector / angle), "angle": angle}} if angle > 0.0 else {}
 
 
-def _add_table(said: Any, places: Places, made: Made, axes: NDArray[np.float64]) -> None:
+def _add_table(spec: Any, places: Places, made: Made, axes: NDArray[np.float64]) -> None:
     """The table that slews, and what turns it."""
-    table, name = said.slewing, f"{said.name}_table"
-    centre = places.world(said.hull, table.centre)
+    table, name = spec.slewing, f"{spec.name}_table"
+    centre = places.world(spec.hull, table.centre)
     across = 0.25 * table.mass * table.radius**2
     entry = {
         "type": "rigid",
@@ -307,8 +307,8 @@ def _add_table(said: Any, places: Places, made: Made, axes: NDArray[np.float64])
     }
     made.body(name, entry, "slewing")
     joint: dict[str, Any] = {
-        "name": f"{said.name}_slewing",
-        "between": [said.hull, name],
+        "name": f"{spec.name}_slewing",
+        "between": [spec.hull, name],
         "at": listed(centre),
     }
     if table.moves or table.driven:
@@ -320,47 +320,47 @@ def _add_table(said: Any, places: Places, made: Made, axes: NDArray[np.float64])
 
 
 def _stay_ends(
-    said: Any, along: NDArray[np.float64], angle: float
+    spec: Any, along: NDArray[np.float64], angle: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Ends of the stay from the hinge in the plane of the boom, ahead and up [m]: on the boom, and on the back stay."""
-    reach = said.stay.at or said.boom.length
-    way = np.subtract(said.stay.head, said.hinge)
+    reach = spec.stay.at or spec.boom.length
+    way = np.subtract(spec.stay.head, spec.hinge)
     return reach * np.array([np.cos(angle), np.sin(angle)]), np.array([float(way @ along), float(way[2])])
 
 
-def _add_stay(said: Any, made: Made, along: NDArray[np.float64], on_carrier: Callable[[Any], Any]) -> None:
+def _add_stay(spec: Any, made: Made, along: NDArray[np.float64], on_carrier: Callable[[Any], Any]) -> None:
     """The rope that holds the boom."""
-    stay, parts = said.stay, said.stay.parts
+    stay, parts = spec.stay, spec.stay.parts
     ends = (
         on_carrier(stay.head),
-        {"body": f"{said.name}_boom", "point": [stay.at or said.boom.length, 0.0, 0.0]},
+        {"body": f"{spec.name}_boom", "point": [stay.at or spec.boom.length, 0.0, 0.0]},
     )
     rope: dict[str, Any] = {
-        "name": f"{said.name}_stay",
+        "name": f"{spec.name}_stay",
         "path": [ends[k % 2] for k in range(parts + 1)],
     } | without_winch(stay.rope)
-    if said.luffing:
-        aside = float(np.subtract(stay.head, said.hinge) @ np.cross([0.0, 0.0, 1.0], along))
+    if spec.luffing:
+        aside = float(np.subtract(stay.head, spec.hinge) @ np.cross([0.0, 0.0, 1.0], along))
 
         def length(angle: float) -> float:
-            point, head = _stay_ends(said, along, angle)
+            point, head = _stay_ends(spec, along, angle)
             return parts * float(np.hypot(np.linalg.norm(point - head), aside))
 
-        times = _times(turned(said.luffing))
-        rope["winch"] = {"times": times, "speeds": [-rate for rate in _rates(said, times, length)]}
+        times = _times(turned(spec.luffing))
+        rope["winch"] = {"times": times, "speeds": [-rate for rate in _rates(spec, times, length)]}
     limit_winch(rope, stay.rope)
     made.add("ropes", rope, "stay")
 
 
 def _level(
-    said: Any, hook: Any, crown: NDArray[np.float64], drum: NDArray[np.float64] | None
+    spec: Any, hook: Any, crown: NDArray[np.float64], drum: NDArray[np.float64] | None
 ) -> dict[str, Any]:
     """Winch of a hook that moves as it is told and not with the boom; `drum` from the hinge: ahead, left, up [m].
 
     The lead touches the sheave of the crown where its tangent does, wraps it to its far side, and leaves straight down.
     The other end is at the crown, beside its axis, and turns with the boom.
     """
-    r = float(said.sheave_radius)
+    r = float(spec.sheave_radius)
     first = float(sheaves_aside(hook.parts, r, None)[0])
 
     def needed(angle: float) -> float:
@@ -372,14 +372,14 @@ def _level(
         away = float(np.hypot(ahead, up))
         lead = float(np.sqrt(away**2 - r**2 + left**2))
         wrap = float(np.arctan2(up, ahead)) % (2.0 * np.pi) - float(np.arccos(r / away))
-        return height + lead + r * (wrap - float(np.sin(angle - said.boom.angle)))
+        return height + lead + r * (wrap - float(np.sin(angle - spec.boom.angle)))
 
-    times = _times(turned(said.luffing))
+    times = _times(turned(spec.luffing))
     own = speeds_of(hook.moves, float(hook.parts)) if hook.moves else {"times": [0.0], "speeds": [0.0]}
     times = sorted({*times, *own["times"]})
     times = [time for i, time in enumerate(times) if i == 0 or time > times[i - 1] + PAUSE]
     hoisting = np.interp(times, own["times"], own["speeds"])
-    rates = _rates(said, times, needed)
+    rates = _rates(spec, times, needed)
     return {"times": times, "speeds": [float(v) - rate for v, rate in zip(hoisting, rates, strict=True)]}
 
 
@@ -388,7 +388,7 @@ def _times(moves: Sequence[Any]) -> list[float]:
     return list(positions_of(moves)["times"])
 
 
-def _rates(said: Any, times: Sequence[float], length: Callable[[float], float]) -> list[float]:
+def _rates(spec: Any, times: Sequence[float], length: Callable[[float], float]) -> list[float]:
     """Rate [m/s] of a length that depends on the angle of the boom, at some times.
 
     Notes
@@ -396,9 +396,9 @@ def _rates(said: Any, times: Sequence[float], length: Callable[[float], float]) 
     Speeds of the boom are linear between the times, and so is this rate but for its curvature over the angle of a
     piece of a ramp.
     """
-    moves = turned(said.luffing)
+    moves = turned(spec.luffing)
     way, speeds = positions_of(moves), speeds_of(moves, 1.0)
-    gone = np.interp(times, way["times"], way["values"]) + said.boom.angle
+    gone = np.interp(times, way["times"], way["values"]) + spec.boom.angle
     rates, small = np.interp(times, speeds["times"], speeds["speeds"]), 1e-5
     slopes = [(length(float(at) + small) - length(float(at) - small)) / (2.0 * small) for at in gone]
     return [float(slope * rate) for slope, rate in zip(slopes, rates, strict=True)]

@@ -89,37 +89,37 @@ class GantryCrane:
     """Ropes of all falls."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Moves follow each other, trolleys stay on the girder, hooks above the rails."""
-        check_moves(said.moves, "moves")
-        for i, trolley in enumerate(said.trolleys):
+        check_moves(spec.moves, "moves")
+        for i, trolley in enumerate(spec.trolleys):
             check_moves(trolley.moves, f"trolleys.{i}.moves")
             at = trolley.position + np.cumsum([0.0, *(move.distance for move in trolley.moves)])
-            if np.abs(at).max() > 0.5 * said.span:
+            if np.abs(at).max() > 0.5 * spec.span:
                 raise InputError(
-                    f"it comes {float(np.abs(at).max()):.6g} m from the middle of a girder of {said.span:.6g} m",
+                    f"it comes {float(np.abs(at).max()):.6g} m from the middle of a girder of {spec.span:.6g} m",
                     key=f"trolleys.{i}.{'moves' if trolley.moves else 'position'}",
-                    expected=f"at most {0.5 * said.span:.6g} m",
+                    expected=f"at most {0.5 * spec.span:.6g} m",
                 )
             for k, hoist in enumerate(trolley.hoists):
                 lowest = hoist.drop - np.cumsum([0.0, *(move.distance for move in hoist.moves)]).min()
-                if lowest + said.block.hook_depth >= said.girder_height:
+                if lowest + spec.block.hook_depth >= spec.girder_height:
                     raise InputError(
-                        f"the hook comes {float(lowest) + said.block.hook_depth:.6g} m below a girder that is "
-                        f"{said.girder_height:.6g} m high",
+                        f"the hook comes {float(lowest) + spec.block.hook_depth:.6g} m below a girder that is "
+                        f"{spec.girder_height:.6g} m high",
                         key=f"trolleys.{i}.hoists.{k}.drop",
                         expected="a hook above the rails",
                     )
 
     @staticmethod
-    def build(said: Any, _places: Places, made: Made) -> None:
+    def build(spec: Any, _places: Places, made: Made) -> None:
         """Write girder, trolleys and falls."""
-        name = said.name
-        middle = np.array(said.position) + np.array([0.0, 0.0, said.girder_height])
-        along = {"y": speeds_of(said.moves)} if said.moves else {}
-        size = (said.span, 6.0, 6.0)
-        _driven(made, f"{name}_girder", said.mass, size, middle, along, "mass")
-        for i, trolley in enumerate(said.trolleys):
+        name = spec.name
+        middle = np.array(spec.position) + np.array([0.0, 0.0, spec.girder_height])
+        along = {"y": speeds_of(spec.moves)} if spec.moves else {}
+        size = (spec.span, 6.0, 6.0)
+        _driven(made, f"{name}_girder", spec.mass, size, middle, along, "mass")
+        for i, trolley in enumerate(spec.trolleys):
             body, key = f"{name}_trolley_{i + 1}", f"trolleys.{i}"
             place = middle + np.array([trolley.position, 0.0, 0.0])
             frame = along | ({"x": speeds_of(trolley.moves)} if trolley.moves else {})
@@ -130,11 +130,11 @@ class GantryCrane:
                     "name": f"{name}_hook_{i + 1}_{k + 1}",
                     "crown": {"body": body, "point": [*hoist.at, 0.0]},
                     "parts": hoist.parts,
-                    "sheave_radius": said.sheave_radius,
-                    "efficiency": said.efficiency,
+                    "sheave_radius": spec.sheave_radius,
+                    "efficiency": spec.efficiency,
                     "drop": hoist.drop,
-                    "block": given(said.block),
-                    "rope": given(said.rope),
+                    "block": given(spec.block),
+                    "rope": given(spec.rope),
                     "moves": [given(move) for move in hoist.moves],
                 }
                 made.add("falls", falls, f"{key}.hoists.{k}")

@@ -68,20 +68,20 @@ class LinkBeam:
     """Of each of them [N s/m]; half of what is critical for the link alone if absent."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """It points somewhere."""
-        if not any(said.along):
+        if not any(spec.along):
             raise InputError("a direction of length zero", key="along", expected="a horizontal direction")
-        heading(said.along, "along")
+        heading(spec.along, "along")
 
     @staticmethod
-    def build(said: Any, places: Places, made: Made) -> None:
+    def build(spec: Any, places: Places, made: Made) -> None:
         """Write the plate, its hinge, the bearings and the deck that wheels see."""
-        name, L, b = said.name, said.length, said.breadth
-        along, _ = heading(said.along, "along")
-        hinge = places.world(said.hinged_on, said.hinge)
-        edge = places.world(said.rests_on, said.edge)
-        gap, rise = float((edge - hinge) @ along), float(edge[2] + said.lip - hinge[2])
+        name, L, b = spec.name, spec.length, spec.breadth
+        along, _ = heading(spec.along, "along")
+        hinge = places.world(spec.hinged_on, spec.hinge)
+        edge = places.world(spec.rests_on, spec.edge)
+        gap, rise = float((edge - hinge) @ along), float(edge[2] + spec.lip - hinge[2])
         if not abs(rise) <= math.sin(STEEPEST) * L:
             raise InputError(
                 f"its end is to lie {rise:.6g} m over its hinge, it is {L:.6g} m long",
@@ -102,8 +102,8 @@ class LinkBeam:
         x = (reach * along + [0.0, 0.0, rise]) / L
         y = np.array([-along[1], along[0], 0.0])
         axis, angle = _turn(np.column_stack([x, y, np.cross(x, y)]))
-        m = said.mass
-        inertia = [m * v / 12.0 for v in (b * b + said.depth**2, L * L + said.depth**2, L * L + b * b)]
+        m = spec.mass
+        inertia = [m * v / 12.0 for v in (b * b + spec.depth**2, L * L + spec.depth**2, L * L + b * b)]
         initial: dict[str, Any] = {"position": listed(hinge)}
         if angle:
             initial["orientation"] = {"axis": axis, "angle": angle}
@@ -116,24 +116,24 @@ class LinkBeam:
             "initial": initial,
         }
         made.body(f"{name}_plate", plate, key="mass")
-        joint = {"name": f"{name}_hinge", "type": "hinge", "between": [said.hinged_on, f"{name}_plate"]}
+        joint = {"name": f"{name}_hinge", "type": "hinge", "between": [spec.hinged_on, f"{name}_plate"]}
         made.add("joints", joint | {"at": listed(hinge), "axis": listed(y)}, "hinge")
         deck = {"name": f"{name}_deck", "body": f"{name}_plate", "sides": [-0.5 * b, 0.5 * b]}
         made.add("decks", deck | {"stations": [0.0, L], "heights": [0.0, 0.0]}, "breadth")
-        origin, *ends = (places.local(said.rests_on, edge + v) for v in (np.zeros(3), along, [0.0, 0.0, 1.0]))
+        origin, *ends = (places.local(spec.rests_on, edge + v) for v in (np.zeros(3), along, [0.0, 0.0, 1.0]))
         onto, up = (end - origin for end in ends)
-        c = math.sqrt(said.stiffness * m / 6.0) if said.damping is None else said.damping
+        c = math.sqrt(spec.stiffness * m / 6.0) if spec.damping is None else spec.damping
         bearing = {
             "name": f"{name}_end",
             "type": "line_bearing",
-            "between": [said.rests_on, f"{name}_plate"],
-            "points": [listed(said.edge), [L, 0.0, -said.lip]],
+            "between": [spec.rests_on, f"{name}_plate"],
+            "points": [listed(spec.edge), [L, 0.0, -spec.lip]],
             "inward": listed(onto),
             "normal": listed(up),
             "length": b,
-            "stiffness": said.stiffness,
+            "stiffness": spec.stiffness,
             "damping": c,
-            "friction": said.friction,
+            "friction": spec.friction,
         }
         made.add("forces", bearing, "stiffness")
 

@@ -41,9 +41,9 @@ class Move:
     """How long the speed grows, and falls [s]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Both ramps fit into the distance."""
-        _check_ramps(said, "distance", said.distance, "m")
+        _check_ramps(spec, "distance", spec.distance, "m")
 
 
 @EQUIPMENT.part
@@ -61,9 +61,9 @@ class Turn:
     """How long the speed grows, and falls [s]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Both ramps fit into the angle."""
-        _check_ramps(said, "angle", said.angle, "rad")
+        _check_ramps(spec, "angle", spec.angle, "rad")
 
 
 def turned(turns: Sequence[Any]) -> list[Any]:
@@ -74,12 +74,12 @@ def turned(turns: Sequence[Any]) -> list[Any]:
     ]
 
 
-def _check_ramps(said: Any, key: str, distance: float, unit: str) -> None:
+def _check_ramps(spec: Any, key: str, distance: float, unit: str) -> None:
     """Both ramps fit into a distance or an angle."""
-    least = said.speed * said.ramp
+    least = spec.speed * spec.ramp
     if abs(distance) < least * (1.0 - 1e-12):
         raise InputError(
-            f"{distance:.6g} {unit}, and ramps of {said.ramp:.6g} s to {said.speed:.6g} {unit}/s take "
+            f"{distance:.6g} {unit}, and ramps of {spec.ramp:.6g} s to {spec.speed:.6g} {unit}/s take "
             f"{least:.6g} {unit}",
             key=key,
             expected=f"at least {least:.6g} {unit}, a lower speed or a shorter ramp",

@@ -83,48 +83,48 @@ class Spreader:
     """Lines from the beam to the load."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Slings are long enough, and lines on the beam."""
-        if not any(said.along):
+        if not any(spec.along):
             raise InputError("a direction of length zero", key="along", expected="a horizontal direction")
-        heading(said.along, "along")
-        least = 0.5 * said.beam.length / math.cos(FLATTEST)
-        if said.sling_length < least:
-            half = 0.5 * said.beam.length / said.sling_length
+        heading(spec.along, "along")
+        least = 0.5 * spec.beam.length / math.cos(FLATTEST)
+        if spec.sling_length < least:
+            half = 0.5 * spec.beam.length / spec.sling_length
             angle = (
                 f"{math.degrees(math.acos(half)):.4g} deg to the horizontal" if half < 1.0 else "too short"
             )
             raise InputError(
-                f"slings of {said.sling_length:.6g} m to a beam of {said.beam.length:.6g} m: {angle}",
+                f"slings of {spec.sling_length:.6g} m to a beam of {spec.beam.length:.6g} m: {angle}",
                 key="sling_length",
                 expected=f"at least {least:.6g} m, 30 deg",
             )
-        for i, line in enumerate(said.lines):
-            if abs(line.at) > 0.5 * said.beam.length:
+        for i, line in enumerate(spec.lines):
+            if abs(line.at) > 0.5 * spec.beam.length:
                 raise InputError(
-                    f"{line.at:.6g} m from the middle of a beam of {said.beam.length:.6g} m",
+                    f"{line.at:.6g} m from the middle of a beam of {spec.beam.length:.6g} m",
                     key=f"lines.{i}.at",
-                    expected=f"at most {0.5 * said.beam.length:.6g} m",
+                    expected=f"at most {0.5 * spec.beam.length:.6g} m",
                 )
 
     @staticmethod
-    def build(said: Any, places: Places, made: Made) -> None:
+    def build(spec: Any, places: Places, made: Made) -> None:
         """Write beam, slings and lines."""
-        name, beam = said.name, said.beam
-        along, angle = heading(said.along, "along")
+        name, beam = spec.name, spec.beam
+        along, angle = heading(spec.along, "along")
         half, depth = 0.5 * beam.length, beam.depth
-        top = places.world(said.hook.body, said.hook.point) + math.sqrt(said.sling_length**2 - half**2) * DOWN
+        top = places.world(spec.hook.body, spec.hook.point) + math.sqrt(spec.sling_length**2 - half**2) * DOWN
         middle = top + 0.5 * depth * DOWN
         bar = [beam.mass * v / 12.0 for v in (2.0 * depth**2, *[beam.length**2 + depth**2] * 2)]
         made.rigid(f"{name}_beam", beam.mass, beam.inertia or bar, middle, angle, key="beam")
-        hook = {"body": said.hook.body, "point": list(said.hook.point)}
-        of_sling = {"axial_stiffness": said.sling.axial_stiffness, "damping": said.sling.damping}
-        of_line = {"axial_stiffness": said.line.axial_stiffness, "damping": said.line.damping}
+        hook = {"body": spec.hook.body, "point": list(spec.hook.point)}
+        of_sling = {"axial_stiffness": spec.sling.axial_stiffness, "damping": spec.sling.damping}
+        of_line = {"axial_stiffness": spec.line.axial_stiffness, "damping": spec.line.damping}
         for i, x in enumerate((-half, half)):
             eye = {"body": f"{name}_beam", "point": [x, 0.0, 0.5 * depth]}
-            entry = {"name": f"{name}_sling_{i + 1}", **of_sling, "length": said.sling_length}
+            entry = {"name": f"{name}_sling_{i + 1}", **of_sling, "length": spec.sling_length}
             made.add("ropes", entry | {"path": [hook, eye]}, "sling")
-        for i, line in enumerate(said.lines):
+        for i, line in enumerate(spec.lines):
             start = middle + line.at * along + 0.5 * depth * DOWN
             lug = places.world(line.body, line.point)
             if (lug - start) @ DOWN <= 0.0:

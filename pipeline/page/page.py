@@ -117,14 +117,14 @@ def page_content(
     block = Block()
     shown = motion if motion is not None else SceneMotion([np.zeros(1)] * 4, np.array([0.0, 0.0, 1.0]))
     timelines = [block.add(times, "f8") for times in shown.times]
-    said = [*notes, *shown.notes]
+    remarks = [*notes, *shown.notes]
     channels: list[dict[str, Any]] = []
     if results is not None and len(results.time):
         channels, more, words = pack_channels(results, block, descriptions or {})
         for channel in channels:
             channel["timeline"] += len(timelines)
         timelines += more
-        said += words
+        remarks += words
         begin, end = float(results.time[0]), float(results.time[-1])
     else:
         begin = end = 0.0
@@ -149,7 +149,7 @@ def page_content(
         "checks": [_row(one, channels) for one in judged],
         "phases": [list(phase) for phase in phases],
         "events": [{"time": time, "text": text} for time, text in sorted(events, key=lambda one: one[0])],
-        "notes": said,
+        "notes": remarks,
         "labelled": labelled or shown.largest < _FAR_APART * shown.size,
         "live": live,
         "version": version_of_data,

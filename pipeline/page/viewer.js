@@ -322,19 +322,19 @@ const heavylift = (() => {
   }
 
   class Body {
-    constructor(said) {
-      this.name = said.name;
-      this.label = said.name;
+    constructor(spec) {
+      this.name = spec.name;
+      this.label = spec.name;
       this.group = new three.Group();
       this.group.matrixAutoUpdate = false;
       root.add(this.group);
       this.matrix = Float64Array.from(IDENTITY); // by columns, as WebGL has them
       this.there = true;
-      this.centre = said.centre;
-      this.fixed = said.fixed || null;
-      if (said.position) {
-        this.position = new Keyed(said.position, timelines[said.timeline]);
-        this.turned = floats(said.orientation);
+      this.centre = spec.centre;
+      this.fixed = spec.fixed || null;
+      if (spec.position) {
+        this.position = new Keyed(spec.position, timelines[spec.timeline]);
+        this.turned = floats(spec.orientation);
       }
       this.p = new Float32Array(3);
       this.q = new Float32Array(4);
@@ -383,11 +383,11 @@ const heavylift = (() => {
 
   // What can be hidden: `name` of what it belongs to, `group` of the list of objects.
   class Item {
-    constructor(said) {
-      this.name = said.name;
-      this.group = said.group;
-      this.body = said.body === undefined ? -1 : said.body;
-      this.hidden = Boolean(said.hidden);
+    constructor(spec) {
+      this.name = spec.name;
+      this.group = spec.group;
+      this.body = spec.body === undefined ? -1 : spec.body;
+      this.hidden = Boolean(spec.hidden);
       this.objects = [];
     }
 
@@ -400,46 +400,46 @@ const heavylift = (() => {
   }
 
   class Surface extends Item {
-    constructor(said) {
-      super(said);
-      const rest = floats(said.points);
+    constructor(spec) {
+      super(spec);
+      const rest = floats(spec.points);
       this.rest = rest;
-      this.shown = said.modes || said.shapes ? Float32Array.from(rest) : rest;
-      this.coloured = Boolean(said.stress);
-      this.geometry = geometry(this.shown, said.triangles ? Uint32Array.from(raw(said.triangles)) : null);
-      this.mesh = new three.Mesh(this.geometry, surfaceMaterial(rgb(said.colour), said.opacity, this.coloured));
+      this.shown = spec.modes || spec.shapes ? Float32Array.from(rest) : rest;
+      this.coloured = Boolean(spec.stress);
+      this.geometry = geometry(this.shown, spec.triangles ? Uint32Array.from(raw(spec.triangles)) : null);
+      this.mesh = new three.Mesh(this.geometry, surfaceMaterial(rgb(spec.colour), spec.opacity, this.coloured));
       this.mesh.frustumCulled = false;
       this.mesh.userData.item = this;
-      if (said.coarse) this.indices = [this.geometry.index, new three.Attribute(Uint32Array.from(raw(said.coarse)), 1)];
-      if (said.opacity < 1) this.mesh.renderOrder = 1;
+      if (spec.coarse) this.indices = [this.geometry.index, new three.Attribute(Uint32Array.from(raw(spec.coarse)), 1)];
+      if (spec.opacity < 1) this.mesh.renderOrder = 1;
       parentOf(this.body).add(this.mesh);
       this.objects.push(this.mesh);
-      if (said.edges) {
-        const edges = geometry(this.shown, Uint32Array.from(raw(said.edges)));
+      if (spec.edges) {
+        const edges = geometry(this.shown, Uint32Array.from(raw(spec.edges)));
         this.geometryOfEdges = edges;
         this.edges = new three.Segments(edges, lineMaterial(0x3a4653));
         this.edges.frustumCulled = false;
         parentOf(this.body).add(this.edges);
         this.objects.push(this.edges);
       }
-      if (said.modes) {
-        this.modes = floats(said.modes);
-        this.amplitudes = new Keyed(said.amplitudes, timelines[said.timeline]);
+      if (spec.modes) {
+        this.modes = floats(spec.modes);
+        this.amplitudes = new Keyed(spec.amplitudes, timelines[spec.timeline]);
         this.a = new Float32Array(this.amplitudes.size);
-      } else if (said.shapes) {
-        this.keyed = new Keyed(said.shapes, timelines[said.timeline]);
+      } else if (spec.shapes) {
+        this.keyed = new Keyed(spec.shapes, timelines[spec.timeline]);
         this.now = new Float32Array(rest.length);
       }
-      if (said.stress) {
-        this.stress = new Keyed(said.stress, timelines[said.stressTimeline]);
+      if (spec.stress) {
+        this.stress = new Keyed(spec.stress, timelines[spec.stressTimeline]);
         this.codes = new Float32Array(this.stress.size);
         this.colours = new Uint8Array(3 * this.stress.size);
         this.geometry.setAttribute("color", new three.Attribute(this.colours, 3, true));
       }
-      if (said.anchor) this.anchor = said.anchor;
-      if (said.offset) this.offset = new Keyed(said.offset, timelines[said.offsetTimeline]);
-      if (said.at) this.at = said.at;
-      if (said.size) this.sized = new Keyed(said.size, timelines[said.sizeTimeline]);
+      if (spec.anchor) this.anchor = spec.anchor;
+      if (spec.offset) this.offset = new Keyed(spec.offset, timelines[spec.offsetTimeline]);
+      if (spec.at) this.at = spec.at;
+      if (spec.size) this.sized = new Keyed(spec.size, timelines[spec.sizeTimeline]);
       if (this.modes || this.keyed) deformed.push(this);
       this.index = items.length;
       this.d = new Float32Array(3);
@@ -556,35 +556,35 @@ const heavylift = (() => {
 
   // Points that are fixed to bodies, or move in their axes, joined by a tube or by segments.
   class Line extends Item {
-    constructor(said) {
-      super(said);
-      this.on = raw(said.on);
-      this.surface = said.surface ? raw(said.surface) : null;
-      this.vertex = said.vertex ? raw(said.vertex) : null;
+    constructor(spec) {
+      super(spec);
+      this.on = raw(spec.on);
+      this.surface = spec.surface ? raw(spec.surface) : null;
+      this.vertex = spec.vertex ? raw(spec.vertex) : null;
       this.count = this.on.length;
-      if (said.timeline !== undefined && said.local.s.length === 3) {
-        this.keyed = new Keyed(said.local, timelines[said.timeline]);
+      if (spec.timeline !== undefined && spec.local.s.length === 3) {
+        this.keyed = new Keyed(spec.local, timelines[spec.timeline]);
         this.local = new Float32Array(3 * this.count);
-      } else this.local = floats(said.local);
-      this.colour = rgb(said.colour);
+      } else this.local = floats(spec.local);
+      this.colour = rgb(spec.colour);
       this.there = new Float32Array(3 * this.count);
-      if (said.coil) this.coil = floats(said.coil);
-      if (said.radius) {
-        this.tube = new Tube(root, this.coil ? this.coil.length / 3 : this.count, said.radius, this.colour);
+      if (spec.coil) this.coil = floats(spec.coil);
+      if (spec.radius) {
+        this.tube = new Tube(root, this.coil ? this.coil.length / 3 : this.count, spec.radius, this.colour);
         this.objects.push(this.tube.mesh, this.tube.line);
         this.tube.mesh.userData.item = this;
       } else {
-        this.geometry = geometry(this.there, Uint32Array.from(raw(said.ends)));
+        this.geometry = geometry(this.there, Uint32Array.from(raw(spec.ends)));
         this.segments = new three.Segments(this.geometry, lineMaterial(this.colour));
         this.segments.frustumCulled = false;
         root.add(this.segments);
         this.objects.push(this.segments);
       }
-      if (said.tension) {
-        this.tension = new Keyed(said.tension, timelines[said.tensionTimeline]);
+      if (spec.tension) {
+        this.tension = new Keyed(spec.tension, timelines[spec.tensionTimeline]);
         this.force = [0];
       }
-      if (said.loose) this.loose = { values: raw(said.loose), timeline: timelines[said.looseTimeline] };
+      if (spec.loose) this.loose = { values: raw(spec.loose), timeline: timelines[spec.looseTimeline] };
     }
 
     update(time) {
@@ -641,15 +641,15 @@ const heavylift = (() => {
 
   // Forces at points: arrows as long as the largest of the run allows.
   class Arrows extends Item {
-    constructor(said) {
-      super(said);
-      this.place = new Keyed(said.place, timelines[said.timeline]);
-      this.force = new Keyed(said.force, this.place.timeline);
+    constructor(spec) {
+      super(spec);
+      this.place = new Keyed(spec.place, timelines[spec.timeline]);
+      this.force = new Keyed(spec.force, this.place.timeline);
       this.count = this.place.size / 3;
       this.at = new Float32Array(this.place.size);
       this.f = new Float32Array(this.place.size);
-      this.longest = said.longest;
-      this.largest = said.largest;
+      this.longest = spec.longest;
+      this.largest = spec.largest;
       const points = [], indices = [], around = 10;
       for (const [radius, z] of [[0.025, 0], [0.025, 0.75], [0.075, 0.75], [0, 1]]) {
         for (let k = 0; k < around; k++) {
@@ -664,7 +664,7 @@ const heavylift = (() => {
         }
       }
       const shape = geometry(Float32Array.from(points), Uint32Array.from(indices));
-      const material = surfaceMaterial(rgb(said.colour), 1, false);
+      const material = surfaceMaterial(rgb(spec.colour), 1, false);
       this.parts = [];
       for (let k = 0; k < this.count; k++) {
         const arrow = new three.Mesh(shape, material);
@@ -704,15 +704,15 @@ const heavylift = (() => {
 
   // The water, with the undisturbed waves.
   class Water extends Item {
-    constructor(said) {
-      super({ ...said, name: "water", group: "water" });
-      this.said = said;
-      const [nx, ny] = said.cells;
+    constructor(spec) {
+      super({ ...spec, name: "water", group: "water" });
+      this.spec = spec;
+      const [nx, ny] = spec.cells;
       const points = new Float32Array(3 * (nx + 1) * (ny + 1)), indices = [];
-      this.x = Array.from({ length: nx + 1 }, (_, i) => said.low[0] + ((said.high[0] - said.low[0]) * i) / nx);
-      this.y = Array.from({ length: ny + 1 }, (_, j) => said.low[1] + ((said.high[1] - said.low[1]) * j) / ny);
+      this.x = Array.from({ length: nx + 1 }, (_, i) => spec.low[0] + ((spec.high[0] - spec.low[0]) * i) / nx);
+      this.y = Array.from({ length: ny + 1 }, (_, j) => spec.low[1] + ((spec.high[1] - spec.low[1]) * j) / ny);
       for (let i = 0; i <= nx; i++) {
-        for (let j = 0; j <= ny; j++) points.set([this.x[i], this.y[j], said.level], 3 * (i * (ny + 1) + j));
+        for (let j = 0; j <= ny; j++) points.set([this.x[i], this.y[j], spec.level], 3 * (i * (ny + 1) + j));
       }
       for (let i = 0; i < nx; i++) {
         for (let j = 0; j < ny; j++) {
@@ -722,14 +722,14 @@ const heavylift = (() => {
       }
       this.points = points;
       this.geometry = geometry(points, Uint32Array.from(indices));
-      this.mesh = new three.Mesh(this.geometry, surfaceMaterial(0x4d8fc4, said.waves ? 0.55 : 0.4, false));
+      this.mesh = new three.Mesh(this.geometry, surfaceMaterial(0x4d8fc4, spec.waves ? 0.55 : 0.4, false));
       this.mesh.frustumCulled = false;
       this.mesh.renderOrder = 2;
       this.mesh.userData.item = this;
       root.add(this.mesh);
       this.objects.push(this.mesh);
-      if (said.waves) {
-        this.waves = Object.fromEntries(Object.entries(said.waves).map(([key, ref]) => [key, floats(ref)]));
+      if (spec.waves) {
+        this.waves = Object.fromEntries(Object.entries(spec.waves).map(([key, ref]) => [key, floats(ref)]));
         this.tables();
       }
     }
@@ -748,7 +748,7 @@ const heavylift = (() => {
 
     update(time) {
       if (!this.waves || this.hidden) return;
-      const { amplitude, omega, phase } = this.waves, count = amplitude.length, { points, said } = this;
+      const { amplitude, omega, phase } = this.waves, count = amplitude.length, { points, spec } = this;
       const c = new Float32Array(count), s = new Float32Array(count);
       for (let m = 0; m < count; m++) {
         const turn = omega[m] * time + phase[m];
@@ -763,7 +763,7 @@ const heavylift = (() => {
         }
         for (let j = 0; j < columns; j++) {
           const across = this.acrossY[j];
-          let height = said.level;
+          let height = spec.level;
           for (let m = 0; m < count; m++) height += re[m] * across[2 * m] - im[m] * across[2 * m + 1];
           points[3 * (i * columns + j) + 2] = height;
         }

@@ -172,7 +172,7 @@ def contour_parts(contour: c.Contour, neutral: NeutralContour, *, filled: bool) 
             (line,), (Patch(tube.reshape(-1, 3), grid_triangles(tube.shape[:2], [closed[0], True]), _GROUND),)
         )
     if contour.width > 0.0:
-        normals = np.cross(contour.director, tangents)
+        normals = np.cross(contour.sequencer, tangents)
         across = np.cross(tangents, normals / np.linalg.norm(normals, axis=1, keepdims=True))
         half = 0.5 * contour.width * across
         strip = np.stack([points - half, points, points + half], axis=1)
@@ -183,10 +183,10 @@ def contour_parts(contour: c.Contour, neutral: NeutralContour, *, filled: bool) 
     return Parts((line,))
 
 
-def _carried(tangents: NDArray[np.float64], director: NDArray[np.float64]) -> NDArray[np.float64]:
+def _carried(tangents: NDArray[np.float64], sequencer: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit vectors across a curve that turn with its tangent and no more, shape (k, 3)."""
     found = np.empty_like(tangents)
-    across = np.asarray(director, dtype=np.float64)
+    across = np.asarray(sequencer, dtype=np.float64)
     for k, tangent in enumerate(tangents):
         across = across - (across @ tangent) * tangent
         across = across / np.linalg.norm(across)

@@ -58,8 +58,8 @@ def described_table(
         return []
     rows = []
     for thing in things:
-        said = getattr(thing, "coordinate", None)
-        coordinate = joint_coordinate((joints or {})[thing.joint], said) if hasattr(thing, "joint") else ""
+        spec = getattr(thing, "coordinate", None)
+        coordinate = joint_coordinate((joints or {})[thing.joint], spec) if hasattr(thing, "joint") else ""
         words = [*thing_words(thing, coordinate), *(more or {}).get(thing.name, ())]
         kind = getattr(thing, "type", "").replace("_", " ")
         rows.append((thing.name, kind, *_place(thing), "; ".join(words)))

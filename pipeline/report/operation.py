@@ -14,8 +14,8 @@ __all__ = ["operation_log", "operation_section", "phase_bands"]
 
 def operation_log(results: Results | None) -> tuple[list[str], list[list[Any]]]:
     """Names of all phases, and lines of the log: time, phase, event, words and value."""
-    said = {} if results is None else results.metadata.get("scenario") or {}
-    return list(said.get("phases", [])), list(said.get("log", []))
+    metadata = {} if results is None else results.metadata.get("scenario") or {}
+    return list(metadata.get("phases", [])), list(metadata.get("log", []))
 
 
 def phase_bands(results: Results) -> list[tuple[str, float, float]]:

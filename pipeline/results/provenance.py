@@ -8,9 +8,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
+from heavylift.pipeline.case.connectivity import connected_to_hull
 from heavylift.pipeline.case.fields import InFolder, Section
 from heavylift.pipeline.case.geometry import MatricesGeometry
-from heavylift.pipeline.case.joined import joined_to_hull
 from heavylift.pipeline.case.tables import SceneTables
 from heavylift.pipeline.results.storage import digest_file, digest_json, read_json
 
@@ -295,7 +295,7 @@ def _joined(case: Case, name: str) -> dict[str, Any]:
     Of what lies on something with a line bearing also where: it is carried in part.
     """
     found: dict[str, Any] = {}
-    group = joined_to_hull(case, name)[0]
+    group = connected_to_hull(case, name)[0]
     lying = [one for one in case.forces if one.type == "line_bearing" and group & set(one.between)]
     members = set(group)
     for one in lying:  # a part of it is carried elsewhere, or here

@@ -43,8 +43,8 @@ def profile_words(profile: Any, unit: str) -> str:
         # speeds are of the unit of the value a second
         ranges = f"{range_words(profile.times, 's')}: {range_words(profile.speeds, f'{unit}/s')}"
         limits = [("acceleration", profile.acceleration, "s^2"), ("jerk", profile.jerk, "s^3")]
-        said = [f", {name} {number_words(v, f'{unit}/{per}')}" for name, v, per in limits if v is not None]
-        parts.append(f"{len(profile.times)} speeds, {ranges}{''.join(said)}")
+        phrases = [f", {name} {number_words(v, f'{unit}/{per}')}" for name, v, per in limits if v is not None]
+        parts.append(f"{len(profile.times)} speeds, {ranges}{''.join(phrases)}")
     elif profile.times:
         ranges = f"{range_words(profile.times, 's')}: {range_words(profile.values, unit)}"
         parts.append(f"table of {len(profile.times)} points, {ranges}")

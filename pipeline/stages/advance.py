@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.stages.told import Told
+    from heavylift.pipeline.stages.operator_commands import OperatorCommands
 
 __all__ = ["Advancer", "StopRequest", "stop_requests"]
 
@@ -129,7 +129,7 @@ class Advancer:
     adaptive: bool = False
     restart_reason: str = ""
     loss: str = ""
-    told: Told | None = None
+    told: OperatorCommands | None = None
     segments: list[SegmentMark] = field(default_factory=list)
     _written_steps: int = 0
     _times: list[NDArray[np.float64]] = field(default_factory=list)

@@ -14,7 +14,7 @@ from heavylift.pipeline.results.mesh_results import mesh_shape, save_meshes
 from heavylift.pipeline.results.provenance import simulate_digest, source_digest, versions
 from heavylift.pipeline.results.storage import StopError, read_json, stored, unchanged, write_json
 from heavylift.pipeline.stages.advance import Advancer, stop_requests
-from heavylift.pipeline.stages.told import Told, words_there
+from heavylift.pipeline.stages.operator_commands import OperatorCommands, words_there
 from heavylift.pipeline.stages.work import StageReport
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def simulate_stage(work: Work) -> StageReport:
         log.say(f"simulate: {folder.results} is {state}, simulated again")
     if forced:
         remove_segments(folder.segments)
-        Told.forget(folder.root)
+        OperatorCommands.forget(folder.root)
     cut_off = bool(manifest) and not manifest.get("finished")
     return _simulate(work, digest, cut_off=cut_off)
 
@@ -226,7 +226,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         forced = "--force" if "simulate" in work.force else "nothing had been written"
         log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
     if simulation.operation is not None:
-        advancer.told = Told(folder.root, digest, simulation.operation, old_words)
+        advancer.told = OperatorCommands(folder.root, digest, simulation.operation, old_words)
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)

@@ -83,7 +83,7 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
     """Keywords of a file and of what it includes, in order."""
     card: _Card | None = None
     goes_on = False
-    lines = DeckLines(deck, root, _said, _included)
+    lines = DeckLines(deck, root, _spec, _included)
     for file, number, line in lines.of(deck):
         if line.startswith("*"):
             if card is not None:
@@ -109,7 +109,7 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
         yield card
 
 
-def _said(raw: str) -> str:
+def _spec(raw: str) -> str:
     line = raw.strip()
     return "" if line.startswith("**") else line
 
@@ -1060,10 +1060,10 @@ class _Assembler:
         return index, [_deck_material(self.reader.materials[name]) for name in names]
 
 
-def _deck_material(said: _Material) -> DeckMaterial:
-    young, poisson = (None, None) if said.elastic is None else said.elastic[:2]
-    notes = tuple(f"material {said.name}: {note}" for note in dict.fromkeys(said.notes))
-    return DeckMaterial(said.name, young, poisson, said.density, said.refused, notes)
+def _deck_material(spec: _Material) -> DeckMaterial:
+    young, poisson = (None, None) if spec.elastic is None else spec.elastic[:2]
+    notes = tuple(f"material {spec.name}: {note}" for note in dict.fromkeys(spec.notes))
+    return DeckMaterial(spec.name, young, poisson, spec.density, spec.refused, notes)
 
 
 def _short_names(sets: dict[str, NDArray[np.int64]]) -> None:

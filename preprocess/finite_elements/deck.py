@@ -146,11 +146,11 @@ class DeckLines:
         self,
         deck: Path,
         root: Path,
-        said: Callable[[str], str],
+        spec: Callable[[str], str],
         included: Callable[[str, Path, int], str | None],
     ) -> None:
         self.deck, self.root = deck, root
-        self._said, self._included = said, included
+        self._spec, self._included = spec, included
         self._count, self._again = 0, 0
         self._known: set[Path] = set()
 
@@ -201,7 +201,7 @@ class DeckLines:
         while waiting:
             place, lines = waiting[-1]
             for number, raw in lines:
-                line = self._said(raw)
+                line = self._spec(raw)
                 name = self._included(line, place, number) if line else None
                 if name is not None:
                     target = self.named(name, place, number)
@@ -618,13 +618,13 @@ class Deck:
         """Different materials of elements, and which of them each element has."""
         index = np.full(kept.size, -1, dtype=np.int64)
         found: list[DeckMaterial] = []
-        said = self.material_index[kept] if len(self.materials) else index
-        for number in np.unique(said[said >= 0]):
+        spec = self.material_index[kept] if len(self.materials) else index
+        for number in np.unique(spec[spec >= 0]):
             one = self.materials[number]
             place = next((k for k, other in enumerate(found) if other.agrees(one)), len(found))
             if place == len(found):
                 found.append(one)
-            index[said == number] = place
+            index[spec == number] = place
         without = kept[index < 0]
         if without.size and len(found) > 1:
             raise InputError(
@@ -708,7 +708,7 @@ def material_of(
             source=source,
             expected="linear isotropic elasticity; 'ignore_material' takes the mesh only, with the material given here",
         )
-    said = length_unit is not None or mass_unit is not None
+    spec = length_unit is not None or mass_unit is not None
     length, mass = length_unit or 1.0, mass_unit or 1.0
     scale_known = mass_unit is not None or length_unit is None
     units = {"young_modulus": mass / length, "poisson_ratio": 1.0, "density": mass / length**3}
@@ -746,7 +746,7 @@ def material_of(
                 _disagree(key, here, there, unit, found.name, source)
     values = {**of_file_si, **given}
     material = Material(**{key: values[key] for key in keys})
-    if of_file and not said:
+    if of_file and not spec:
         _check_material(material, source)
     return material
 

@@ -272,12 +272,12 @@ def read_with_meshio(path: Path) -> Any:
             if is_hdf5(file):
                 check_hdf5(file, "an HDF5 file with the numbers of the mesh")
     # meshio prints its complaint and may leave by SystemExit: keep both for the message
-    said = io.StringIO()
+    spec = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        with contextlib.redirect_stdout(spec), contextlib.redirect_stderr(spec):
             return meshio.read(path)
     except (SystemExit, Exception) as error:
-        text = " ".join(said.getvalue().split())
+        text = " ".join(spec.getvalue().split())
         if not isinstance(error, SystemExit):
             text = " ".join([text, " ".join(str(error).split()) or type(error).__name__]).strip()
         raise InputError(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
-from heavylift.numerics.hdf5_files import is_hdf5, opened_hdf5, told_of_file
+from heavylift.numerics.hdf5_files import is_hdf5, opened_hdf5, reported_of_file
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.words import check_word
 from heavylift.preprocess.hydrodynamics.database import (
@@ -70,7 +70,7 @@ def load_variables(path: Path) -> tuple[dict[str, Variable], dict[str, Any]]:
             )
     from scipy.io import netcdf_file
 
-    with told_of_file(path, "a netCDF file"), netcdf_file(path, "r", mmap=False) as classic:
+    with reported_of_file(path, "a netCDF file"), netcdf_file(path, "r", mmap=False) as classic:
         variables = {
             name: Variable(tuple(item.dimensions), _letters(np.array(item.data)), _attributes_of(item))
             for name, item in classic.variables.items()
@@ -261,7 +261,7 @@ def read_netcdf(
     if time_convention is not None:
         check_word(time_convention, TimeConvention, source=str(path), key="time_convention")
     variables, attributes = load_variables(Path(path))
-    with told_of_file(Path(path), "variables with the axes and types of a hydrodynamic database"):
+    with reported_of_file(Path(path), "variables with the axes and types of a hydrodynamic database"):
         database = _database_of(variables, attributes, str(path), time_convention, reference_points)
     return repaired(database, repair) if checked else database
 

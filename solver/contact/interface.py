@@ -1,4 +1,4 @@
-"""What contacts ask of bodies: verbs, all of them optional.
+"""What contacts ask of bodies: operations, all of them optional.
 
 Contacts touch a frame or shell, which has a spline of its own shape, through *moving points*, three velocities each
 behind those of the bases of the body, in the axes of its nodal coordinates: those of the body as it was placed, which

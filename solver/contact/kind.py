@@ -322,7 +322,7 @@ class ContourPose(RelativePose):
 
     reach: float
     step_shift: float
-    director: Vector
+    sequencer: Vector
     radius: float
     width: float
 
@@ -576,7 +576,7 @@ class ContactRows(RowArrays):
 
     shape: ClassVar[Any] = block_shape(3)
     kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.contact.solve.ends",
+        "heavylift.solver.contact.solve.impacts",
         "heavylift.solver.contact.solve.events",
         "heavylift.solver.contact.search.contact_kinematics",
         "heavylift.solver.contact.record",

@@ -9,8 +9,8 @@ from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, ContactRows
 from heavylift.solver.contact.search.contact_kinematics import locate
 from heavylift.solver.contact.solve.delassus import contact_rates
-from heavylift.solver.contact.solve.ends import REST, count_rough, pressed_force
 from heavylift.solver.contact.solve.events import gap_tolerance
+from heavylift.solver.contact.solve.impacts import REST, count_rough, pressed_force
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.interface import (
     FORCES,

@@ -1,4 +1,4 @@
-"""What contacts ask of the joints, and what they alone do in a step: verbs, all of them optional."""
+"""What contacts ask of the joints, and what they alone do in a step: operations, all of them optional."""
 
 from __future__ import annotations
 

@@ -59,13 +59,13 @@ class JointMotor(AlongJoint):
             object.__setattr__(self, "load", None)
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A load or a table."""
-        if (said.load is None) == (not said.times and not said.loads):
+        if (spec.load is None) == (not spec.times and not spec.loads):
             raise InputError(
                 "not exactly one of 'load' and a table", expected="'load', or 'times' and 'loads'"
             )
-        check_table("times", said.times, "loads", said.loads)
+        check_table("times", spec.times, "loads", spec.loads)
 
 
 class MotorEntry(CoordinateEntry):

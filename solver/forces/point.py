@@ -57,13 +57,13 @@ class PointForce(OnBody):
             object.__setattr__(self, "force", None)
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A force or a table."""
-        if (said.force is None) == (not said.times and not said.forces):
+        if (spec.force is None) == (not spec.times and not spec.forces):
             raise InputError(
                 "not exactly one of 'force' and a table", expected="'force', or 'times' and 'forces'"
             )
-        check_table("times", said.times, "forces", said.forces)
+        check_table("times", spec.times, "forces", spec.forces)
 
 
 class PointForceEntry(Record):

@@ -8,7 +8,7 @@ stable at any step::
 
 This is what a row of compliance ``1/k`` and relaxation time ``c/k`` does, so springs need no targets of their own.
 Integrators that evaluate forces at an instant take them as forces, linear or from a table. Tables as rows have
-corners: `heavylift.solver.laws.scalar_laws`, with the same entry and the same functions of force and energy.
+corners: `heavylift.solver.force_elements.scalar_laws`, with the same entry and the same functions of force and energy.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, AsDrawn, ByCoordinate, Quantity, Shape
 from heavylift.numerics.records import Record, Records
 from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
+from heavylift.solver.force_elements.forces import mean_force, spring_force
+from heavylift.solver.force_elements.rows import put_residual, row_rate
 from heavylift.solver.interface import (
     Workspace,
     add_forces,
@@ -46,8 +48,6 @@ from heavylift.solver.joints.coordinate import (
 )
 from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.forces import mean_force, spring_force
-from heavylift.solver.laws.rows import put_residual, row_rate
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
@@ -70,17 +70,17 @@ __all__ = [
 
 
 def _check_law(
-    said: Any, key: str, places: Sequence[float], values_key: str, values: Sequence[float]
+    spec: Any, key: str, places: Sequence[float], values_key: str, values: Sequence[float]
 ) -> None:
     """A spring has a stiffness or a table, or is a mere damper; one that is said to have none of them is no error.
 
     The first run of a sweep has a stiffness or damping of zero, which an object cannot tell from one that is not said.
     """
-    if said.stiffness is not None and (places or values):
+    if spec.stiffness is not None and (places or values):
         raise InputError(
             "both 'stiffness' and a table", expected=f"'stiffness', or {key!r} and {values_key!r}"
         )
-    if not named(said, "stiffness", "damping") and not (places or values):
+    if not named(spec, "stiffness", "damping") and not (places or values):
         raise InputError(
             "neither a stiffness nor a damping",
             expected=f"'stiffness', 'damping', or {key!r} and {values_key!r}",
@@ -120,9 +120,9 @@ class Spring(Between):
     """Tensions of the table [N], linear in between and beyond its ends."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A stiffness, a damping or a table."""
-        _check_law(said, "elongations", said.elongations, "forces", said.forces)
+        _check_law(spec, "elongations", spec.elongations, "forces", spec.forces)
 
     @property
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -166,9 +166,9 @@ class JointSpring(AlongJoint):
     """Restoring torques [N m] or forces [N] of the table, linear in between and beyond its ends."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A stiffness, a damping or a table."""
-        _check_law(said, "deflections", said.deflections, "loads", said.loads)
+        _check_law(spec, "deflections", spec.deflections, "loads", spec.loads)
 
     @property
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -146,8 +146,8 @@ def run(
 
     Notes
     -----
-    Arguments are the tables and shared arrays that every verb takes, and what a call from Python says anew: it is made
-    once for a stretch of records, so nothing would be gained by packing these numbers.
+    Arguments are the tables and shared arrays that every operation takes, and what a call from Python says anew: it
+    is made once for a stretch of records, so nothing would be gained by packing these numbers.
     """
     control = work.control
     row = 0

@@ -2,7 +2,7 @@
 
 Before the run the shortest periods are told: of the waves, and of ropes, springs and stops with what hangs on them.
 They do not tell what moves. A rope that only carries may have any of them: the step takes it implicitly. So a warning
-waits for the run, which has measured how its bodies moved (`heavylift.solver.measures.step_counts`).
+waits for the run, which has measured how its bodies moved (`heavylift.solver.sensors.step_counts`).
 """
 
 from __future__ import annotations

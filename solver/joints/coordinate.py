@@ -78,15 +78,15 @@ def joint_coordinate(joint: Joint, user: AlongJoint | Joint) -> int:
     InputError
         If the joint has neither, or both and it is not said which, or not the one that is said.
     """
-    said = getattr(user, "coordinate", None)
+    spec = getattr(user, "coordinate", None)
     both = {"angle", "travel"} <= {channel.name for channel in joint.CHANNELS}
-    found = said if both and not joint.COORDINATE else joint.COORDINATE
-    if found and said in {None, found}:
+    found = spec if both and not joint.COORDINATE else joint.COORDINATE
+    if found and spec in {None, found}:
         return ANGLE if found == "angle" else TRAVEL
     kind = type(joint).__name__
     if found:
         raise InputError(
-            f"{said!r} of joint {joint.name!r}, a {kind}, whose {found} counts",
+            f"{spec!r} of joint {joint.name!r}, a {kind}, whose {found} counts",
             source=user.name,
             key="coordinate",
             expected=f"{found!r}, or none",

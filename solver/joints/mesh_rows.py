@@ -45,7 +45,7 @@ class SquareJoint(Joint):
     @property
     def kind_module(self) -> str:
         """See `heavylift.solver.scene.connections.Joint`."""
-        return "heavylift.solver.joints.squares"
+        return "heavylift.solver.joints.perpendicular"
 
     @property
     def rotational(self) -> tuple[bool, ...]:

@@ -1,4 +1,4 @@
-"""What a scenario asks of a step: verbs, all of them optional, so a scene without one runs loops over nothing."""
+"""What a scenario asks of a step: operations, all of them optional, so a scene without one runs loops over nothing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from heavylift.solver.kinds import optional
 __all__ = ["SCENARIO", "direct", "keep_state", "take_back"]
 
 SCENARIO = "scenario"
-"""Group of these verbs."""
+"""Group of these operations."""
 
 
 @optional(SCENARIO)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver.scenario.director import (
+from heavylift.solver.scenario.sequencer import (
     ACTION,
     BEGUN,
     DONE,
@@ -20,7 +20,7 @@ from heavylift.solver.scenario.director import (
     TIMED_OUT,
     TOLD,
     WORDS,
-    Director,
+    Sequencer,
 )
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.scenario import Phase, Scenario
@@ -77,7 +77,7 @@ class Operation:
 
     Parameters
     ----------
-    director
+    sequencer
         The kind.
     scenario
         From which it was made.
@@ -85,10 +85,10 @@ class Operation:
         Of the record.
     """
 
-    def __init__(self, director: Director, scenario: Scenario, channels: Sequence[Channel]) -> None:
-        self.director, self.scenario = director, scenario
+    def __init__(self, sequencer: Sequencer, scenario: Scenario, channels: Sequence[Channel]) -> None:
+        self.sequencer, self.scenario = sequencer, scenario
         owners = {channel.column: channel.name.rpartition(".")[0] for channel in channels}
-        kinds = (director.ropes, director.rubbing, director.held)
+        kinds = (sequencer.ropes, sequencer.rubbing, sequencer.held)
         self._ropes = tuple(owners[int(entry.column)] for kind in kinds for entry in kind.table)
 
     @property
@@ -105,7 +105,7 @@ class Operation:
             TOLD: WORDS,
         }
         found = []
-        for line in self.director.log[: int(self.director.state.logged)]:
+        for line in self.sequencer.log[: int(self.sequencer.state.logged)]:
             event, phase = int(line.event), phases[int(line.phase)]
             what = words[event][int(line.item)] if event in words else ""
             if event == DONE:
@@ -116,19 +116,19 @@ class Operation:
     @property
     def rope_lengths(self) -> dict[str, float]:
         """Unstretched lengths of the wire ropes at the start [m], by name."""
-        kinds = (self.director.ropes, self.director.rubbing, self.director.held)
+        kinds = (self.sequencer.ropes, self.sequencer.rubbing, self.sequencer.held)
         lengths = [float(entry.start_length) for kind in kinds for entry in kind.table]
         return dict(zip(self._ropes, lengths, strict=True))
 
     @property
     def told_count(self) -> int:
         """How many words came from outside so far."""
-        return int(np.count_nonzero(self.director.log["event"][: int(self.director.state.logged)] == TOLD))
+        return int(np.count_nonzero(self.sequencer.log["event"][: int(self.sequencer.state.logged)] == TOLD))
 
     @property
     def unfinished(self) -> str:
         """What it still waits for, as words; empty if the last phase is done, or waits for nothing."""
-        for phases, track in zip(self.scenario.rows, self.director.track_state, strict=True):
+        for phases, track in zip(self.scenario.rows, self.sequencer.track_state, strict=True):
             number = int(track.phase)
             if number > len(phases) or (number == len(phases) and not phases[-1].until):
                 continue
@@ -147,8 +147,8 @@ class Operation:
         time
             Now [s].
         """
-        director = self.director
-        state = director.state
+        sequencer = self.sequencer
+        state = sequencer.state
         if word == "stop" and int(state.outcome) == 0:
             state.outcome = int(Outcome.LIMIT_REACHED)
         elif word == "hold":
@@ -157,9 +157,9 @@ class Operation:
             if not state.held:
                 state.continued = time
             state.held = False
-        number = min(int(director.track_state[0].phase), len(self.scenario.phases)) - 1
-        if int(state.logged) < len(director.log):
-            line = director.log[int(state.logged)]
+        number = min(int(sequencer.track_state[0].phase), len(self.scenario.phases)) - 1
+        if int(state.logged) < len(sequencer.log):
+            line = sequencer.log[int(state.logged)]
             line.time, line.event, line.phase, line.item, line.value = (
                 time,
                 TOLD,
@@ -172,7 +172,7 @@ class Operation:
     @property
     def end(self) -> tuple[Outcome, str]:
         """Outcome with which it ended the run, and a message; completed if that was as planned, or it did not."""
-        why = int(self.director.state.outcome)
+        why = int(self.sequencer.state.outcome)
         if why <= 0:
             return Outcome.COMPLETED, ""
         outcome, last = Outcome(why), self.log[-1]
@@ -189,7 +189,7 @@ class Operation:
         InputError
             Names the phase and what is true already.
         """
-        if int(self.director.state.outcome):
+        if int(self.sequencer.state.outcome):
             last = self.log[-1]
             raise InputError(
                 f"{last.what}: its path is longer than {last.value:.6g} m by more than 2 %",
@@ -212,10 +212,10 @@ class Operation:
 
     def _is_met(self, number: int) -> bool:
         """Whether a condition is true as things are, and need not be so for a time."""
-        condition = self.director.conditions[number]
+        condition = self.sequencer.conditions[number]
         if int(condition.signal) < 0 or float(condition.hold) > 0.0:
             return False
-        x = float(self.director.values[int(condition.signal)])
+        x = float(self.sequencer.values[int(condition.signal)])
         return bool(x <= condition.value if condition.below else x >= condition.value)
 
 

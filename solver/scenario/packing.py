@@ -17,13 +17,19 @@ from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.carried import LINE
 from heavylift.solver.drive import DRIVE_HEAD
-from heavylift.solver.laws.pulls import RopePull
-from heavylift.solver.laws.rope_path import PlaceGradient, RopePlace
-from heavylift.solver.laws.winch_control import ControlledRopes, ControlState, TensionRow, WinchControl
-from heavylift.solver.laws.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
+from heavylift.solver.force_elements.line_forces import LineForce
+from heavylift.solver.force_elements.rope_path import PlaceGradient, RopePlace
+from heavylift.solver.force_elements.winch_control import (
+    ControlledRopes,
+    ControlState,
+    TensionRow,
+    WinchControl,
+)
+from heavylift.solver.force_elements.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
 from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import Row, RowSystem
-from heavylift.solver.scenario.director import (
+from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow
+from heavylift.solver.scenario.sequencer import (
     BRAKE,
     CONNECT,
     DRIVE,
@@ -48,15 +54,15 @@ from heavylift.solver.scenario.director import (
     SPEED,
     TANK,
     ActionEntry,
+    Actuator,
+    ActuatorState,
     ConditionEntry,
-    Director,
-    DirectorState,
     LimitEntry,
     LogEntry,
-    Mover,
-    MoverState,
     PathPieces,
     PhaseEntry,
+    Sequencer,
+    SequencerState,
     SignalEntry,
     TermEntry,
     Timer,
@@ -64,7 +70,6 @@ from heavylift.solver.scenario.director import (
     TrackState,
     Worst,
 )
-from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.channels import Channel, TrackOutputs
 from heavylift.solver.scene.outputs import Columns
@@ -407,7 +412,7 @@ def pack_scenario(
     width: int,
     carried: Any,
     profiles: NDArray[np.float64],
-) -> Director:
+) -> Sequencer:
     """Make the kind.
 
     Parameters
@@ -435,7 +440,7 @@ def pack_scenario(
     scenario: Scenario = scene.scenario
     known = {channel.name: channel for channel in channels}
     first_columns = _first_columns(channels)
-    movers = _Movers()
+    actuators = _Movers()
     of_sort = _rope_kinds(kinds[1])
     owners = {column: name for name, column in first_columns.items()}
     told, followers = _told_winches(scene), _followers(scene)
@@ -444,12 +449,12 @@ def pack_scenario(
         for i, entry in enumerate(kind.table):
             name = owners[int(entry.column)]
             given = {"stiffness": float(entry.axial_stiffness), "damping": float(entry.damping)}
-            movers.add(name, sort, i, told=name in told, **given)
+            actuators.add(name, sort, i, told=name in told, **given)
             if name in scenario.prepared:
                 entry.axial_stiffness = entry.damping = 0.0
     hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
     for i, tank in enumerate(() if scene.sea is None else scene.sea.tanks_of(scene.bodies)):
-        movers.add(tank.name, TANK, i, told=True)
+        actuators.add(tank.name, TANK, i, told=True)
     drives = (
         dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
             acted_on(action)
@@ -459,31 +464,31 @@ def pack_scenario(
         )
     )
     for name in drives:
-        movers.add(name, DRIVE, _profile_start(name, kinds, first_columns, profiles), told=True)
+        actuators.add(name, DRIVE, _profile_start(name, kinds, first_columns, profiles), told=True)
     paths = next((kind for kind in kinds[1] if isinstance(kind, Paths)), None)
     for number in sorted(_told_paths(scene)):
-        movers.add(_vehicles(scene)[number], PATH, number, told=True)
-    states = records(MoverState, len(movers.rows))
+        actuators.add(_vehicles(scene)[number], PATH, number, told=True)
+    states = records(ActuatorState, len(actuators.rows))
     states["leader"], states["arrives"] = -1, math.inf
     for name, leader in followers.items():
-        if name in movers.numbers:
-            states[movers.numbers[name]].leader = movers.numbers[leader]
-            states[movers.numbers[name]].ratio = ratios[name]
+        if name in actuators.numbers:
+            states[actuators.numbers[name]].leader = actuators.numbers[leader]
+            states[actuators.numbers[name]].ratio = ratios[name]
     weight = _Weights(scene)
     released = [action.joint for action in scenario.actions if isinstance(action, ReleaseJoint)]
     blocks = {name: block_names.index(name) for name in released}
     rolling = next((kind for kind in kinds[1] if isinstance(kind, Transporters)), None)
     helpers = {("pump", pump.name): i for i, pump in enumerate(() if scene.sea is None else scene.sea.pumps)}
     helpers |= {("levelling", one.name): i for i, one in enumerate(scene.transporters)}
-    tables = _Tables(scenario, movers.numbers | blocks, known, weight, helpers)
+    tables = _Tables(scenario, actuators.numbers | blocks, known, weight, helpers)
     system = next((one for one in kinds[2] if isinstance(one, RowSystem)), None)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
-    state = DirectorState.one()
+    state = SequencerState.one()
     state.continued = -math.inf
     plain, rubbing, held = of_sort
     logged = 2 * len(tables.phases) + len(tables.actions) + len(tables.limits) + 2 + TOLD_LINES
-    return Director(
+    return Sequencer(
         tracks=_table(TrackEntry, tables.tracks),
         phases=_table(PhaseEntry, tables.phases),
         conditions=_table(ConditionEntry, tables.conditions),
@@ -491,7 +496,7 @@ def pack_scenario(
         actions=_table(ActionEntry, tables.actions),
         signals=_table(SignalEntry, tables.signals),
         terms=_table(TermEntry, tables.terms),
-        movers=_table(Mover, movers.rows),
+        actuators=_table(Actuator, actuators.rows),
         ropes=plain,
         rubbing=rubbing,
         held=held,
@@ -521,7 +526,7 @@ def pack_scenario(
         path_plan=np.zeros((0, 4)) if paths is None else paths.pieces.copy(),
         state=state,
         track_state=records(TrackState, len(tables.tracks)),
-        mover_state=states,
+        actuator_state=states,
         timers=timers,
         passed=records(Worst, len(tables.limits)),
         values=np.zeros(len(tables.signals)),
@@ -677,7 +682,7 @@ def _no_ropes() -> Ropes:
         records(PlaceGradient, 0),
         records(RopeState, 0),
         np.zeros(0),
-        records(RopePull, 0),
+        records(LineForce, 0),
     )
 
 
@@ -729,7 +734,7 @@ def _action(
     helpers: Mapping[tuple[str, str], int],
 ) -> tuple[int, int, float, float, float, float, float, int, float]:
     """Entry of an action."""
-    code, mover, value, speed, ramp, acceleration, jerk, other, factor = (
+    code, actuator, value, speed, ramp, acceleration, jerk, other, factor = (
         NOTE,
         -1,
         0.0,
@@ -743,12 +748,12 @@ def _action(
     if isinstance(action, (Fail, Restore)):
         code, value = FAIL, float(isinstance(action, Fail))
         if action.sort in MOVERS:
-            mover, factor = numbers[action.machine], float(FAILS_MOVER)
+            actuator, factor = numbers[action.machine], float(FAILS_MOVER)
         else:
             other = helpers[action.sort, action.machine]
             factor = float(FAILS_PUMP if action.sort == "pump" else FAILS_LEVELLING)
     elif not isinstance(action, Note):
-        mover = numbers[acted_on(action)]
+        actuator = numbers[acted_on(action)]
     if isinstance(action, (*MOVES, DriveSpeed, DriveTo, PathSpeed)):
         speed, ramp, acceleration, jerk = action.speed, action.ramp, action.acceleration, action.jerk
     if isinstance(action, (WinchSpeed, DriveSpeed, PathSpeed)):
@@ -776,9 +781,9 @@ def _action(
         if action.mass is not None:
             code, value, speed = GO_TO, action.mass, abs(action.rate)
     elif isinstance(action, ReleaseJoint):
-        code, mover, other = RELEASE_JOINT, -1, mover
+        code, actuator, other = RELEASE_JOINT, -1, actuator
     elif isinstance(action, Release):
         code = RELEASE
     elif isinstance(action, Connect):
         code, value = CONNECT, action.slack
-    return code, mover, value, speed, ramp, acceleration, jerk, other, factor
+    return code, actuator, value, speed, ramp, acceleration, jerk, other, factor

@@ -76,21 +76,21 @@ class Pump:
     """Flow that it is told from each time on [kg/s], nothing before the first; negative from target to source."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """It goes from one place to another, and its plan is within its rate."""
-        if said.source == said.target:
-            raise InputError(f"{said.source!r} is source and target", key="target", expected="two places")
-        check_table("times", said.times, "rates", said.rates)
-        for rate in said.rates:
-            if rate < 0.0 and not said.reversible:
+        if spec.source == spec.target:
+            raise InputError(f"{spec.source!r} is source and target", key="target", expected="two places")
+        check_table("times", spec.times, "rates", spec.rates)
+        for rate in spec.rates:
+            if rate < 0.0 and not spec.reversible:
                 raise InputError(
                     f"{rate:g} kg/s of a pump that is not reversible",
                     key="rates",
                     expected="0 or more, or reversible = true",
                 )
-            if abs(rate) > said.rate * (1.0 + 1e-9):
+            if abs(rate) > spec.rate * (1.0 + 1e-9):
                 raise InputError(
-                    f"{rate:g} kg/s of a pump of {said.rate:g} kg/s",
+                    f"{rate:g} kg/s of a pump of {spec.rate:g} kg/s",
                     key="rates",
                     expected="at most its 'rate'",
                 )
@@ -133,11 +133,11 @@ class LevelPoint:
     """Point of the other hull, in the coordinates of its geometry [m]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Another hull has a point."""
-        if (said.beside is None) != (said.of in {GROUND, SEA}):
-            problem = "no point of" if said.beside is None else "a point of"
-            raise InputError(f"{problem} {said.of!r}", key="beside", expected="a point of the other hull")
+        if (spec.beside is None) != (spec.of in {GROUND, SEA}):
+            problem = "no point of" if spec.beside is None else "a point of"
+            raise InputError(f"{problem} {spec.of!r}", key="beside", expected="a point of the other hull")
 
 
 @outputs
@@ -191,11 +191,11 @@ class Controller:
     """Pump as the tide is known to go, beside the errors that it makes: for heights over the ground."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """It keeps something, once."""
-        if (said.draft is None) != (said.draft_at is None):
+        if (spec.draft is None) != (spec.draft_at is None):
             raise InputError("only one of them", key="draft", expected="'draft' and 'draft_at' together")
-        kept = sum(one is not None for one in (said.heel, said.trim, said.draft)) + len(said.levels)
+        kept = sum(one is not None for one in (spec.heel, spec.trim, spec.draft)) + len(spec.levels)
         if not kept:
             raise InputError("keeps nothing", expected="'heel', 'trim', 'draft' or 'levels'")
         if kept > 3:

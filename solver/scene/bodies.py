@@ -148,21 +148,21 @@ class Profile:
     """Of all changes of the acceleration, which jumps without."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Something is a function, by values or by speeds."""
-        if len(said.speeds):
-            if len(said.values):
+        if len(spec.speeds):
+            if len(spec.values):
                 raise InputError("both 'values' and 'speeds'", key="speeds", expected="one of them")
-            check_table("times", said.times, "speeds", said.speeds)
+            check_table("times", spec.times, "speeds", spec.speeds)
         else:
-            check_table("times", said.times, "values", said.values, shortest=2)
-        if not len(said.times) and not said.harmonics:
+            check_table("times", spec.times, "values", spec.values, shortest=2)
+        if not len(spec.times) and not spec.harmonics:
             raise InputError("an empty profile", expected="'times' and 'values' or 'speeds', or 'harmonics'")
-        if said.interpolation == "monotone" and not len(said.values):
+        if spec.interpolation == "monotone" and not len(spec.values):
             raise InputError(
                 "'monotone' without 'values'", key="interpolation", expected="'times' and 'values'"
             )
-        check_speeds(said)
+        check_speeds(spec)
 
 
 @MOTIONS.describe("free")
@@ -276,12 +276,12 @@ class RigidBody(Placed):
     """In the coordinates of the geometry [m]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A mass distribution has this inertia: no principal value exceeds the sum of the other two.
 
         Then ``1/2 tr(J) I - J``, the second moments of the mass, is positive semi-definite.
         """
-        J = np.array(said.inertia, dtype=np.float64)
+        J = np.array(spec.inertia, dtype=np.float64)
         expected = "three principal values, or a symmetric 3 x 3 matrix, of a body that can exist"
         for i, j in ((0, 1), (0, 2), (1, 2)):
             if abs(J[i, j] - J[j, i]) > 1e-9 * np.abs(J).max():

@@ -480,16 +480,18 @@ class PackedForce:
     name: str
 
 
-FORCES: Family[Any] = Family("force", "heavylift.solver.forces", "heavylift.solver.laws", default="point")
+FORCES: Family[Any] = Family(
+    "force", "heavylift.solver.forces", "heavylift.solver.force_elements", default="point"
+)
 """All sorts of forces on bodies, between two points and along joints, by their types in a case file; those that are
 rows with a law stand among the laws."""
 
 
-MEASURES: Family[Any] = Family("table", "heavylift.solver.measures", typed=False)
+MEASURES: Family[Any] = Family("table", "heavylift.solver.sensors", typed=False)
 """What only watches several bodies, by the list of a case file in which it stands; packed as forces are."""
 
 
-ROPES: Family[Any] = Family("rope", "heavylift.solver.laws", default="wire")
+ROPES: Family[Any] = Family("rope", "heavylift.solver.force_elements", default="wire")
 """All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
 
 
@@ -516,21 +518,21 @@ class RopePoint:
     slips over it, of steel 0.1 to 0.2. The efficiency is ``exp(-friction wrap)``, with the wrap as it is."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A pulley has an axis, an eye has none; friction needs a wrap, and says the efficiency."""
-        if said.radius > 0.0 and said.axis is None:
+        if spec.radius > 0.0 and spec.axis is None:
             raise InputError(
                 "a pulley without 'axis'", key="axis", expected="the direction about which the rope turns"
             )
-        if said.radius == 0.0 and said.axis is not None:
+        if spec.radius == 0.0 and spec.axis is not None:
             raise InputError(
                 "'axis' without 'radius'", key="axis", expected="'radius' and 'axis' of a pulley, or neither"
             )
-        if said.friction > 0.0 and said.radius == 0.0:
+        if spec.friction > 0.0 and spec.radius == 0.0:
             raise InputError(
                 "'friction' without 'radius'", key="friction", expected="'radius' and 'axis', or 'efficiency'"
             )
-        if said.friction > 0.0 and said.efficiency < 1.0:
+        if spec.friction > 0.0 and spec.efficiency < 1.0:
             raise InputError(
                 "both 'friction' and 'efficiency'",
                 key="friction",
@@ -583,23 +585,23 @@ class Winch:
     drums at both ends each hauls in half."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A speed or a length a time, none beyond what the winch can do."""
-        _check_told(said)
-        if said.fastest is None:
+        _check_told(spec)
+        if spec.fastest is None:
             return
-        if said.follow is not None:
+        if spec.follow is not None:
             raise InputError("both 'follow' and 'fastest'", key="fastest", expected="one of them")
-        if said.speed is not None:
-            told, key = said.speed, "speed"
+        if spec.speed is not None:
+            told, key = spec.speed, "speed"
         else:
-            key = "lengths" if len(said.lengths) else "speeds"
-            told = float(np.abs(_told_speeds(said)[1]).max()) if len(said.times) else 0.0
-        if told > said.fastest * (1.0 + 1e-12):
+            key = "lengths" if len(spec.lengths) else "speeds"
+            told = float(np.abs(_told_speeds(spec)[1]).max()) if len(spec.times) else 0.0
+        if told > spec.fastest * (1.0 + 1e-12):
             raise InputError(
-                f"{told:g} m/s, and the winch can do {said.fastest:g} m/s",
+                f"{told:g} m/s, and the winch can do {spec.fastest:g} m/s",
                 key=key,
-                expected=f"at most {said.fastest:g} m/s",
+                expected=f"at most {spec.fastest:g} m/s",
             )
 
     @property
@@ -624,40 +626,40 @@ class Winch:
         return _told_speeds(self)
 
 
-def _check_told(said: Any) -> None:
+def _check_told(spec: Any) -> None:
     """What a winch is told is a table, and one alone."""
-    given = [key for key in ("speeds", "lengths", "tensions") if len(getattr(said, key))]
-    if said.follow is not None:
-        if given or said.acceleration is not None or said.speed is not None:
-            other = given[0] if given else "acceleration" if said.acceleration is not None else "speed"
+    given = [key for key in ("speeds", "lengths", "tensions") if len(getattr(spec, key))]
+    if spec.follow is not None:
+        if given or spec.acceleration is not None or spec.speed is not None:
+            other = given[0] if given else "acceleration" if spec.acceleration is not None else "speed"
             raise InputError(f"both 'follow' and {other!r}", key=other, expected="one of them")
-    elif said.ratio != 1.0:
+    elif spec.ratio != 1.0:
         raise InputError("'ratio' without 'follow'", key="ratio", expected="'follow', a rope to follow")
     if len(given) > 1:
         raise InputError(f"both {given[0]!r} and {given[1]!r}", expected="one of them")
-    if not given and said.follow is None and (said.brake is None or len(said.times)):
+    if not given and spec.follow is None and (spec.brake is None or len(spec.times)):
         raise InputError("neither 'speeds' nor 'lengths'", expected="one of them")
     if given:
-        check_table("times", said.times, given[0], getattr(said, given[0]))
+        check_table("times", spec.times, given[0], getattr(spec, given[0]))
     if given == ["tensions"]:
-        if said.speed is None:
+        if spec.speed is None:
             raise InputError(
                 "'tensions' without 'speed'", key="speed", expected="the largest speed of the winch"
             )
         for key in ("brake", "acceleration", "jerk"):
-            if getattr(said, key) is not None:
+            if getattr(spec, key) is not None:
                 raise InputError(f"both 'tensions' and {key!r}", key=key, expected="one of them")
         return
-    if (said.speed is not None) != (len(said.lengths) > 0 and said.acceleration is not None):
+    if (spec.speed is not None) != (len(spec.lengths) > 0 and spec.acceleration is not None):
         raise InputError(
             "'speed' is the limit of moves to 'lengths' with an 'acceleration'",
-            key="speed" if said.speed is not None else "acceleration",
+            key="speed" if spec.speed is not None else "acceleration",
             expected="'lengths', 'speed' and 'acceleration'; 'speeds' and 'acceleration'; or a table alone",
         )
-    if said.speed is not None:
-        planned_moves(said.times, said.lengths, said.speed, said.acceleration, said.jerk)
+    if spec.speed is not None:
+        planned_moves(spec.times, spec.lengths, spec.speed, spec.acceleration, spec.jerk)
     else:
-        check_speeds(said)
+        check_speeds(spec)
 
 
 def _told_speeds(winch: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

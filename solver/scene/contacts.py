@@ -76,7 +76,7 @@ class Contour:
     flip: bool = False
     radius: float = 0.0
     width: float = 0.0
-    director: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    sequencer: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
 
 CONTACT_SHAPES: Family[Any] = Family("shape", "heavylift.solver.contact.search", alphabetical=False)
@@ -172,9 +172,9 @@ class BoxShape:
     """How its axes are turned from those of the body; not at all if absent."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A core is left."""
-        _check_rounding(said.rounding, min(said.size), "smallest size")
+        _check_rounding(spec.rounding, min(spec.size), "smallest size")
 
     @property
     def core(self) -> NDArray[np.float64]:
@@ -217,9 +217,9 @@ class CylinderShape:
     """In the coordinates of the body."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A core is left."""
-        _check_rounding(said.rounding, min(2.0 * said.radius, said.length), "diameter or length")
+        _check_rounding(spec.rounding, min(2.0 * spec.radius, spec.length), "diameter or length")
 
     @property
     def core(self) -> tuple[float, float]:
@@ -299,9 +299,9 @@ class HuntCrossleyLaw:
     """Velocity after an impact over that before it, above 0 up to 1."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """The damping is finite."""
-        if said.restitution == 0.0:
+        if spec.restitution == 0.0:
             raise InputError(
                 "0 needs infinite damping", key="restitution", expected="above 0, or law 'rigid'"
             )
@@ -318,9 +318,9 @@ class ThesisLaw:
     """Above 0 up to 1: damping, with a time constant of h (1 / gamma - 1) / 4 at the step h. No restitution."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """The damping is finite."""
-        if said.gamma == 0.0:
+        if spec.gamma == 0.0:
             raise InputError("0 needs infinite damping", key="gamma", expected="above 0, up to 1")
 
     def time_constant(self, step: float) -> float:

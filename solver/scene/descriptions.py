@@ -466,9 +466,9 @@ def upwards() -> NDArray[np.float64]:
     return np.array([0.0, 0.0, 1.0])
 
 
-def named(said: Any, *keys: str) -> bool:
+def named(spec: Any, *keys: str) -> bool:
     """Whether one of some keys stands in a case file; always, of an object, whose values may be its defaults."""
-    found = getattr(said, "model_fields_set", None)
+    found = getattr(spec, "model_fields_set", None)
     return found is None or not found.isdisjoint(keys)
 
 
@@ -522,35 +522,35 @@ def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     if not is_described(type(thing)):
         return
     try:
-        _said(thing, "", coordinate)
+        _spec(thing, "", coordinate)
     except InputError as error:
         name = source or thing.name
         raise InputError(error.problem, source=name, key=error.key, expected=error.expected) from None
 
 
-def _said(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
+def _spec(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
     """Keys of a thing as a case file says them; checked."""
-    said = types.SimpleNamespace()
+    spec = types.SimpleNamespace()
     for field in described_fields(type(thing)):
         place = f"{key}{field.name}"
         value = _as_said(field, getattr(thing, field.name), place, coordinate)
         _check_range(field, value, place, coordinate)
-        setattr(said, field.name, value)
+        setattr(spec, field.name, value)
     check = getattr(thing, "check", None)
     if check is not None:
         try:
-            check(said)
+            check(spec)
         except InputError as error:
             place = f"{key}{error.key}".removesuffix(".")
             raise InputError(error.problem, key=place, expected=error.expected) from None
-    return said
+    return spec
 
 
 def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
     """Value of a key as a case file says it."""
     coordinate = owner_coordinate(field) or coordinate
     if is_described(type(value)):
-        return _said(value, f"{key}.", coordinate)
+        return _spec(value, f"{key}.", coordinate)
     if isinstance(value, (tuple, list)):
         return [
             _as_said(field, entry, f"{key}.{number}", coordinate)

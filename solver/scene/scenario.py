@@ -155,9 +155,9 @@ class Limit:
         return f"{self.signal.name} {'below' if self.below else 'above'} {_value(self)}"
 
 
-def _value(said: Condition | Limit) -> str:
+def _value(spec: Condition | Limit) -> str:
     """Value of a condition or limit, as words."""
-    return f"{said.value:.6g}" + f" of the weight of {', '.join(said.weight_of)}" * bool(said.weight_of)
+    return f"{spec.value:.6g}" + f" of the weight of {', '.join(spec.weight_of)}" * bool(spec.weight_of)
 
 
 @dataclass(frozen=True)

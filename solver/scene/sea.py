@@ -188,11 +188,11 @@ class Hull(Restored):
     """Cut-off of the filter of place and heading that the waves see [rad/s]; well below the waves."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Damping dissipates."""
-        if said.damping is None:
+        if spec.damping is None:
             return
-        D = np.array(said.damping, dtype=np.float64)
+        D = np.array(spec.damping, dtype=np.float64)
         size = float(np.abs(D).max())
         if np.abs(D - D.T).max() > UNSYMMETRIC * size or np.linalg.eigvalsh(D)[0] < -1e-9 * size:
             raise InputError(
@@ -300,16 +300,16 @@ class Tank:
     """Depth of the water at each volume, for the record [m]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A mass, or a schedule; a place of one kind."""
-        if (said.mass is None) == (not len(said.times)):
-            problem = "neither 'mass' nor 'times'" if said.mass is None else "both 'mass' and 'times'"
+        if (spec.mass is None) == (not len(spec.times)):
+            problem = "neither 'mass' nor 'times'" if spec.mass is None else "both 'mass' and 'times'"
             raise InputError(problem, expected="one of them")
-        check_table("times", said.times, "masses", said.masses)
+        check_table("times", spec.times, "masses", spec.masses)
         given = {
-            "point": said.point is not None,
-            "size": said.size is not None,
-            "volumes": len(said.volumes) > 0,
+            "point": spec.point is not None,
+            "size": spec.size is not None,
+            "volumes": len(spec.volumes) > 0,
         }
         ways = [key for key, there in given.items() if there]
         if len(ways) != 1:
@@ -319,37 +319,37 @@ class Tank:
                 expected="'point'; or 'floor' and 'size'; or 'volumes' and 'centres'",
             )
         way = ways[0]
-        if (said.floor is not None) != (way == "size"):
+        if (spec.floor is not None) != (way == "size"):
             raise InputError(
-                f"{'no' if said.floor is None else 'a'} 'floor' with {way!r}",
+                f"{'no' if spec.floor is None else 'a'} 'floor' with {way!r}",
                 key="floor",
                 expected="'floor' and 'size' together",
             )
-        if way != "point" and any(said.free_surface):
+        if way != "point" and any(spec.free_surface):
             raise InputError(
                 f"'free_surface' with {way!r}", key="free_surface", expected="the free surface of that"
             )
-        if way != "size" and said.permeability != 1.0:
+        if way != "size" and spec.permeability != 1.0:
             raise InputError(f"'permeability' with {way!r}", key="permeability", expected="'size'")
-        if not said.permeability > 0.0:
-            raise InputError(f"{said.permeability:g}", key="permeability", expected="more than 0, at most 1")
+        if not spec.permeability > 0.0:
+            raise InputError(f"{spec.permeability:g}", key="permeability", expected="more than 0, at most 1")
         if way == "volumes":
-            Tank._check_volumes(said)
-        elif said.centres is not None or said.surfaces is not None or len(said.depths):
+            Tank._check_volumes(spec)
+        elif spec.centres is not None or spec.surfaces is not None or len(spec.depths):
             raise InputError(f"a table with {way!r}", key="volumes", expected="'volumes' and 'centres'")
 
     @staticmethod
-    def _check_volumes(said: Any) -> None:
+    def _check_volumes(spec: Any) -> None:
         """A table from the empty to the full tank."""
-        check_table("volumes", said.volumes, "centres", said.centres or (), shortest=2)
-        if said.volumes[0] != 0.0:
+        check_table("volumes", spec.volumes, "centres", spec.centres or (), shortest=2)
+        if spec.volumes[0] != 0.0:
             raise InputError(
-                f"begins at {said.volumes[0]:g} m^3", key="volumes", expected="0, the empty tank, first"
+                f"begins at {spec.volumes[0]:g} m^3", key="volumes", expected="0, the empty tank, first"
             )
-        if said.surfaces is not None:
-            check_table("volumes", said.volumes, "surfaces", said.surfaces)
-        if len(said.depths):
-            check_table("volumes", said.volumes, "depths", said.depths)
+        if spec.surfaces is not None:
+            check_table("volumes", spec.volumes, "surfaces", spec.surfaces)
+        if len(spec.depths):
+            check_table("volumes", spec.volumes, "depths", spec.depths)
 
     @property
     def schedule(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -414,9 +414,9 @@ class Tide:
     """Height of the still water over `level` of the sea [m], one a time, linear between, held at the ends."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A level a time."""
-        check_table("times", said.times, "levels", said.levels)
+        check_table("times", spec.times, "levels", spec.levels)
 
     @property
     def at_start(self) -> float:

@@ -166,7 +166,7 @@ def planned_moves(
     return at, speeds
 
 
-def check_speeds(said: Any) -> None:
+def check_speeds(spec: Any) -> None:
     """Limits of acceleration and jerk belong to speeds, each of which is reached before the next one begins.
 
     Raises
@@ -174,24 +174,24 @@ def check_speeds(said: Any) -> None:
     InputError
         If not.
     """
-    if said.acceleration is None:
-        if said.jerk is not None:
+    if spec.acceleration is None:
+        if spec.jerk is not None:
             raise InputError("'jerk' without 'acceleration'", key="jerk", expected="'acceleration' as well")
         return
-    if not len(said.speeds):
+    if not len(spec.speeds):
         raise InputError(
             "'acceleration' without 'speeds'",
             key="acceleration",
             expected="'times' and 'speeds', its targets",
         )
     before = 0.0
-    for i, (time, speed) in enumerate(zip(said.times, said.speeds, strict=True)):
-        phases = ramp_phases(speed - before, said.acceleration, said.jerk)
+    for i, (time, speed) in enumerate(zip(spec.times, spec.speeds, strict=True)):
+        phases = ramp_phases(speed - before, spec.acceleration, spec.jerk)
         needed = sum(duration for duration, _, _ in phases)
-        if i + 1 < len(said.times) and time + needed > said.times[i + 1] * (1.0 + 1e-12):
+        if i + 1 < len(spec.times) and time + needed > spec.times[i + 1] * (1.0 + 1e-12):
             raise InputError(
                 f"the change to {speed:g} at {time:g} s takes {needed:.6g} s, and the next one begins at"
-                f" {said.times[i + 1]:g} s",
+                f" {spec.times[i + 1]:g} s",
                 key=f"times.{i + 1}",
                 expected=f"{time + needed:.6g} s or later, or a larger acceleration",
             )

@@ -137,25 +137,25 @@ class HeightGrid:
     """[m], a row for each station, in it a number for each offset."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A rectangle."""
-        inline = len(said.stations) + len(said.offsets) + len(said.heights) > 0
-        if inline == (said.file is not None):
+        inline = len(spec.stations) + len(spec.offsets) + len(spec.heights) > 0
+        if inline == (spec.file is not None):
             problem = "both 'file' and 'stations'" if inline else "neither 'file' nor 'stations'"
             raise InputError(problem, key="file", expected="a grid of heights: one of them")
         if not inline:
             return
-        _check_lines(said.stations, said.offsets)
-        if len(said.heights) != len(said.stations):
+        _check_lines(spec.stations, spec.offsets)
+        if len(spec.heights) != len(spec.stations):
             raise InputError(
-                f"{len(said.heights)} rows of heights at {len(said.stations)} stations",
+                f"{len(spec.heights)} rows of heights at {len(spec.stations)} stations",
                 key="heights",
                 expected="a row for each station",
             )
-        for i, row in enumerate(said.heights):
-            if len(row) != len(said.offsets):
+        for i, row in enumerate(spec.heights):
+            if len(row) != len(spec.offsets):
                 raise InputError(
-                    f"{len(row)} heights at {len(said.offsets)} offsets",
+                    f"{len(row)} heights at {len(spec.offsets)} offsets",
                     key=f"heights.{i}",
                     expected="a height for each offset",
                 )
@@ -195,9 +195,9 @@ class OilPump:
     """[m], linear between the times, held before the first and after the last."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A lift a time."""
-        check_table("times", said.times, "lifts", said.lifts)
+        check_table("times", spec.times, "lifts", spec.lifts)
 
 
 @TRANSPORT.part
@@ -248,20 +248,20 @@ class BogieGroup:
     """How its oil changes."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Oil, or gas, or a constant force."""
-        given = [key for key in ("oil_stiffness", "gas_length") if getattr(said, key) is not None]
-        given += ["constant_force"] * bool(said.constant_force)
+        given = [key for key in ("oil_stiffness", "gas_length") if getattr(spec, key) is not None]
+        given += ["constant_force"] * bool(spec.constant_force)
         if len(given) != 1:
             problem = (
                 f"{' and '.join(map(repr, given))}" if given else "no 'oil_stiffness' and no 'gas_length'"
             )
             raise InputError(problem, key="oil_stiffness", expected="one of 'oil_stiffness' and 'gas_length'")
-        if said.constant_force:
+        if spec.constant_force:
             more = {
-                "relief_force": said.relief_force,
-                "leak_speed": said.leak_speed or None,
-                "pump": said.pump,
+                "relief_force": spec.relief_force,
+                "leak_speed": spec.leak_speed or None,
+                "pump": spec.pump,
             }
             key = next((key for key, value in more.items() if value is not None), "")
             if key:
@@ -302,22 +302,22 @@ class PathLeg:
     """Before it [s]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A curve, or a turn."""
-        carousel = said.steering == "carousel"
-        if carousel and not said.turn:
+        carousel = spec.steering == "carousel"
+        if carousel and not spec.turn:
             raise InputError("a carousel without turn", key="turn", expected="the angle by which it turns")
-        if carousel == (len(said.points) > 0):
+        if carousel == (len(spec.points) > 0):
             problem = "a carousel with 'points'" if carousel else "no points"
             raise InputError(
                 problem, key="points", expected="'points' of all but a carousel, which has a 'turn'"
             )
-        if not carousel and (said.turn or (named(said, "centre") and np.any(said.centre))):
-            key = "turn" if said.turn else "centre"
+        if not carousel and (spec.turn or (named(spec, "centre") and np.any(spec.centre))):
+            key = "turn" if spec.turn else "centre"
             raise InputError(
-                f"a {key!r} with steering {said.steering!r}", key=key, expected="steering 'carousel'"
+                f"a {key!r} with steering {spec.steering!r}", key=key, expected="steering 'carousel'"
             )
-        if said.curve == "smooth" and (said.radius or said.transition):
+        if spec.curve == "smooth" and (spec.radius or spec.transition):
             raise InputError("a smooth curve with a 'radius'", key="radius", expected="one of them")
 
 
@@ -344,14 +344,14 @@ class Drive:
     """With which the brakes of a driven bogie hold at rest [N]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Numbers of bogies, once each; a table from rest on."""
-        if any(number < 1 for number in said.bogies) or len(set(said.bogies)) < len(said.bogies):
-            raise InputError(f"{list(said.bogies)}", key="bogies", expected="numbers from 1 on, each once")
-        check_table("speeds", said.speeds, "forces", said.forces)
-        if len(said.speeds) and said.speeds[0] != 0.0:
+        if any(number < 1 for number in spec.bogies) or len(set(spec.bogies)) < len(spec.bogies):
+            raise InputError(f"{list(spec.bogies)}", key="bogies", expected="numbers from 1 on, each once")
+        check_table("speeds", spec.speeds, "forces", spec.forces)
+        if len(spec.speeds) and spec.speeds[0] != 0.0:
             raise InputError(
-                f"they begin at {said.speeds[0]:g} m/s", key="speeds", expected="speeds from 0 on"
+                f"they begin at {spec.speeds[0]:g} m/s", key="speeds", expected="speeds from 0 on"
             )
 
 
@@ -373,9 +373,9 @@ class Tyres:
     """By which bogies are off their steering, to the left [rad]: one for all, or one each, as groups list them."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Errors that are none of a wheel that stands across."""
-        worst = max((abs(float(error)) for error in said.steering_errors), default=0.0)
+        worst = max((abs(float(error)) for error in spec.steering_errors), default=0.0)
         if worst >= 0.25 * np.pi:
             raise InputError(
                 f"{np.degrees(worst):.6g} degrees", key="steering_errors", expected="less than 45 degrees"

@@ -208,9 +208,9 @@ class Veering:
     """Where the fluid goes [rad]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """An angle a time."""
-        check_table("times", said.times, "angles", said.angles, shortest=2)
+        check_table("times", spec.times, "angles", spec.angles, shortest=2)
 
 
 @FLUIDS.part
@@ -224,10 +224,10 @@ class CurrentProfile:
     """[m/s]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A speed a depth."""
-        check_table("depths", said.depths, "speeds", said.speeds, shortest=2)
-        for speed in said.speeds:
+        check_table("depths", spec.depths, "speeds", spec.speeds, shortest=2)
+        for speed in spec.speeds:
             check_speed(speed, source="", key="speeds", largest=LARGEST_CURRENT)
 
 
@@ -276,16 +276,16 @@ class WindField(Fluctuating):
     """Of the air [kg/m^3]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A speed and a direction that are no slip of units, times up to an hour, an exponent where it counts."""
-        _check_flow(said, LARGEST_WIND)
+        _check_flow(spec, LARGEST_WIND)
         for key in ("averaging_time", "gust"):
-            value = getattr(said, key)
+            value = getattr(spec, key)
             if value is not None and value > HOUR:
                 raise InputError(f"{value:g} s", key=key, expected="a time up to an hour [s]")
-        if said.exponent is not None and said.profile != "power":
+        if spec.exponent is not None and spec.profile != "power":
             raise InputError(
-                f"'exponent' with profile {said.profile!r}",
+                f"'exponent' with profile {spec.profile!r}",
                 key="exponent",
                 expected="profile 'power', or no 'exponent'",
             )
@@ -313,18 +313,18 @@ class CurrentField:
     """Where the water goes [rad], from world x, anticlockwise seen from above; or a table over time."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A speed and a direction that are no slip of units."""
-        _check_flow(said, LARGEST_CURRENT)
+        _check_flow(spec, LARGEST_CURRENT)
 
 
-def _check_flow(said: Any, largest: float) -> None:
+def _check_flow(spec: Any, largest: float) -> None:
     """Speed and direction, as far as they are numbers."""
-    if isinstance(said.speed, Real):
-        check_speed(float(said.speed), source="", key="speed", largest=largest)
-    if isinstance(said.direction, Real):
+    if isinstance(spec.speed, Real):
+        check_speed(float(spec.speed), source="", key="speed", largest=largest)
+    if isinstance(spec.direction, Real):
         try:
-            check_heading(float(said.direction))
+            check_heading(float(spec.direction))
         except InputError as error:
             raise InputError(error.problem, key="direction", expected=error.expected) from None
 

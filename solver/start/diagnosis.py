@@ -335,7 +335,7 @@ def _core_redundancy(
         if not more:
             continue
         missing -= more
-        verb = "hold the same bodies" if len(loop) == 1 else "close a loop"
+        action = "hold the same bodies" if len(loop) == 1 else "close a loop"
         where = ""
         if near is not None:
             there = near.scaled.dense(loop_blocks, tuple(bodies))
@@ -343,7 +343,7 @@ def _core_redundancy(
             if always < left.shape[1]:
                 where = f", {'all' if always == 0 else left.shape[1] - always} of them in this position only"
         texts.append(
-            f"{_joints(rows, loop_blocks)} {verb} with {plural(more, 'row')} too many{where}:"
+            f"{_joints(rows, loop_blocks)} {action} with {plural(more, 'row')} too many{where}:"
             " how they share their forces is not unique"
         )
     if missing:

@@ -1,6 +1,6 @@
 """The rows of a packed scene as sparse matrices, for the work before time starts.
 
-Compiled verbs fill markers, forces and rows, so every kind of joint is served; what is left is
+Compiled operations fill markers, forces and rows, so every kind of joint is served; what is left is
 linear algebra that happens once, and is done in Python with sparse matrices.
 """
 

@@ -22,7 +22,7 @@ STEP = 1e-9
 DIFFERENCE = 1e-5
 """Displacement of the difference quotients, relative to the size of the scene, or in radians."""
 
-ON_ONE_BODY = frozenset({"UniformGravity", "PointForces", "FluidLoads", "Director"})
+ON_ONE_BODY = frozenset({"UniformGravity", "PointForces", "FluidLoads", "Sequencer"})
 """Kinds of forces that do not act between bodies, or do not act, beside what only watches."""
 
 AS_SAID = 1e-6
@@ -166,9 +166,9 @@ class StaticForces:
         A row with another force than its stiffness says, as that of a winch which pays out, is none of them.
         """
         rows = self.rows
-        said = [kind.one_sided() for kind in rows.layout.joints if hasattr(kind, "one_sided")]
-        said.append((np.zeros(0, dtype=np.int64), *3 * [np.zeros(0)]))
-        block, sense, elongation, stiffness = (np.concatenate(part) for part in zip(*said, strict=True))
+        spec = [kind.one_sided() for kind in rows.layout.joints if hasattr(kind, "one_sided")]
+        spec.append((np.zeros(0, dtype=np.int64), *3 * [np.zeros(0)]))
+        block, sense, elongation, stiffness = (np.concatenate(part) for part in zip(*spec, strict=True))
         found = OneSided(np.searchsorted(rows.block, block), sense, elongation, stiffness)
         force = found.put(found.tension, reaction)[found.row]
         kept = np.abs(force - reaction[found.row]) <= AS_SAID * np.abs(force)

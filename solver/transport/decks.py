@@ -86,42 +86,42 @@ class Deck:
     """In place of `stations`, `heights` and `sides`."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A profile and a width, or a grid."""
-        kinds = [f"'{key}'" for key in ("stations", "bump", "grid") if _is_said(getattr(said, key))]
+        kinds = [f"'{key}'" for key in ("stations", "bump", "grid") if _is_said(getattr(spec, key))]
         if len(kinds) != 1:
             problem = " and ".join(kinds) if kinds else "no 'stations' and no 'bump' or 'grid'"
             raise InputError(problem, key="stations", expected="a profile or a grid: one of them")
-        if len(said.stations) or len(said.heights):
-            if len(said.stations) < 2 or len(said.stations) != len(said.heights):
+        if len(spec.stations) or len(spec.heights):
+            if len(spec.stations) < 2 or len(spec.stations) != len(spec.heights):
                 raise InputError(
-                    f"{len(said.stations)} stations and {len(said.heights)} heights",
+                    f"{len(spec.stations)} stations and {len(spec.heights)} heights",
                     key="stations",
                     expected="two or more stations, one height each",
                 )
             fall = next(
-                (i for i in range(1, len(said.stations)) if said.stations[i] < said.stations[i - 1]), 0
+                (i for i in range(1, len(spec.stations)) if spec.stations[i] < spec.stations[i - 1]), 0
             )
             if fall:
                 raise InputError(
-                    f"{said.stations[fall]:g} follows {said.stations[fall - 1]:g}",
+                    f"{spec.stations[fall]:g} follows {spec.stations[fall - 1]:g}",
                     key=f"stations.{fall}",
                     expected="stations that do not fall",
                 )
-            if not said.stations[-1] > said.stations[0]:
+            if not spec.stations[-1] > spec.stations[0]:
                 raise InputError(
                     "it has no length", key="stations", expected="stations apart from each other"
                 )
-        if (said.grid is None) == (said.sides is None):
-            problem = "no 'sides'" if said.grid is None else "'sides' of a deck with a 'grid'"
+        if (spec.grid is None) == (spec.sides is None):
+            problem = "no 'sides'" if spec.grid is None else "'sides' of a deck with a 'grid'"
             raise InputError(problem, key="sides", expected="right border, left border; of a 'grid' none")
-        if said.grid is None and not said.sides[1] > said.sides[0]:
+        if spec.grid is None and not spec.sides[1] > spec.sides[0]:
             raise InputError(
-                f"from {said.sides[0]:g} to {said.sides[1]:g} m",
+                f"from {spec.sides[0]:g} to {spec.sides[1]:g} m",
                 key="sides",
                 expected="right border, left border",
             )
-        along, up = (np.asarray(v, dtype=np.float64) for v in (said.direction, said.normal))
+        along, up = (np.asarray(v, dtype=np.float64) for v in (spec.direction, spec.normal))
         if abs(float(along @ up)) > 1e-9 * float(np.linalg.norm(along) * np.linalg.norm(up)):
             raise InputError(
                 f"{along.tolist()} leans against the normal {up.tolist()}",

@@ -5,8 +5,9 @@ Pumps that lift groups by the tilt add up what they see. With the angle t of a b
     t'' + w^2 (t + l) = 0 ,   l' = a t / T
 
 has a root that falls with a/T and two that grow with about a/(2 T): so a vehicle has to be damped by more than that, or
-the time constant T has to be long. Small motions q (heave, roll, pitch) as in `heavylift.solver.transport.stand`, on
-bogies i with the stroke s_i, tyres k, c_t and pipes c_l, in groups of n with oil of the stiffness n o and a lift u::
+the time constant T has to be long. Small motions q (heave, roll, pitch) as in
+`heavylift.solver.transport.support_statics`, on bogies i with the stroke s_i, tyres k, c_t and pipes c_l, in groups
+of n with oil of the stiffness n o and a lift u::
 
     z_i = J_i q ,   f_i = k (s_i - z_i) + c_t (s_i' - z_i') = - o (mean s - u) - c_l s_i'
     M q'' = diag(0, W h, W h) q + sum J_i^T f_i ,   u' = (x_k pitch - y_k roll) / T
@@ -24,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.transport.stand import Stand
+from heavylift.solver.transport.support_statics import SupportStatics
 
 __all__ = ["LevelledBogies", "levelling_growth", "refuse_growing_levelling"]
 
@@ -72,7 +73,7 @@ class LevelledBogies:
     held: bool
 
 
-def _rates(stand: Stand, bogies: LevelledBogies) -> NDArray[np.float64]:
+def _rates(stand: SupportStatics, bogies: LevelledBogies) -> NDArray[np.float64]:
     """Matrix of the rates of heave, roll, pitch, their rates, strokes with dampers, and lifts, by all of these."""
     n, groups = len(bogies.group), len(bogies.oil)
     damper = bogies.rubber + bogies.pipe
@@ -111,7 +112,7 @@ def _rates(stand: Stand, bogies: LevelledBogies) -> NDArray[np.float64]:
     return A
 
 
-def levelling_growth(stand: Stand, bogies: LevelledBogies, slower: float = 1.0) -> complex:
+def levelling_growth(stand: SupportStatics, bogies: LevelledBogies, slower: float = 1.0) -> complex:
     """Fastest growing motion [1/s]: rate, and angular frequency [rad/s]; below 0 where all calm down.
 
     Parameters
@@ -141,7 +142,7 @@ def levelling_growth(stand: Stand, bogies: LevelledBogies, slower: float = 1.0) 
     return complex(grown[worst], turned[worst])
 
 
-def refuse_growing_levelling(stand: Stand, bogies: LevelledBogies) -> None:
+def refuse_growing_levelling(stand: SupportStatics, bogies: LevelledBogies) -> None:
     """Refuse levelling that drives a motion of its vehicle.
 
     Raises

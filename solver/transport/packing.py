@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
+from heavylift.solver.force_elements.system import LawBlock
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
-from heavylift.solver.laws.system import LawBlock
 from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import MOVES
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.joined import joined_bodies
+from heavylift.solver.scene.connectivity import connected_bodies
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
 from heavylift.solver.scene.transport import BogieParts, LevellingParts, TransporterOutputs
@@ -26,7 +26,13 @@ from heavylift.solver.transport.decks import Deck, corner_table
 from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
 from heavylift.solver.transport.path_packing import PathPacking, steering_at_start
 from heavylift.solver.transport.places import Places
-from heavylift.solver.transport.stand import Stand, Tipping, even_loads, refuse_unstable, tipping_angles
+from heavylift.solver.transport.support_statics import (
+    SupportStatics,
+    Tipping,
+    even_loads,
+    refuse_unstable,
+    tipping_angles,
+)
 from heavylift.solver.transport.transporters import (
     GAS_EXPONENT,
     GROUPS_A_BLOCK,
@@ -282,12 +288,12 @@ def pack_transporters(
 
 def _fill_levelling(vehicle: VehicleData, transporter: Transporter, outputs: Columns) -> None:
     """What a vehicle keeps of its levelling."""
-    said = transporter.levelling
+    spec = transporter.levelling
     vehicle.levelling, vehicle.period = placed(LevellingParts, outputs), 1.0
-    if said is not None:
-        vehicle.levels, vehicle.period, vehicle.rate = True, said.period, 1.0 / said.time_constant
-        vehicle.fastest, vehicle.dead = said.speed, said.dead_angle
-        vehicle.roll, vehicle.pitch = said.roll, said.pitch
+    if spec is not None:
+        vehicle.levels, vehicle.period, vehicle.rate = True, spec.period, 1.0 / spec.time_constant
+        vehicle.fastest, vehicle.dead = spec.speed, spec.dead_angle
+        vehicle.roll, vehicle.pitch = spec.roll, spec.pitch
 
 
 def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, int, int, int]:
@@ -370,7 +376,7 @@ def _parties(scene: Scene, all_places: Sequence[Places]) -> list[list[Places]]:
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints if isinstance(joint, FixedJoint)]
     parties: dict[frozenset[str], list[Places]] = {}
     for places in all_places:
-        group, _ = joined_bodies(places.body.name, _free(scene), pairs, _apart(scene))
+        group, _ = connected_bodies(places.body.name, _free(scene), pairs, _apart(scene))
         places.carried = group
         parties.setdefault(group, []).append(places)
     return list(parties.values())
@@ -386,7 +392,7 @@ def _apart(scene: Scene) -> set[str]:
     return {deck.body for deck in scene.decks} | {hull.body for hull in floating}
 
 
-def _stand(party: Sequence[Places], gravity: float) -> Stand:
+def _stand(party: Sequence[Places], gravity: float) -> SupportStatics:
     """What transporters carry, on all their groups.
 
     Raises
@@ -397,7 +403,7 @@ def _stand(party: Sequence[Places], gravity: float) -> Stand:
     first = party[0]
     scene, apart = first.scene, _apart(first.scene)
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints if not isinstance(joint, Guide)]
-    hanging = joined_bodies(first.body.name, _free(scene), pairs, apart)[0] - first.carried
+    hanging = connected_bodies(first.body.name, _free(scene), pairs, apart)[0] - first.carried
     carried = [body for body in scene.bodies if body.name in first.carried]
     parts = [_mass_of(body, first) for body in carried if isinstance(body, (RigidBody, FlexibleBody))]
     problem = ""
@@ -430,7 +436,7 @@ def _stand(party: Sequence[Places], gravity: float) -> Stand:
             counts.append(end - begin)
             middles.append(places.world[begin:end].mean(axis=0))
             begin = end
-    return Stand(
+    return SupportStatics(
         first.transporter.name,
         (np.array(middles) - centre) @ first.level.T,
         np.array(counts),
@@ -509,7 +515,7 @@ def _oil_stiffness(party: Sequence[Places], loads: NDArray[np.float64]) -> NDArr
     )
 
 
-def _levelled(stand: Stand, party: Sequence[Places], loads: NDArray[np.float64]) -> LevelledBogies:
+def _levelled(stand: SupportStatics, party: Sequence[Places], loads: NDArray[np.float64]) -> LevelledBogies:
     """Bogies of transporters that carry one thing, and how they are levelled; looks of all are as far apart as any."""
     vehicles = [places.transporter for places in party]
     of_bogies = np.repeat(np.arange(len(party)), [len(places.points) for places in party])
@@ -520,8 +526,8 @@ def _levelled(stand: Stand, party: Sequence[Places], loads: NDArray[np.float64])
                zip(flat, (group[of_bogies == v] for v in range(len(party))), strict=True)]  # fmt: skip
     offset = stand.places[0] - middles[0][0]
     arms = np.vstack([middle - place.mean(axis=0) for middle, place in zip(middles, flat, strict=True)])
-    said = [vehicle.levelling for vehicle in vehicles]
-    rates = [0.0 if levelling is None else 1.0 / levelling.time_constant for levelling in said]
+    spec = [vehicle.levelling for vehicle in vehicles]
+    rates = [0.0 if levelling is None else 1.0 / levelling.time_constant for levelling in spec]
     return LevelledBogies(
         places=(np.vstack(flat) + offset)[:, :2],
         group=group,
@@ -532,12 +538,12 @@ def _levelled(stand: Stand, party: Sequence[Places], loads: NDArray[np.float64])
         ahead=arms[:, 0],
         aside=arms[:, 1],
         rate=np.repeat(rates, [len(vehicle.groups) for vehicle in vehicles]),
-        period=max(levelling.period for levelling in said if levelling is not None),
+        period=max(levelling.period for levelling in spec if levelling is not None),
         held=any(len(vehicle.legs) > 0 for vehicle in vehicles),
     )
 
 
-def _on_tyres(stand: Stand, party: Sequence[Places], loads: NDArray[np.float64]) -> Stand:
+def _on_tyres(stand: SupportStatics, party: Sequence[Places], loads: NDArray[np.float64]) -> SupportStatics:
     """A body on its groups with the stiffness of oil or gas and tyres in a row."""
     groups = [(group, places.transporter) for places in party for group in places.transporter.groups]
     tyre = np.array([transporter.tyre_stiffness for _, transporter in groups])

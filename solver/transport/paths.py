@@ -45,8 +45,8 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.transport import DriveOutputs, PathOutputs, SteeringParts
-from heavylift.solver.transport.arms import PlaceData, add_place_row, place
-from heavylift.solver.transport.path_ways import way_on_pieces
+from heavylift.solver.transport.lever_arms import PlaceData, add_place_row, place
+from heavylift.solver.transport.path_distances import way_on_pieces
 from heavylift.solver.transport.transporters import BogieState
 
 __all__ = [
@@ -59,6 +59,7 @@ __all__ = [
     "PathState",
     "Paths",
     "PlanState",
+    "distance_at",
     "drive_capacity",
     "drive_outputs",
     "hermite",
@@ -69,7 +70,6 @@ __all__ = [
     "row_before",
     "tell_steering",
     "watch_drive",
-    "way_at",
     "weigh_plans",
 ]
 
@@ -282,7 +282,7 @@ def row_before(table: NDArray[np.float64], first: int, count: int, value: float)
 
 
 @kernel(internal=True)
-def way_at(kind: Paths, path: PathData, time: float) -> tuple[float, float]:
+def distance_at(kind: Paths, path: PathData, time: float) -> tuple[float, float]:
     """Way [m] and speed [m/s] at a time."""
     way, speed, _ = way_on_pieces(kind.pieces, path.first_piece, path.pieces, time)
     return way, speed
@@ -419,13 +419,13 @@ def set_path_targets(
         path, state = kind.table[p], kind.state[p]
         total = weigh_plans(kind, p)
         target = targets(system, path.block)
-        before, speed = way_at(kind, path, time)
+        before, speed = distance_at(kind, path, time)
         here, rates = pose_at(kind, path, before)
         if at_midpoint:
             last = system.rows[path.block].last_reaction
             for k in range(3):
                 state.work += last[k] * state.advance[k]
-            after, _ = way_at(kind, path, time + step)
+            after, _ = distance_at(kind, path, time + step)
             there, _ = pose_at(kind, path, after)
             state.yaw, state.step, state.moved = 0.5 * (here[2] + there[2]), step, after - before
             state.way, state.time = after, time + step
@@ -578,7 +578,7 @@ def record_paths(
     interval = work.control.interval
     for p in range(kind.table.shape[0]):
         path, state = kind.table[p], kind.state[p]
-        way, speed = way_at(kind, path, time)
+        way, speed = distance_at(kind, path, time)
         off, reaction = residuals(system, path.block), system.rows[path.block].reaction
         c, s = math.cos(state.yaw), math.sin(state.yaw)
         out = path_outputs(row, path.column)

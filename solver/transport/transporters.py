@@ -50,6 +50,7 @@ from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.quantity import Absent, BodyDirection, Least, NameOf, Positive, Quantity, Shape
 from heavylift.numerics.records import Record, Records
 from heavylift.solver.extremes import Extremes, largest_of, note_value, smallest_of
+from heavylift.solver.force_elements.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -68,7 +69,6 @@ from heavylift.solver.joints.row_writing import (
     vector,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.rows import RETURN, fit_row_law, put_row_law, rate_of_row
 from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.descriptions import forward
@@ -87,8 +87,8 @@ from heavylift.solver.scene.transport import (
     TyreParts,
     Tyres,
 )
-from heavylift.solver.transport.arms import PlaceData, add_place_row, place, place_rate
 from heavylift.solver.transport.decks import NO_ROAD, STEEPEST, dilated_height, grid_height
+from heavylift.solver.transport.lever_arms import PlaceData, add_place_row, place, place_rate
 
 __all__ = [
     "GROUPS_A_BLOCK",
@@ -206,27 +206,27 @@ class Transporter:
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Strokes have a range; what drives it."""
-        if said.stroke_limits is not None:
-            low, high = said.stroke_limits
+        if spec.stroke_limits is not None:
+            low, high = spec.stroke_limits
             if not low < 0.0 < high:
                 raise InputError(
                     f"from {low:g} to {high:g} m", key="stroke_limits", expected="one below 0, one above"
                 )
-        if said.legs and said.travel_speed is not None:
+        if spec.legs and spec.travel_speed is not None:
             raise InputError("'travel_speed' with 'legs'", key="travel_speed", expected="one of them")
-        if said.drive is not None and not said.legs:
+        if spec.drive is not None and not spec.legs:
             raise InputError(
                 "a 'drive' without 'legs'", key="drive", expected="'legs' of a path along which it drives"
             )
-        if said.tyres is not None and (said.drive is None or not said.legs):
+        if spec.tyres is not None and (spec.drive is None or not spec.legs):
             raise InputError(
-                f"'tyres' without {'legs' if not said.legs else 'a drive'!r}",
+                f"'tyres' without {'legs' if not spec.legs else 'a drive'!r}",
                 key="tyres",
                 expected="'legs' along which it is steered, and a 'drive' with friction and brakes",
             )
-        if said.levelling is not None and any(group.constant_force for group in said.groups):
+        if spec.levelling is not None and any(group.constant_force for group in spec.groups):
             raise InputError(
                 "'levelling' of constant forces", key="levelling", expected="groups of oil or gas"
             )

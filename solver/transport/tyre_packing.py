@@ -26,7 +26,7 @@ from heavylift.solver.transport.tyres import (
 )
 
 if TYPE_CHECKING:
-    from heavylift.solver.laws.system import LawBlock
+    from heavylift.solver.force_elements.system import LawBlock
     from heavylift.solver.markers import MarkerBook
     from heavylift.solver.rows.structure import Attachment
     from heavylift.solver.scene.outputs import Columns
@@ -102,9 +102,9 @@ class TyrePacking:
         """
         block, outputs = at
         first_bogie, on, share, weight = bogies
-        said, count = transporter.tyres, len(places.points)
-        assert said is not None
-        errors = np.atleast_1d(np.asarray(said.steering_errors, dtype=np.float64))
+        spec, count = transporter.tyres, len(places.points)
+        assert spec is not None
+        errors = np.atleast_1d(np.asarray(spec.steering_errors, dtype=np.float64))
         if len(errors) not in {0, 1, count}:
             raise InputError(
                 f"{len(errors)} angles of {count} bogies",
@@ -138,7 +138,7 @@ class TyrePacking:
         data.path, data.first_plane, data.planes = len(self._table), first_plane, len(self._planes)
         data.block, data.drive_block, data.attachments = block, drive_block, len(law.sides)
         data.parts = placed(TyreParts, outputs)
-        data.cornering, data.length, data.delay = said.cornering, said.relaxation_length, said.damping_time
+        data.cornering, data.length, data.delay = spec.cornering, spec.relaxation_length, spec.damping_time
         data.reach = float(np.linalg.norm(places.world - places.world.mean(axis=0), axis=1).max())
         self._table.append(data)
         self._paths.add(

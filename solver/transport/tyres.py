@@ -46,6 +46,8 @@ from heavylift.numerics.arrays import Arrays, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.records import Record, Records
 from heavylift.numerics.records import Vector as VectorField
+from heavylift.solver.force_elements.line_bearing import rub
+from heavylift.solver.force_elements.rows import fit_row_law, put_law, put_row_law, put_stick, rate_of_row
 from heavylift.solver.interface import (
     Workspace,
     fill_rows,
@@ -57,17 +59,16 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.joints.row_writing import Vector, add_direction_row, dot, minus, rate, vector
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.line_bearing import rub
-from heavylift.solver.laws.rows import fit_row_law, put_law, put_row_law, put_stick, rate_of_row
 from heavylift.solver.recording import part
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.transport import TyreParts
-from heavylift.solver.transport.arms import add_place_row, place, place_rate
+from heavylift.solver.transport.lever_arms import add_place_row, place, place_rate
 from heavylift.solver.transport.paths import (
     DriveState,
     PathData,
     Paths,
     PlanState,
+    distance_at,
     drive_capacity,
     drive_outputs,
     hermite,
@@ -78,7 +79,6 @@ from heavylift.solver.transport.paths import (
     row_before,
     tell_steering,
     watch_drive,
-    way_at,
     weigh_plans,
 )
 from heavylift.solver.transport.transporters import BogieState, DeckData
@@ -620,8 +620,8 @@ def _look_at_loads(kind: TyredVehicles, v: int, time: float, step: float) -> Non
     data, state = kind.table[v], kind.state[v]
     path = kind.paths.table[data.path]
     drive = kind.paths.drives[path.drive]
-    before, _ = way_at(kind.paths, path, time - state.wait)
-    after, _ = way_at(kind.paths, path, time + step - state.wait)
+    before, _ = distance_at(kind.paths, path, time - state.wait)
+    after, _ = distance_at(kind.paths, path, time + step - state.wait)
     state.moved, state.step, state.time = after - before, step, time + step
     state.rests = not state.moved > 0.0
     _aim(kind, v, state.way + 0.5 * state.moved)
@@ -854,7 +854,7 @@ def set_tyre_targets(
             first = 2 * data.drive_block
             state.before = rate_of_row(system, first, first + data.attachments, 0, work.velocity)
             if not state.fresh and not state.rests and state.branch == 0 and state.wheels > 0.0:
-                _, speed = way_at(kind.paths, path, time - state.wait)
+                _, speed = distance_at(kind.paths, path, time - state.wait)
                 flow = 0.0
                 for i in range(path.first_bogie, path.first_bogie + path.bogies):
                     flow += kind.wheel_state[i].weight * kind.wheel_state[i].size
@@ -934,11 +934,11 @@ def relinearise_tyres(
 def _waited(paths: Paths, path: PathData, way: float, begin: float, step: float) -> float:
     """How long of a step a plan waits for a vehicle that has got to a way only [s]."""
     low, high = 0.0, step
-    if way_at(paths, path, begin + high)[0] <= way:
+    if distance_at(paths, path, begin + high)[0] <= way:
         return 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if way_at(paths, path, begin + middle)[0] < way:
+        if distance_at(paths, path, begin + middle)[0] < way:
             low = middle
         else:
             high = middle
@@ -1059,7 +1059,7 @@ def record_tyres(
         out.push_along, out.push_across, out.push_turning = state.push[0], state.push[1], state.push[2]
         angles, speeds = part(row, path.parts.steering), part(row, path.parts.rolling_speed)
         forces, slips = part(row, data.parts.side_force), part(row, data.parts.slip_angle)
-        _, speed = way_at(kind.paths, path, time - state.wait)
+        _, speed = distance_at(kind.paths, path, time - state.wait)
         driven = 0.0
         for i in range(path.bogies):
             bogie, wheel = path.first_bogie + i, kind.wheel_state[path.first_bogie + i]

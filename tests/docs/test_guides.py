@@ -116,17 +116,17 @@ def test_getting_started_runs_as_it_is_written(tmp_path):
     """Every TOML block is added to case.toml, every command run, and said is what the page says."""
     folder = tmp_path / "begin"
     folder.mkdir()
-    said, seen = "", {"sh": 0, "toml": 0, "text": 0}
+    spec, seen = "", {"sh": 0, "toml": 0, "text": 0}
     for language, text in blocks(DOCS / "getting-started.md"):
         seen[language] += 1
         if language == "toml":
             with (folder / "case.toml").open("a", encoding="utf-8") as file:
                 file.write(f"{text}\n")
         elif language == "sh":
-            said, folder = shell(text, folder)
+            spec, folder = shell(text, folder)
         else:
             for line in text.splitlines():
-                assert line in said, f"{line!r} is not in\n{said}"
+                assert line in spec, f"{line!r} is not in\n{spec}"
     assert seen == {"sh": 6, "toml": 4, "text": 4}
     assert (folder / "out" / "report" / "scene_end.png").is_file()
 

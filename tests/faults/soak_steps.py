@@ -18,12 +18,12 @@ import numpy as np
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import Outcome
 from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, JointFrame, Limits, RopePoint, axes_about
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, SphereShape
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene

@@ -74,19 +74,19 @@ def test_an_operation_that_comes_to_its_end(phases, heavylift):
     done = heavylift("simulate", phases)
     assert done.code == 0
     results = load_results(phases)
-    said = results.metadata["scenario"]
-    assert said["phases"] == ["hoist", "hold", "drop"]
-    ends = {name: time for time, name, event, *_ in said["log"] if event == "done"}
+    spec = results.metadata["scenario"]
+    assert spec["phases"] == ["hoist", "hold", "drop"]
+    ends = {name: time for time, name, event, *_ in spec["log"] if event == "done"}
     assert ends["drop"] == pytest.approx(ends["hold"] + 0.5, abs=1e-9)
     assert results.time[-1] == pytest.approx(np.ceil(ends["drop"] * 10.0) / 10.0)
     assert results["scenario.phase"][-1] == 4
     assert "drop: action: release of 'fall'" in done.error + done.out
     (section,) = operation_section(results)
     (table,) = section.items
-    assert [row[1] for row in table.rows] == said["phases"]
+    assert [row[1] for row in table.rows] == spec["phases"]
     assert float(table.rows[2][2]) == pytest.approx(ends["hold"], abs=0.005)
     planned = json.loads(heavylift("scenario", phases, "--json").out)
-    assert [phase["name"] for phase in planned["phases"]] == said["phases"]
+    assert [phase["name"] for phase in planned["phases"]] == spec["phases"]
     hold = planned["phases"][1]
     assert hold["takes_s"][0] == 1.0
     low, high = planned["phases"][0]["end"]["fall"]

@@ -111,21 +111,21 @@ def test_no_command_writes_through_a_link(
 
 
 def test_a_word_to_a_run_is_not_added_to_a_file_of_someone(tmp_path: Path) -> None:
-    from heavylift.pipeline.stages import told
+    from heavylift.pipeline.stages import operator_commands
     from heavylift.pipeline.stages.lock import locked
 
     mine = tmp_path / "mine"
     mine.write_text(MINE)
     out = tmp_path / "out"
     out.mkdir()
-    words = out / told.WORDS_FILE
+    words = out / operator_commands.WORDS_FILE
     for plant in (words.symlink_to, words.hardlink_to):
         with locked(out):
             plant(mine)
             with pytest.raises(InputError, match="link"):
-                told.tell(out, "hold")
+                operator_commands.send(out, "hold")
         assert mine.read_text() == MINE
         words.unlink()
     with locked(out):
-        told.tell(out, "hold")
+        operator_commands.send(out, "hold")
     assert words.read_text() == "hold\n"

@@ -79,13 +79,13 @@ def test_frames_and_shells_for_which_there_is_no_memory(tmp_path, kind, geometry
     from heavylift.pipeline.case.meshes import FrameGeometry, ShellGeometry
 
     section = tomllib.loads(f"geometry = {geometry}")["geometry"]
-    said = TypeAdapter(FrameGeometry if kind == "frame" else ShellGeometry).validate_python(section)
+    spec = TypeAdapter(FrameGeometry if kind == "frame" else ShellGeometry).validate_python(section)
     case = SimpleNamespace(file=tmp_path / "case.toml", place=lambda key: key)
     make = frame_mesh if kind == "frame" else shell_mesh
     with pytest.raises(
         InputError, match=r"bodies\.wire\.geometry\.elements: about 1e\+(09|10) elements, which take"
     ):
-        make(Place(case, "wire"), said)
+        make(Place(case, "wire"), spec)
 
 
 def test_what_fits_is_made_and_what_is_just_too_much_is_not(monkeypatch, heavylift, small_case, edit):

@@ -123,10 +123,10 @@ def test_code_of_a_distrusted_folder_is_not_loaded_and_that_is_told_once(
     (root / "objects").chmod(0o777)
     assert not is_compiled(first_of.unit)
     assert load_unit(first_of.unit).seconds > 0.0
-    said = capfd.readouterr().err
-    assert said.count("\n") == 1
-    assert f"other users may write to {root / 'objects'}" in said
-    assert "HEAVYLIFT_CACHE_DIR" in said
+    spec = capfd.readouterr().err
+    assert spec.count("\n") == 1
+    assert f"other users may write to {root / 'objects'}" in spec
+    assert "HEAVYLIFT_CACHE_DIR" in spec
     (root / "objects").chmod(0o755)
     forget()
     assert is_compiled(first_of.unit)

@@ -49,11 +49,11 @@ def run(cache: Path, **environment: str) -> subprocess.Popen:
 
 def result(process: subprocess.Popen) -> tuple[int, str]:
     """Units that were compiled, and what was said; the field of gravity is right whatever happened."""
-    out, said = process.communicate(timeout=120)
-    assert process.returncode == 0, said
+    out, spec = process.communicate(timeout=120)
+    assert process.returncode == 0, spec
     field, count = json.loads(out)
     assert field == [0.0, 0.0, -9.81]
-    return count, said
+    return count, spec
 
 
 @pytest.mark.slow
@@ -95,9 +95,9 @@ def test_any_file_that_is_not_whole_is_compiled_again(
 @pytest.mark.slow
 @compiled_only
 def test_two_processes_compile_the_same_at_once(tmp_path: Path) -> None:
-    for count, said in [result(process) for process in [run(tmp_path) for _ in range(3)]]:
+    for count, spec in [result(process) for process in [run(tmp_path) for _ in range(3)]]:
         assert count in {0, 1}
-        assert said == ""
+        assert spec == ""
     assert result(run(tmp_path)) == (0, "")
     assert len(list((tmp_path / "objects").iterdir())) == 1  # no temporary file is left
 
@@ -108,10 +108,10 @@ def test_a_folder_that_cannot_be_written_costs_one_line(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
     for _ in range(2):
-        count, said = result(run(blocked))
+        count, spec = result(run(blocked))
         assert count == 1
-        assert said.count("\n") == 1
-        assert f"compiled kernels cannot be kept in {blocked}" in said
+        assert spec.count("\n") == 1
+        assert f"compiled kernels cannot be kept in {blocked}" in spec
 
 
 @pytest.mark.slow

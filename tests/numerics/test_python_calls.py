@@ -1,4 +1,6 @@
-"""In a run nothing is compiled: Python calls entries, verbs, plain functions, and no kernel without declared types."""
+"""In a run nothing is compiled: Python calls entries, operations, plain functions, and no kernel without declared
+types.
+"""
 
 from __future__ import annotations
 

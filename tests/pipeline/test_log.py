@@ -99,7 +99,7 @@ def on_terminal(folder: Path, *tokens: str) -> tuple[int, str]:
         [sys.executable, "-c", MAIN, *tokens], cwd=folder, stdin=process, stdout=process, stderr=process
     )
     os.close(process)
-    said = b""
+    spec = b""
     while True:
         try:
             more = os.read(main, 4096)
@@ -107,9 +107,9 @@ def on_terminal(folder: Path, *tokens: str) -> tuple[int, str]:
             break
         if not more:
             break
-        said += more
+        spec += more
     os.close(main)
-    return child.wait(60), said.decode()
+    return child.wait(60), spec.decode()
 
 
 @pytest.mark.slow
@@ -119,12 +119,12 @@ def on_terminal(folder: Path, *tokens: str) -> tuple[int, str]:
 def test_no_word_of_a_case_is_obeyed_by_a_terminal(tmp_path: Path, tokens: Any) -> None:
     hostile = "".join(f"\\u{ord(c):04x}" for c in f"{TITLE}{C1}{RIGHT_TO_LEFT}")
     (tmp_path / "case.toml").write_text(CASE.format(hostile=hostile))
-    code, said = on_terminal(tmp_path, *tokens)
-    assert code in {0, 1}, said
+    code, spec = on_terminal(tmp_path, *tokens)
+    assert code in {0, 1}, spec
     for word in (TITLE, C1, RIGHT_TO_LEFT):
-        assert word not in said
+        assert word not in spec
     # a bar is drawn by escapes of its own
-    assert "]0;" not in said.replace("\\x1b]0;", "").replace("\\u001b]0;", "")
+    assert "]0;" not in spec.replace("\\x1b]0;", "").replace("\\u001b]0;", "")
 
 
 @pytest.mark.parametrize("token", [f"--fo{TITLE}", f"run{TITLE}", f"{C1}"])

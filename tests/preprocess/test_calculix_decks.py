@@ -176,9 +176,9 @@ def test_frequencies_agree_with_scikit_fem(name, part, clamped, tolerance):
     points, cells = plain(folder() / f"{name}.inp", body.mesh.elements.shape[1])
     if part is not None:
         cells = cells[: body.mesh.element_count]
-    said = body.material
+    spec = body.material
     K, M, _ = solved_by_scikit_fem(
-        points, cells, said.young_modulus, said.poisson_ratio, said.density, clamped
+        points, cells, spec.young_modulus, spec.poisson_ratio, spec.density, clamped
     )
     expected = frequencies(K, M)
     np.testing.assert_allclose(frequencies(*own_matrices(body, clamped, "full")), expected, rtol=tolerance)

@@ -135,7 +135,7 @@ def test_a_box_that_takes_everything_is_an_error():
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "spec"),
     [
         ({"size": (1, 0, 1)}, "exclusion box: size: .*three positive lengths"),
         ({"size": (1, np.nan, 1)}, "exclusion box: size"),
@@ -144,6 +144,6 @@ def test_a_box_that_takes_everything_is_an_error():
         ({"axes": 2.0 * np.eye(3)}, "exclusion box: axes: .*orthonormal"),
     ],
 )
-def test_bad_boxes_are_named(values, said):
-    with pytest.raises(InputError, match=said):
+def test_bad_boxes_are_named(values, spec):
+    with pytest.raises(InputError, match=spec):
         ExclusionBox(**{"centre": (0, 0, 0), "size": (1, 1, 1), **values})

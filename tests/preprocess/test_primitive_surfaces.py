@@ -90,7 +90,7 @@ def test_rounded_cylinder_keeps_its_outer_size():
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "spec"),
     [
         (lambda: box_surface((1.0, -2.0, 3.0)), "box: size: .*a positive length in m, or 3"),
         (lambda: box_surface((1.0, 2.0)), "box: size"),
@@ -104,6 +104,6 @@ def test_rounded_cylinder_keeps_its_outer_size():
         (lambda: cylinder_surface(1.0, 1.0, rounding=0.5), "cylinder: rounding: 0.5; .*below 0.5"),
     ],
 )
-def test_bad_sizes_are_named(make, said):
-    with pytest.raises(InputError, match=said):
+def test_bad_sizes_are_named(make, spec):
+    with pytest.raises(InputError, match=spec):
         make()

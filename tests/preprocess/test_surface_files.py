@@ -222,17 +222,17 @@ TEXTS = {
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_bad_files_are_named(tmp_path, name):
-    text, said = TEXTS[name]
+    text, spec = TEXTS[name]
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=rf"{name}: (.*: )?{said}"):
+    with pytest.raises(InputError, match=rf"{name}: (.*: )?{spec}"):
         read_surface(path)
 
 
 def test_missing_files_and_options_that_do_not_fit(tmp_path):
     with pytest.raises(InputError, match=r"no.stl: does not exist"):
         read_surface(tmp_path / "no.stl")
-    for suffix, options, said in (
+    for suffix, options, spec in (
         ("stl", {"size": 0.1}, "size: 0.1; expected no size"),
         ("step", {"scale": 1e-3}, "scale: 0.001; expected no scale"),
         ("stl", {"scale": -1.0}, "scale: -1.0; expected a positive number"),
@@ -240,7 +240,7 @@ def test_missing_files_and_options_that_do_not_fit(tmp_path):
     ):
         path = tmp_path / f"a.{suffix}"
         path.write_text("", encoding="utf-8")
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=spec):
             read_triangles(path, **options)
 
 

@@ -143,10 +143,10 @@ def test_turned_and_moved():
         (SQUARE, [[0, 1, 2, 3]], r"lid: triangles: array of shape \(1, 4\)"),
     ],
 )
-def test_bad_arrays_are_named(points, triangles, said):
-    with pytest.raises(InputError, match=said):
+def test_bad_arrays_are_named(points, triangles, spec):
+    with pytest.raises(InputError, match=spec):
         TriangleSurface(points, triangles, name="lid")
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=spec):
         clean(points, triangles, name="lid")
 
 

@@ -68,9 +68,9 @@ class Box:
     """[kg]."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """The box itself weighs something."""
-        if said.inside >= said.mass:
+        if spec.inside >= spec.mass:
             raise InputError("too heavy", key="inside", expected="less than 'mass'")
 
 

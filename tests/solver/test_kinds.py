@@ -1,4 +1,4 @@
-"""Verbs on tables of kinds, in Python and in compiled code, and what a kind has to have."""
+"""Operations on tables of kinds, in Python and in compiled code, and what a kind has to have."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def rest_springs(kind: Springs, total: Floats1) -> None:
 
 @optional("rare")
 def shake(kinds: Things, total: Floats1) -> None:
-    """A verb of a group that few tables serve."""
+    """An operation of a group that few tables serve."""
 
 
 @implement(shake, Heavy)
@@ -356,7 +356,7 @@ def test_bases_of_kinds_are_no_kinds() -> None:
 
 
 def test_a_verb_serves_a_single_kind_from_python_as_it_does_in_kernels() -> None:
-    """An optional verb, too: what is no table must not be passed over as if it held nothing."""
+    """An optional operation, too: what is no table must not be passed over as if it held nothing."""
     total = np.zeros(2)
     rest(Springs(np.ones(1), np.ones(1)), total)
     pull(Weights(np.ones(2)), 0.5, False, total)

@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.measures.leads import Lead
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.sensors.fleet_angles import FleetAngle
 from heavylift.solver.simulation import Simulation
 
 SPIN = np.array([0.2, -0.4, 0.9])
@@ -29,7 +29,9 @@ def test_of_a_crown_that_turns():
     """A ball that spins about a fixed axis, with the crown at a point of it; the block stands still."""
     axis, normal = np.array([0.3, 0.0, -2.0]), np.array([2.0, 5.0, 0.3])
     ball = RigidBody("ball", 2.0, 3.0 * np.eye(3), angular_velocity=SPIN)
-    lead = Lead(name="seen", body_a="ball", point_a=A, body_b=GROUND, point_b=B, axis=axis, normal=normal)
+    lead = FleetAngle(
+        name="seen", body_a="ball", point_a=A, body_b=GROUND, point_b=B, axis=axis, normal=normal
+    )
     times, found = leads_of(Scene((ball,), forces=(lead,)))
     turn = Rotation.from_rotvec(np.outer(times, SPIN))
     r = turn.inv().apply(B - turn.apply(A))
@@ -44,7 +46,7 @@ def test_of_a_crown_that_turns():
 def test_of_a_block_aside_from_below_its_crown():
     block = RigidBody("block", 1.0, np.eye(3), position=np.array([1.0, 2.0, -10.0]))
     zero = np.zeros(3)
-    lead = Lead(name="seen", body_a=GROUND, point_a=zero, body_b="block", point_b=zero)
+    lead = FleetAngle(name="seen", body_a=GROUND, point_a=zero, body_b="block", point_b=zero)
     _, found = leads_of(Scene((block,), forces=(lead,)))
     assert found["seen.off_lead"][0] == pytest.approx(math.atan2(1.0, 10.0))  # along x with the default axes
     assert found["seen.side_lead"][0] == pytest.approx(math.asin(2.0 / math.sqrt(105.0)))
@@ -52,7 +54,7 @@ def test_of_a_block_aside_from_below_its_crown():
 
 def test_axis_and_normal_are_square():
     zero = np.zeros(3)
-    lead = Lead(
+    lead = FleetAngle(
         name="seen", body_a=GROUND, point_a=zero, body_b="b", point_b=A, normal=np.array([0.0, 1.0, 0.1])
     )
     with pytest.raises(InputError, match="is not square to axis"):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from heavylift.solver.measures.relative_motions import RelativeMotion
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.sensors.relative_motions import RelativeMotion
 from heavylift.solver.simulation import Simulation
 
 STEP, STEPS = 1e-2, 200
@@ -26,8 +26,8 @@ def balls(**more) -> Scene:
         RigidBody("a", 2.0, 3.0 * np.eye(3), position=A0, velocity=VA, angular_velocity=WA),
         RigidBody("b", 5.0, 4.0 * np.eye(3), position=B0, velocity=VB, angular_velocity=WB),
     )
-    said = {"body_a": "a", "point_a": PA, "body_b": "b", "point_b": PB} | more
-    return Scene(bodies, forces=(RelativeMotion(name="seen", **said),))
+    spec = {"body_a": "a", "point_a": PA, "body_b": "b", "point_b": PB} | more
+    return Scene(bodies, forces=(RelativeMotion(name="seen", **spec),))
 
 
 def histories(scene: Scene, **options):

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from heavylift.contours.splines.neutral import neutral_surface
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.integrate.resolution import ENOUGH
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
 from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, SphereShape

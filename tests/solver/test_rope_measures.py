@@ -10,14 +10,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.laws.equalized import SharedLines
-from heavylift.solver.laws.wire_rope import Rope
-from heavylift.solver.measures.hook_loads import HookLoad
-from heavylift.solver.measures.lugs import Lug
-from heavylift.solver.measures.rope_groups import RopeGroup
+from heavylift.solver.force_elements.equalized import SharedLines
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
 from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.sensors.hook_loads import HookLoad
+from heavylift.solver.sensors.lugs import Lug
+from heavylift.solver.sensors.rope_groups import RopeGroup
 from heavylift.solver.simulation import Simulation
 
 G = 9.81

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from heavylift.solver.measures.relative_motions import MotionOutputs, MotionSeen, motion_outputs
-from heavylift.solver.measures.seen import extremes_of
 from heavylift.solver.recording import width_of
+from heavylift.solver.sensors.relative_motions import MotionOutputs, MotionSeen, motion_outputs
+from heavylift.solver.sensors.seen import extremes_of
 
 
 def test_extremes_have_the_channels_of_what_is_seen_in_its_order() -> None:

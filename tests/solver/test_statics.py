@@ -12,12 +12,12 @@ from scipy.spatial.transform import Rotation
 from start_scenes import DOWN, G, linkage, parallelograms, place, quaternion, rod, rows_of
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.scene import Fixed, FlexibleBody, RigidBody, Scene
 from heavylift.solver.statics.equilibrium import find_equilibrium
@@ -254,12 +254,12 @@ def test_what_only_watches_acts_between_no_bodies() -> None:
     """Else no two directions of a scene with shells are displaced together, and its statics cost 15 times as much."""
     from heavylift.solver.forces.gravity import UniformGravity
     from heavylift.solver.forces.spring import Springs
-    from heavylift.solver.measures.hook_loads import HookLoads
-    from heavylift.solver.measures.leads import Leads
-    from heavylift.solver.measures.lugs import Lugs
-    from heavylift.solver.measures.rope_groups import RopeGroups
+    from heavylift.solver.sensors.fleet_angles import FleetAngles
+    from heavylift.solver.sensors.hook_loads import HookLoads
+    from heavylift.solver.sensors.lugs import Lugs
+    from heavylift.solver.sensors.rope_groups import RopeGroups
 
-    watching = [kind.__new__(kind) for kind in (UniformGravity, HookLoads, Leads, Lugs, RopeGroups)]
+    watching = [kind.__new__(kind) for kind in (UniformGravity, HookLoads, FleetAngles, Lugs, RopeGroups)]
     assert not act_between(watching)
     assert act_between([*watching, Springs.__new__(Springs)])
 

@@ -22,9 +22,9 @@ from heavylift.solver.joints.planar import Planar
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.universal import Universal
 from heavylift.solver.layout import Layout, pack_scene
-from heavylift.solver.measures.relative_motions import RelativeMotion
 from heavylift.solver.scene.connections import JointFrame, axes_about
 from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene, Sensor
+from heavylift.solver.sensors.relative_motions import RelativeMotion
 from heavylift.solver.simulation import Simulation
 
 ROOT, TIP = np.zeros(3), np.array([LENGTH, 0.0, 0.0])

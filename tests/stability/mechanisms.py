@@ -8,8 +8,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from heavylift.numerics.rotation import quaternion_product, rotation_matrix
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, Joint, JointFrame, RopePoint, axes_about
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene, Sensor
 

@@ -19,7 +19,7 @@ from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotatio
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 from heavylift.preprocess.hydrodynamics.retardation import infinite_added_mass
 from heavylift.preprocess.surfaces.primitives import box_surface
-from heavylift.solver.laws.wire_rope import SpringRope
+from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.contacts import RigidLaw

@@ -27,9 +27,9 @@ from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.solver.contact.triangles.kind import GoneContacts
+from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.laws.wire_rope import SpringRope
 from heavylift.solver.scene.bodies import Harmonic
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint

@@ -24,6 +24,7 @@ import acceleration_oracle as oracle
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import Outcome
 from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
@@ -31,7 +32,6 @@ from heavylift.solver.joints.planar import Planar
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.joints.slider_hinge import Cylindrical
 from heavylift.solver.joints.universal import Universal
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, SphereShape
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene

@@ -1,4 +1,4 @@
-"""What a type of ANCF element offers: verbs over all elements of one body.
+"""What a type of ANCF element offers: operations over all elements of one body.
 
 Coordinates `q`, velocities `v` and forces are nodal vectors, strains are vectors of strains; the body is its row of
 `table`. Forces are added in the places of the nodes, stiffness to the blocks of the step matrix, both without regard

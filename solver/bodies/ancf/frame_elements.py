@@ -1,4 +1,4 @@
-"""Elements of frames: the verbs of elements, by model; loads that follow them and what they record.
+"""Elements of frames: the operations of elements, by model; loads that follow them and what they record.
 
 Results of an element: at its centre the axial force ``E A e`` (Green-Lagrange: ``E A e |r'|``, conjugate to the
 length); at both ends the magnitude of the moment ``E I |K|``, K the material curvature ``r' x r'' / |r'|^2`` (in curved

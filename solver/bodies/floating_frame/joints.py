@@ -73,7 +73,7 @@ def _scale_modal_panel(
         add_multiple(shape, G, out + at, G, panel + at, kind.inverse_diagonal, first + i)
 
 
-# ---- verbs ----
+# ---- operations ----
 
 
 @implement(apply_inverse, FloatingFrameBodies)

@@ -28,7 +28,7 @@ __all__ = [
 class Surfaces(Arrays):
     """Points and balls on surfaces; how many."""
 
-    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.touch_surface",)
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.narrow_phase_surface",)
 
     members: int
 
@@ -36,7 +36,7 @@ class Surfaces(Arrays):
 class Curves(Arrays):
     """Beads on curves, points and balls on cylinders and bands; how many."""
 
-    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.touch_curve",)
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.narrow_phase_curve",)
 
     members: int
 
@@ -44,7 +44,7 @@ class Curves(Arrays):
 class Rings(Arrays):
     """Thin rings on surfaces; how many."""
 
-    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.touch_ring",)
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.narrow_phase_ring",)
 
     members: int
 
@@ -52,7 +52,7 @@ class Rings(Arrays):
 class Primitives(Arrays):
     """Convex primitives on surfaces; how many."""
 
-    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.touch_primitive",)
+    kernel_modules: ClassVar[tuple[str, ...]] = ("heavylift.solver.contact.search.narrow_phase_primitive",)
 
     members: int
 

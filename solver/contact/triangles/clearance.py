@@ -19,8 +19,8 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.triangles.interface import record_clearance, watch_clearance
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts, placed_pose
+from heavylift.solver.contact.triangles.narrow_phase import relative_pose
 from heavylift.solver.contact.triangles.slots import surface_count
-from heavylift.solver.contact.triangles.touch import relative_pose
 from heavylift.solver.extremes import note_value
 from heavylift.solver.kinds import implement
 from heavylift.solver.scene.collisions import CollisionOutputs

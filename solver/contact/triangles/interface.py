@@ -1,4 +1,4 @@
-"""What contacts ask of pairs of surfaces of triangles: verbs, all of them optional."""
+"""What contacts ask of pairs of surfaces of triangles: operations, all of them optional."""
 
 from __future__ import annotations
 

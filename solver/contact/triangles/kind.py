@@ -209,11 +209,11 @@ class SurfacePairs(Arrays):
     """
 
     kernel_modules: ClassVar[tuple[str, ...]] = (
-        "heavylift.solver.contact.triangles.handover",
+        "heavylift.solver.contact.triangles.load_transfer",
         "heavylift.solver.contact.triangles.record",
         "heavylift.solver.contact.triangles.search",
         "heavylift.solver.contact.triangles.slots",
-        "heavylift.solver.contact.triangles.touch",
+        "heavylift.solver.contact.triangles.narrow_phase",
     )
 
     surfaces: CollisionSurfaces

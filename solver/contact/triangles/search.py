@@ -18,9 +18,10 @@ from heavylift.solver.contact.kind import COMPLIANT, RIGID, ContactRows
 from heavylift.solver.contact.solve.delassus import contact_rates
 from heavylift.solver.contact.triangles.facets import refit_facets
 from heavylift.solver.contact.triangles.feature_search import find_features
-from heavylift.solver.contact.triangles.handover import book_jump, goes_on, turn_memory
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
+from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on, turn_memory
+from heavylift.solver.contact.triangles.narrow_phase import narrow_phase_mesh, relative_pose
 from heavylift.solver.contact.triangles.patches import BORDER, choose_contacts, share_stiffness, sort_found
 from heavylift.solver.contact.triangles.sides import (
     ABOUT_NOTHING,
@@ -39,7 +40,6 @@ from heavylift.solver.contact.triangles.slots import (
     put_placed,
     surface_count,
 )
-from heavylift.solver.contact.triangles.touch import relative_pose, touch_mesh_contact
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
@@ -202,7 +202,7 @@ def _follow_contacts(
     for c in range(contacts.counts.of_contours, contact_count(contacts)):
         state = contacts.state[c]
         if state.pair == pair:
-            touch_mesh_contact(meshes, contacts, bodies, c, work)
+            narrow_phase_mesh(meshes, contacts, bodies, c, work)
             state.hit, state.passed = 0, 0.0
             if holds(contacts, c) and state.beside > BORDER * size:
                 lost += 1
@@ -227,7 +227,7 @@ def _hand_over(
     state.feature, state.other_feature = meshes.found.contacts[i].first, meshes.found.contacts[i].second
     state.side, state.patch = side, meshes.keeps[i]
     gap, t1, t2, t3 = state.end_gap, state.tangent[0], state.tangent[1], state.tangent[2]
-    touch_mesh_contact(meshes, contacts, bodies, c, work)
+    narrow_phase_mesh(meshes, contacts, bodies, c, work)
     turn_memory(contacts, c, t1, t2, t3)
     book_jump(contacts, c, gap)
     return True
@@ -258,7 +258,7 @@ def _add(
     state.side, state.start_gap, state.gap = side, start, start
     state.shift = moved  # or it would take part one step late
     state.hit, state.patch = found.hit, meshes.keeps[i]
-    touch_mesh_contact(meshes, contacts, bodies, c, work)
+    narrow_phase_mesh(meshes, contacts, bodies, c, work)
     # the rate at the start of the step, of a gap that is a parabola
     rate = contact_rates(contacts, c, work.velocity)[0]
     if meshes.pairs[pair].deforms:

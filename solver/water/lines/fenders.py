@@ -16,6 +16,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, Positive, Quantity, Shape
 from heavylift.numerics.records import Record, Records, records
 from heavylift.solver.extremes import Extremes, Store, largest_of, note_stored, note_value, smallest_of
+from heavylift.solver.force_elements.forces import mean_force, spring_force
 from heavylift.solver.interface import (
     FORCES,
     Workspace,
@@ -24,7 +25,6 @@ from heavylift.solver.interface import (
     watch_forces,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.laws.forces import mean_force, spring_force
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
@@ -82,15 +82,15 @@ class Fender(Between):
             )
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """A stiffness, or a table."""
-        if (said.stiffness is None) == (len(said.compressions) == 0):
-            problem = "neither 'stiffness' nor 'compressions'" if said.stiffness is None else "both"
+        if (spec.stiffness is None) == (len(spec.compressions) == 0):
+            problem = "neither 'stiffness' nor 'compressions'" if spec.stiffness is None else "both"
             raise InputError(problem, expected="'stiffness', or a table of 'compressions' and 'forces'")
-        rows = said.compressions
-        if len(rows) and (len(rows) != len(said.forces) or any(b <= a for a, b in pairwise(rows))):
+        rows = spec.compressions
+        if len(rows) and (len(rows) != len(spec.forces) or any(b <= a for a, b in pairwise(rows))):
             raise InputError(
-                f"{len(rows)} compressions and {len(said.forces)} forces",
+                f"{len(rows)} compressions and {len(spec.forces)} forces",
                 key="compressions",
                 expected="increasing compressions from 0, one force each",
             )

@@ -105,31 +105,31 @@ class MooringLine(Between):
             )
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """Lengths or a tension, a weight a joint, one bottom."""
-        open_ends = [i for i, section in enumerate(said.sections) if section.length is None]
-        if said.fairlead_tension is None and open_ends:
+        open_ends = [i for i, section in enumerate(spec.sections) if section.length is None]
+        if spec.fairlead_tension is None and open_ends:
             raise InputError(
                 "is missing",
                 key=f"sections.{open_ends[0]}.length",
                 expected="a length [m], or 'fairlead_tension'",
             )
-        if said.fairlead_tension is not None and len(open_ends) != 1:
+        if spec.fairlead_tension is not None and len(open_ends) != 1:
             raise InputError(
                 f"'fairlead_tension' and {len(open_ends)} sections without 'length'",
                 key="fairlead_tension",
                 expected="one section whose length follows from it",
             )
-        if said.clumps and len(said.clumps) != len(said.sections) - 1:
+        if spec.clumps and len(spec.clumps) != len(spec.sections) - 1:
             raise InputError(
-                f"{len(said.clumps)} clumps at {len(said.sections) - 1} joints of sections",
+                f"{len(spec.clumps)} clumps at {len(spec.sections) - 1} joints of sections",
                 key="clumps",
                 expected="one weight [N] a joint, 0 for none",
             )
-        if said.on_seabed and said.seabed is not None:
+        if spec.on_seabed and spec.seabed is not None:
             raise InputError("both 'on_seabed' and 'seabed'", key="seabed", expected="one of them")
         for key in ("friction", "seabed_slope"):
-            if getattr(said, key) and not said.on_seabed and said.seabed is None:
+            if getattr(spec, key) and not spec.on_seabed and spec.seabed is None:
                 raise InputError(f"{key!r} without a bottom", key=key, expected="'on_seabed' or 'seabed'")
 
 

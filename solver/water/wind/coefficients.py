@@ -75,24 +75,24 @@ class CoefficientLoad(FluidLoad):
     """The table covers 0 to 180 degrees, and the other side is its mirror image."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """One table of coefficients."""
-        inline = bool(said.angles or said.cx or said.cy or said.cn)
-        if inline == (said.file is not None):
+        inline = bool(spec.angles or spec.cx or spec.cy or spec.cn)
+        if inline == (spec.file is not None):
             problem = "both 'file' and 'angles'" if inline else "neither 'file' nor 'angles'"
             raise InputError(problem, expected="a table of coefficients in one of them")
         if not inline:
             return
-        counts = {len(said.angles), len(said.cx), len(said.cy), len(said.cn)}
-        if len(counts) != 1 or any(b <= a for a, b in pairwise(said.angles)):
+        counts = {len(spec.angles), len(spec.cx), len(spec.cy), len(spec.cn)}
+        if len(counts) != 1 or any(b <= a for a, b in pairwise(spec.angles)):
             raise InputError(
-                f"{len(said.angles)} angles, {len(said.cx)}, {len(said.cy)} and {len(said.cn)} coefficients",
+                f"{len(spec.angles)} angles, {len(spec.cx)}, {len(spec.cy)} and {len(spec.cn)} coefficients",
                 key="angles",
                 expected="increasing angles, with one cx, cy and cn each",
             )
-        if max(map(abs, said.angles)) > FULL_TURN + 1e-9:
+        if max(map(abs, spec.angles)) > FULL_TURN + 1e-9:
             raise InputError(
-                f"{max(said.angles, key=abs):.6g} rad, {math.degrees(max(said.angles, key=abs)):.6g} deg",
+                f"{max(spec.angles, key=abs):.6g} rad, {math.degrees(max(spec.angles, key=abs)):.6g} deg",
                 key="angles",
                 expected='a full turn at most; degrees as "30 deg"',
             )

@@ -34,10 +34,10 @@ class DragPiece:
     """Height of the piece [m]: of one that the water cuts, the part on its own side counts."""
 
     @staticmethod
-    def check(said: Any) -> None:
+    def check(spec: Any) -> None:
         """One area, or three."""
-        if (said.area is None) == (said.areas is None):
-            problem = "neither 'area' nor 'areas'" if said.area is None else "both 'area' and 'areas'"
+        if (spec.area is None) == (spec.areas is None):
+            problem = "neither 'area' nor 'areas'" if spec.area is None else "both 'area' and 'areas'"
             raise InputError(problem, expected="one of them")
 
 

@@ -10,9 +10,9 @@ import pytest
 from heavylift.pipeline.assemble.afloat import _other_loads
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
-from heavylift.solver.measures.relative_motions import RelativeMotion
 from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.scene.sea import Sea, Water
+from heavylift.solver.sensors.relative_motions import RelativeMotion
 
 GROUP = {"hull", "tower"}
 EMPTY = Scene((), (Gravity(np.array([0.0, 0.0, -9.81])),), sea=Sea(water=Water(1025.0, 9.81)))

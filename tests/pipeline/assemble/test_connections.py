@@ -12,11 +12,11 @@ import pytest
 from heavylift.pipeline import load_case
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.results.storage import OutputFolder
+from heavylift.solver.force_elements.wire_rope import Rope, SpringRope
 from heavylift.solver.forces.motor import JointMotor
 from heavylift.solver.forces.spring import JointSpring, Spring
 from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
-from heavylift.solver.laws.wire_rope import Rope, SpringRope
 
 
 @pytest.fixture

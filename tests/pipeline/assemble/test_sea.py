@@ -382,14 +382,14 @@ def test_panels_of_a_box_are_what_it_wets(folder):
             'surfaces.0.turned={axis = [0, 0, 1], angle = "0 deg"}',
         ],
     )
-    said = []
-    again = bem_inputs(whole, whole.databases["still"], OutputFolder(folder / "out"), say=said.append)
+    spec = []
+    again = bem_inputs(whole, whole.databases["still"], OutputFolder(folder / "out"), say=spec.append)
     cut = again.hulls[0]
     assert hydrostatics(cut, DENSITY, 9.81, np.zeros(3)).volume == pytest.approx(L * B * T, rel=1e-9)
     assert cut.longest_side <= 2.5 * (1.0 + 1e-9)
     # as many panels as a grid has: 16 x 6 below, 16 or 6 x 1 on the sides
     assert len(cut.panels) == 16 * 6 + 2 * 16 + 2 * 6
-    (sentence,) = said
+    (sentence,) = spec
     assert sentence.startswith("barge: 140 panels of 2.5 m; volume +0.00% and water plane +0.00%")
     assert "WARNING" not in sentence
     (lid,) = again.lids

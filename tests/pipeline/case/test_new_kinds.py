@@ -239,12 +239,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import heavylift.solver.forces
-import heavylift.solver.laws
+import heavylift.solver.force_elements
 import heavylift.solver.water.wind
 
 folder = Path(sys.argv[1])
 heavylift.solver.forces.__path__.append(str(folder / "forces"))
-heavylift.solver.laws.__path__.append(str(folder / "laws"))
+heavylift.solver.force_elements.__path__.append(str(folder / "laws"))
 heavylift.solver.water.wind.__path__.append(str(folder / "wind"))
 
 from heavylift.numerics.outcome import InputErrors

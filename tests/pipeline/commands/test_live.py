@@ -186,13 +186,13 @@ def test_view_ends_with_its_terminal_and_its_run_too(tmp_path: Path, ignored: bo
         start_new_session=True,
     )
     os.close(process)
-    said = b""
-    while b"until Ctrl-C" not in said:
+    spec = b""
+    while b"until Ctrl-C" not in spec:
         try:
-            said += os.read(main, 4096)
+            spec += os.read(main, 4096)
         except OSError:
-            pytest.fail(said.decode())
-    port = int(said.split(b"127.0.0.1:")[1].split(b"/")[0])
+            pytest.fail(spec.decode())
+    port = int(spec.split(b"127.0.0.1:")[1].split(b"/")[0])
     if ignored:
         os.close(main)  # the terminal is gone
         time.sleep(1.0)

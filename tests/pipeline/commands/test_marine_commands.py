@@ -502,8 +502,8 @@ def test_what_only_watches_hangs_on_no_hull():
     from heavylift.pipeline.commands.hydrostatics import _ropes
     from heavylift.solver.forces.spring import Spring
     from heavylift.solver.forces.tugger import Tugger
-    from heavylift.solver.measures.relative_motions import RelativeMotion
     from heavylift.solver.scene.scene import Scene
+    from heavylift.solver.sensors.relative_motions import RelativeMotion
 
     ends = {"body_a": "barge", "body_b": "ground"}
     watches = object.__new__(RelativeMotion)

@@ -49,8 +49,8 @@ def test_a_new_case_runs_and_passes_and_shows_the_scene(
     assert run("new", kind, str(folder)) == 0
     assert f"heavylift run {folder}" in capsys.readouterr().out
     assert run("run", str(folder)) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"Passed: all \d checks", said)
+    spec = capsys.readouterr().out
+    assert re.search(r"Passed: all \d checks", spec)
     assert run("verify", str(folder)) == 0
     if "no pictures" not in (folder / "out" / "report" / "report.md").read_text().lower():
         picture = "beam_stress_mode_1.png" if kind == "flexible-body" else "scene_end.png"

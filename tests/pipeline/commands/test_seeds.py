@@ -13,7 +13,7 @@ from heavylift.pipeline.case.criteria.results import CriterionResult
 from heavylift.pipeline.checks.judge import Judged
 from heavylift.pipeline.commands import statistics as seeds_module
 from heavylift.pipeline.commands.criteria import criteria_document, criteria_table, judge_case
-from heavylift.pipeline.commands.statistics import SeedRun, simulate_seeds, told_stops
+from heavylift.pipeline.commands.statistics import SeedRun, reported_stops, simulate_seeds
 from heavylift.pipeline.log import Log
 from heavylift.pipeline.results.statistics import gumbel_fit
 from heavylift.pipeline.results.storage import StopError
@@ -52,7 +52,7 @@ def test_a_run_that_stops_is_a_row_and_the_others_go_on(ends, tmp_path):
         "outcome": "limit_reached",
         "message": f"{Outcome.LIMIT_REACHED.text}\nmore",
     }
-    words = told_stops(runs)
+    words = reported_stops(runs)
     assert "1 of 5 runs stopped by themselves" in words[0]
     assert words[1].strip() == f"seed {runs[1].seed}: {Outcome.LIMIT_REACHED.text}"
 

@@ -11,7 +11,7 @@ import pytest
 
 from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.results.sinusoid import fit_sinusoid
-from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation

@@ -10,8 +10,8 @@ from heavylift.pipeline.pictures.attached import Others, rope_line, shortest_tre
 from heavylift.pipeline.pictures.meshes import MeshRun, MeshSkin, join, rest_coordinates
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.pictures.scene import ScenePainter
+from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.laws.wire_rope import SpringRope
 from heavylift.solver.scene.connections import JointFrame, RopePoint
 from heavylift.solver.scene.meshes import FrameBody, FrameSection, ShellBody, ShellSection
 from heavylift.solver.scene.scene import RigidBody, Scene

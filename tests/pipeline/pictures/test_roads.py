@@ -7,7 +7,7 @@ import pytest
 
 from heavylift.pipeline.pictures.attached import Others
 from heavylift.pipeline.pictures.roads import deck_strips, wheel_centres
-from heavylift.solver.laws.wire_rope import SpringRope
+from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.transport import BogieGroup, HeightGrid

@@ -107,8 +107,8 @@ def written(tmp_path, small_case):
 def test_what_the_reader_found_in_the_files_is_said(written, capsys):
     case = load_case(written)
     run_case(case, log=Log())
-    said = capsys.readouterr().out
-    assert re.search(r"mesh: beam: the body is 0\.2 x 0\.02 x 0\.01 m, 0\.312 kg, longitudinal waves", said)
+    spec = capsys.readouterr().out
+    assert re.search(r"mesh: beam: the body is 0\.2 x 0\.02 x 0\.01 m, 0\.312 kg, longitudinal waves", spec)
     report = (written / "out" / "report" / "report.md").read_text()
     assert "| of the file | the body is 0.2 x 0.02 x 0.01 m, 0.312 kg" in report
     assert "Nodes of the model of beam: matrices without elements" in report

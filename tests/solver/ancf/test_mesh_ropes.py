@@ -8,10 +8,10 @@ from jointed_frames import DOWN, HOLD, Run, bar, run
 from jointed_shells import sheet
 from scipy.spatial.transform import Rotation
 
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.mesh_shapes import rectangle
 from heavylift.solver.scene.meshes import Support

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.force_elements.wire_rope import Rope, SpringRope
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.laws.wire_rope import Rope, SpringRope
 from heavylift.solver.layout import Layout, pack_scene
 from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.mesh_shapes import line, rectangle

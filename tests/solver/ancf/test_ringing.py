@@ -7,8 +7,8 @@ import pytest
 from jointed_shells import sheet
 
 from heavylift.numerics.jit import in_python, kernel
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.point import PointForce
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.ringing import steady_force as steady_force_kernel
 from heavylift.solver.ringing import steady_rate as steady_rate_kernel
 from heavylift.solver.scene.connections import GROUND, RopePoint

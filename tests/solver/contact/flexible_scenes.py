@@ -71,9 +71,9 @@ def hit(
     held = Fixed() if motion is None else motion
     modes = body.cloud.mode_count
     flexible = FlexibleBody("plate", body.cloud.reduced(), motion=held, damping_ratio=np.full(modes, damping))
-    mover = ball([*place, height], [*sideways, -speed], mass=mass)
+    actuator = ball([*place, height], [*sideways, -speed], mass=mass)
     return Scene(
-        bodies=(flexible, mover),
+        bodies=(flexible, actuator),
         forces=(Gravity(np.array([0.0, 0.0, -gravity])),),
         contours=(body.contour(),),
         contacts=(

@@ -12,8 +12,8 @@ from mesh_contact_scenes import DOWN, MASS, G, ball, body, run, turn
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import JointFrame, RopePoint, Winch
 from heavylift.solver.scene.contacts import Contact, Contour, LinearLaw, RigidLaw, SphereShape

@@ -11,9 +11,9 @@ import pytest
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.point import PointForce
 from heavylift.solver.forces.spring import Spring
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import GROUND, RopePoint, Winch

@@ -10,8 +10,8 @@ from contact_scenes import ball, surface, touch
 from mesh_contact_scenes import body, scene
 
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.joints.ball import Ball
-from heavylift.solver.laws.wire_rope import SpringRope
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.connections import JointFrame, RopePoint

@@ -9,7 +9,7 @@ from heavylift.contours.triangles.feature_gap import EDGE_EDGE
 from heavylift.numerics.jit import kernel
 from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 from heavylift.solver.contact import kind
-from heavylift.solver.contact.triangles.handover import book_jump, goes_on
+from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on
 from heavylift.solver.layout import pack_scene
 from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.contacts import LinearLaw

@@ -7,7 +7,7 @@ import pytest
 from contact_scenes import DOWN, MASS, RADIUS, G, ball, run, touch
 
 from heavylift.contours.splines.neutral import neutral_surface
-from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.scene.connections import RopePoint
 from heavylift.solver.scene.contacts import Contour, RigidLaw
 from heavylift.solver.scene.scene import Gravity, Scene

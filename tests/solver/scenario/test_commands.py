@@ -507,8 +507,8 @@ def test_what_is_said_from_outside() -> None:
         one.advance(10)
         assert one.outcome is Outcome.LIMIT_REACHED
         assert "stop" in one.message
-    said = [(line.time, line.what) for line in simulation.operation.log if line.event == "told from outside"]
-    assert said == [(0.5, "continue"), (1.0, "hold"), (2.0, "continue"), (2.1, "stop")]
+    spec = [(line.time, line.what) for line in simulation.operation.log if line.event == "told from outside"]
+    assert spec == [(0.5, "continue"), (1.0, "hold"), (2.0, "continue"), (2.1, "stop")]
     assert again.operation.log == simulation.operation.log
 
 
@@ -664,7 +664,7 @@ def test_movers_are_in_the_order_of_their_actions() -> None:
     phases = told(*(DriveTo(f"trolley.{axis}", 1.0 + i, 0.5) for i, axis in enumerate(axes)))
     simulation = Simulation(replace(scene([trolley]), scenario=Scenario(phases)), 0.01)
     simulation.record()
-    np.testing.assert_allclose(simulation.operation.director.mover_state["arrives"], [2.0, 4.0, 6.0, 8.0])
+    np.testing.assert_allclose(simulation.operation.sequencer.actuator_state["arrives"], [2.0, 4.0, 6.0, 8.0])
 
 
 def test_a_frame_of_a_body_with_modes_is_driven() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
-from heavylift.solver.laws.wire_rope import Rope
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.scene.ballast import Controller, Pump
 from heavylift.solver.scene.bodies import Fixed
 from heavylift.solver.scene.connections import GROUND, RopePoint

@@ -13,7 +13,7 @@ from law_scenes import G, body, eye, pulley, run, scene, slider, wire
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.records import records
-from heavylift.solver.laws.equalized import SharedLines
+from heavylift.solver.force_elements.equalized import SharedLines
 from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move
 from heavylift.solver.scene.connections import GROUND, Winch
 from heavylift.solver.scene.scenario import (
@@ -55,8 +55,8 @@ def falling(*phases: Phase) -> Scene:
 
 def hanging(*phases: Phase, prepared: tuple[str, ...] = (), stops: bool = False, **rope: Any) -> Scene:
     """A load at rest on a rope."""
-    said = {"length": REACH, "stiffness": EA} | rope
-    ropes = [wire(eye(GROUND), eye("load"), **said)]
+    spec = {"length": REACH, "stiffness": EA} | rope
+    ropes = [wire(eye(GROUND), eye("load"), **spec)]
     load = body("load", MASS, (0, 0, -REACH - STRETCH))
     return replace(scene([load], ropes=ropes), scenario=Scenario(phases, prepared, stops))
 

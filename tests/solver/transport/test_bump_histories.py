@@ -28,10 +28,10 @@ from vehicles import (
 
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import Outcome
+from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.forces.spring import JointSpring
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.joints.slider_hinge import SliderHinge
-from heavylift.solver.laws.wire_rope import Rope
 from heavylift.solver.scene.connections import JointFrame, RopePoint, axes_about
 from heavylift.solver.scene.contacts import CircleShape, Contact, Contour, LinearLaw
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
