@@ -19,7 +19,7 @@ from heavylift.solver.interface import (
     Workspace,
 )
 from heavylift.solver.kinds import STEP
-from heavylift.solver.layout_rows import pack_connections, point_forces
+from heavylift.solver.layout_rows import pack_connections
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import (
     Channel,
@@ -36,7 +36,6 @@ from heavylift.solver.scene.scene import (
     Driven,
     Fixed,
     FlexibleBody,
-    Gravity,
     Profile,
     RigidBody,
     Scene,
@@ -115,8 +114,6 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
 
         scene = float_bodies(scene)
     ordered = [body for group, _ in _groups(scene) for body in group]
-    gravity = [force for force in scene.forces if isinstance(force, Gravity)]
-    points = point_forces(scene)
 
     record = ChannelBook()
     places: dict[str, Columns] = {}
@@ -170,16 +167,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         in_record = [places[name] for name in names]
         bodies.append(pack_group(group, number, place, in_record, book.of(names), of_sensors))
         number += len(group)
-    forces: list[Any] = []
-    if gravity:
-        from heavylift.solver.forces.gravity import pack_gravity
-
-        forces.append(pack_gravity(gravity))
-    if points:
-        from heavylift.solver.forces.point import pack_point_forces
-
-        forces.append(pack_point_forces(points, made.first_markers))
-    forces += made.forces
+    forces: list[Any] = list(made.forces)
     if made.sea is not None:
         forces += made.sea.forces
     velocities = sum(velocity_count(body, made.bases) for body in ordered)

@@ -10,10 +10,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.solver.scene.connections import (
     GROUND,
     AlongJoint,
-    Between,
+    ForceElement,
     Joint,
-    OnBody,
-    PackedForce,
 )
 from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.meshes import MeshBody
@@ -37,7 +35,7 @@ def check_scene(scene: Scene) -> None:
         raise InputError("no body", source="scene", expected="at least one")
     kinds = (
         (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
-        (scene.forces, (Gravity, OnBody, Between, AlongJoint, PackedForce), "forces"),
+        (scene.forces, (ForceElement,), "forces"),
         (scene.joints, (Joint,), "joints"),
     )
     for parts, types, what in kinds:

@@ -27,7 +27,7 @@ from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.recording import check_written, unwritten
 from heavylift.solver.scene.contacts import RigidLaw
-from heavylift.solver.scene.scene import FlexibleBody, Gravity, Scene, Start
+from heavylift.solver.scene.scene import FlexibleBody, Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
     drive_warning,
@@ -397,7 +397,8 @@ class Simulation:
             start_contacts(layout, self.step, settled=bool(self.start_text))
 
         def search(rows: Any) -> ContactRest:
-            found = settle_contacts(rows, self._arrays, advance, meet, weight, _gravity(scene), rubs=rubs)
+            gravity = float(np.linalg.norm(scene.gravity))
+            found = settle_contacts(rows, self._arrays, advance, meet, weight, gravity, rubs=rubs)
             self._unsettled = found.warning
             return found
 
@@ -711,7 +712,9 @@ class Simulation:
 
     def _weight(self, scene: Scene) -> float:
         """Weights of all bodies, each times its length [J]."""
-        return _gravity(scene) * sum(float(mass @ length) for mass, length in self._bodies())
+        return float(np.linalg.norm(scene.gravity)) * sum(
+            float(mass @ length) for mass, length in self._bodies()
+        )
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.
@@ -737,12 +740,6 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
-
-
-def _gravity(scene: Scene) -> float:
-    """[m/s2]."""
-    gravity = sum((force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3))
-    return float(np.linalg.norm(gravity))
 
 
 def _relax(rows: Any) -> Any:

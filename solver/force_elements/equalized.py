@@ -164,6 +164,11 @@ class SharedLines:
                 expected=f"less than {spec.depth:.6g} m",
             )
 
+    def packed_by(self, integrator: str) -> str:
+        """Over sheaves with an efficiency they are another kind."""
+        del integrator
+        return "heavylift.solver.force_elements.equalized_packing"
+
     @property
     def segment_count(self) -> int:
         """How many tensions it records beside that of the rope."""

@@ -64,7 +64,7 @@ def check_integrator(scene: Scene, name: str) -> None:
     if name == "accurate":
         reason = _phases(scene) or _not_smooth(scene)
     elif name == "thesis":
-        reason = _phases(scene) or _rope(scene) or _law(scene) or _floating(scene)
+        reason = _phases(scene) or _rope(scene) or _law(scene, name) or _floating(scene)
         driven = [
             joint.name
             for joint in scene.joints
@@ -104,17 +104,24 @@ def _rubbing(scene: Scene) -> str:
     return ""
 
 
-def _law(scene: Scene) -> str:
+def _obstacle(things: Iterable[Any], integrator: str) -> str:
+    """The first force element that an integrator cannot serve by what it says itself, as words; empty if none."""
+    for thing in things:
+        words = thing.obstacle(integrator) if hasattr(thing, "obstacle") else ""
+        if words:
+            return f"{type(thing).WORD.replace('_', ' ')} {thing.name!r} {words}"
+    return ""
+
+
+def _law(scene: Scene, integrator: str) -> str:
     """The first thing whose force jumps, as words; empty if none."""
     if scene.touches:
         first: Any = (*scene.contacts, *scene.collisions)[0]
         return f"contact {first.name!r} opens and closes"
     if scene.transporters:
         return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
-    forces: Iterable[Any] = scene.forces
-    bearings = [force.name for force in forces if getattr(force, "WORD", "") == "line_bearing"]
-    if bearings:
-        return f"line bearing {bearings[0]!r} opens and closes"
+    if reason := _obstacle((*scene.ropes, *scene.forces), integrator):
+        return reason
     for joint in scene.joints:
         if any(joint_stops(joint)):
             return f"joint {joint.name!r} has stops"
@@ -128,7 +135,7 @@ def _not_smooth(scene: Scene) -> str:
     flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
     if flexible:
         return f"body {flexible[0]!r} is flexible"
-    reason = _law(scene) or _rubbing(scene) or _floating(scene)
+    reason = _law(scene, "accurate") or _rubbing(scene) or _floating(scene)
     if reason:
         return reason
     compliant = [joint.name for joint in scene.joints if joint.compliance > 0.0]

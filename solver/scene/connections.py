@@ -60,6 +60,7 @@ __all__ = [
     "Between",
     "ControlOutputs",
     "EdgeJoint",
+    "ForceElement",
     "Joint",
     "JointFrame",
     "Limits",
@@ -72,6 +73,7 @@ __all__ = [
     "RopePoint",
     "Rows",
     "SheaveParts",
+    "Stage",
     "ThrustOutputs",
     "TorqueOutputs",
     "TravelOutputs",
@@ -381,8 +383,53 @@ JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
 """All sorts of joints, by their types in a case file."""
 
 
+class Stage(Enum):
+    """When a force element is packed: forces on a body are added up in this order."""
+
+    LOADS = "loads"
+    """First of all: given forces, gravity."""
+    FORCES = "forces"
+    """After the loads of wind and current: what acts on points alone, or only watches."""
+    ROWS = "rows"
+    """After joints: what has rows, or acts along a joint."""
+
+
+class ForceElement:
+    """Base of what acts on bodies or between them, or only watches them: all there is beside bodies and joints.
+
+    Its module has a function ``pack(things, context)``, which makes the kind of all of them in a scene; see
+    `heavylift.solver.force_elements.packing.PackingContext`.
+    """
+
+    STAGE: ClassVar[Stage] = Stage.ROWS
+    """When it is packed."""
+
+    def packed_by(self, integrator: str) -> str:
+        """Name of the module with the `pack` of its kind, with an integrator."""
+        del integrator
+        return type(self).__module__
+
+    def obstacle(self, integrator: str) -> str:
+        """What about it an integrator cannot serve, as words that follow its name; empty if there is nothing."""
+        del integrator
+        return ""
+
+    @property
+    def watched_ropes(self) -> tuple[str, ...]:
+        """Names of the ropes of which it wants to know what they pull with."""
+        return ()
+
+    @property
+    def directed(self) -> bool:
+        """Whether it takes directions of bodies: of one with modes it is told that these are those of its frame.
+
+        One with rows is refused where modes turn such a direction.
+        """
+        return False
+
+
 @dataclass(frozen=True, eq=False)
-class OnBody:
+class OnBody(ForceElement):
     """What all have that is on one body.
 
     Attributes
@@ -401,7 +448,7 @@ class OnBody:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Between:
+class Between(ForceElement):
     """What all have that is between two points.
 
     Attributes
@@ -447,7 +494,7 @@ def as_joint(spring: Between) -> Joint:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class AlongJoint:
+class AlongJoint(ForceElement):
     """What all loads have on the angle of a hinge [rad] or the travel of a slider [m].
 
     Attributes
@@ -467,17 +514,22 @@ class AlongJoint:
     """A hinge, whose angle [rad] counts, or a slider, whose travel [m] counts."""
 
 
-class PackedForce:
-    """Base of forces whose module has a function `pack`, beside one of the places above.
+class PackedForce(ForceElement):
+    """Base of forces on points without rows, and of what only watches, beside one of the places above.
 
-    ``pack(forces, columns, book)`` makes the kind from its members, the first record column of each and the book of
-    markers; the kind implements `add_forces` and `record_forces`.
+    Its kind implements `add_forces` and `record_forces`.
     """
 
+    STAGE: ClassVar[Stage] = Stage.FORCES
     CHANNELS: ClassVar[tuple[ChannelKind, ...]]
     """What it records, in the order of its columns."""
 
     name: str
+
+    @property
+    def directed(self) -> bool:
+        """It may take any direction."""
+        return True
 
 
 FORCES: Family[Any] = Family(

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,12 @@ from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.numerics.vectors import cross, dot, subtract, vector
 from heavylift.solver.interface import RECORD, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene.connections import MEASURES, Between, PackedForce
-from heavylift.solver.scene.outputs import Columns, Outputs, channel, outputs
+from heavylift.solver.scene.outputs import Outputs, channel, outputs
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = ["FleetAngle", "FleetAngleEntry", "FleetAngles", "pack"]
 
@@ -103,16 +105,18 @@ class FleetAngles(Arrays):
     table: Records[FleetAngleEntry]
 
 
-def pack(leads: Sequence[FleetAngle], columns: Sequence[Columns], book: MarkerBook) -> FleetAngles:
+def pack(leads: Sequence[FleetAngle], context: PackingContext) -> None:
     """Make the kind."""
     rows = []
-    for lead, column in zip(leads, columns, strict=True):
-        a, b = book.point(lead.body_a, lead.point_a, RECORD), book.point(lead.body_b, lead.point_b, RECORD)
+    for lead in leads:
+        a = context.point(lead.body_a, lead.point_a, RECORD)
+        b = context.point(lead.body_b, lead.point_b, RECORD)
         directions = (np.asarray(given, dtype=np.float64) for given in (lead.axis, lead.normal))
         units = [given / np.linalg.norm(given) for given in directions]
-        axis, normal = (book.direction(lead.body_a, unit, RECORD, at=lead.point_a) for unit in units)
+        axis, normal = (context.direction(lead.body_a, unit, RECORD, at=lead.point_a) for unit in units)
+        column = context.column(lead)
         rows.append(filled(FleetAngleEntry, a=a, b=b, axis=axis, normal=normal, column=column))
-    return FleetAngles(records(FleetAngleEntry, rows))
+    context.add_forces(FleetAngles(records(FleetAngleEntry, rows)))
 
 
 @implement(add_forces, FleetAngles)

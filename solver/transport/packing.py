@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
-from heavylift.solver.force_elements.system import LawBlock
+from heavylift.solver.force_elements.system import ElementBlock
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
@@ -20,7 +20,7 @@ from heavylift.solver.rows.structure import MOVES
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.connectivity import connected_bodies
 from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody, Scene
 from heavylift.solver.scene.transport import BogieParts, LevellingParts, TransporterOutputs
 from heavylift.solver.transport.decks import Deck, corner_table
 from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
@@ -50,10 +50,10 @@ from heavylift.solver.transport.transporters import (
 from heavylift.solver.transport.tyre_packing import TyrePacking
 
 if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
     from heavylift.solver.markers import MarkerBook
-    from heavylift.solver.rows.structure import Attachment
 
-__all__ = ["pack_transporters", "vehicle_tipping"]
+__all__ = ["pack", "vehicle_tipping"]
 
 
 FAR_TOO_MUCH = 2.0
@@ -69,24 +69,8 @@ SAMPLES = 25
 """Along and across an overlap of two decks."""
 
 
-def pack_transporters(
-    scene: Scene,
-    columns: Sequence[Columns],
-    first_block: int,
-    book: MarkerBook,
-    attachment: Callable[[str], Attachment],
-    scales: Callable[[str], tuple[float, float]],
-) -> tuple[list[Any], list[LawBlock]]:
+def pack(transporters: Sequence[Transporter], context: PackingContext) -> None:
     """Make the kinds and their rows.
-
-    Parameters
-    ----------
-    scene
-        Checked for names.
-    columns
-        Where the outputs of each transporter are.
-    first_block, book, attachment, scales
-        As for ropes.
 
     Raises
     ------
@@ -94,6 +78,7 @@ def pack_transporters(
         If a wheel has no road below it at the start, or too much load; a deck is too steep for a wheel; the groups
         cannot hold the body upright; or no load is told of a body whose weight is not known.
     """
+    scene, book, attachment = context.scene, context.book, context.attachment
     decks: Sequence[Deck] = scene.decks
     _refuse_soft_decks(scene)
     corners, grids, deck_places = corner_table(decks)
@@ -102,7 +87,7 @@ def pack_transporters(
         of_deck.origin, of_deck.x, of_deck.y, of_deck.z = _deck_markers(deck, book)
         of_deck.first, of_deck.count, of_deck.across = place
         of_deck.begin, of_deck.end, of_deck.right, of_deck.left = deck.borders
-    vehicles = records(VehicleData, len(scene.transporters))
+    vehicles = records(VehicleData, len(transporters))
     groups: list[Any] = []
     bogies: list[Any] = []
     pumps: list[tuple[float, float]] = []
@@ -110,15 +95,15 @@ def pack_transporters(
     starts: list[list[float]] = []
     stands_on: list[int] = []
     strokes: list[float] = []
-    blocks: list[LawBlock] = []
-    block = free_block = first_block
+    blocks: list[ElementBlock] = []
+    block = free_block = context.next_block
     paths, tyres = PathPacking(scene, book), TyrePacking(scene, book)
-    gravity = _gravity(scene)
-    for transporter in scene.transporters:
+    gravity = scene.gravity
+    for transporter in transporters:
         _check_names(transporter)
         for deck in decks:
             deck.check_radius(transporter.wheel_radius)
-    all_places = [Places(transporter, scene) for transporter in scene.transporters]
+    all_places = [Places(transporter, scene) for transporter in transporters]
     _refuse_overturned(decks, all_places[0])
     _refuse_overlaps(decks, all_places[0])
     asks = any(deck.grid is not None for deck in decks)
@@ -135,8 +120,8 @@ def pack_transporters(
         for party in _parties(scene, all_places)
         for places, loads in zip(party, _start_loads(party, gravity), strict=True)
     }
-    for v, (places, of_vehicle, outputs) in enumerate(zip(all_places, on_decks, columns, strict=True)):
-        vehicle = vehicles[v]
+    for v, (places, of_vehicle) in enumerate(zip(all_places, on_decks, strict=True)):
+        vehicle, outputs = vehicles[v], context.column(places.transporter)
         transporter, loads = places.transporter, loads_of[places.transporter.name]
         weight = transporter.bogie_mass * float(np.linalg.norm(gravity))
         _check_loads(transporter, loads, weight)
@@ -153,7 +138,7 @@ def pack_transporters(
             *dict.fromkeys(d.body for d in decks if d.body not in {GROUND, transporter.body}),
         ]
         ends = list(dict.fromkeys(attachment(name) for name in held))
-        scale = sum(scales(name)[0] for name in held)
+        scale = sum(context.scales(name)[0] for name in held)
         first_bogie = len(bogies)
         counts_of = [len(group.bogies) for group in transporter.groups]
         vehicle.first_group, vehicle.groups = len(groups), len(transporter.groups)
@@ -180,7 +165,7 @@ def pack_transporters(
         apart = isinstance(places.body, FlexibleBody) and (
             transporter.line_damping + transporter.tyre_damping > 0.0
         )
-        law = LawBlock(transporter.name, tuple(ends), scale)
+        law = ElementBlock(transporter.name, tuple(ends), scale)
         for number, (group, load) in enumerate(zip(transporter.groups, loads, strict=True)):
             count = len(group.bogies)
             row_count, lane = (count, 0) if apart else (1, number % GROUPS_A_BLOCK)
@@ -256,7 +241,7 @@ def pack_transporters(
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), outputs), side_of, first_bogie, (on, *on_path))
             blocks.append(
-                LawBlock(
+                ElementBlock(
                     transporter.name, tuple(ends), scale, compliance=0.0, rows=3, vectors=(MOVES, MOVES, 0)
                 )
             )
@@ -283,7 +268,8 @@ def pack_transporters(
         state,
         of_bogies,
     )
-    return [kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind)], blocks
+    context.add_blocks(*blocks)
+    context.add_rows(kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind))
 
 
 def _fill_levelling(vehicle: VehicleData, transporter: Transporter, outputs: Columns) -> None:
@@ -363,12 +349,6 @@ def _refuse_overlaps(decks: Sequence[Deck], places: Places) -> None:
                     key="stations",
                     expected="decks of two bodies beside each other, or one clearly over the other",
                 )
-
-
-def _gravity(scene: Scene) -> NDArray[np.float64]:
-    """Acceleration of gravity [m/s2], world axes."""
-    fields = [np.asarray(f.acceleration, dtype=np.float64) for f in scene.forces if isinstance(f, Gravity)]
-    return np.sum(fields, axis=0) if fields else np.zeros(3)
 
 
 def _parties(scene: Scene, all_places: Sequence[Places]) -> list[list[Places]]:
@@ -557,9 +537,9 @@ def vehicle_tipping(scene: Scene) -> dict[str, Tipping]:
     Raises
     ------
     InputError
-        As `pack_transporters`.
+        As `pack`.
     """
-    gravity = _gravity(scene)
+    gravity = scene.gravity
     found: dict[str, Tipping] = {}
     if not float(-gravity[2]) > 0.0:
         return found

@@ -71,6 +71,7 @@ from heavylift.solver.joints.row_writing import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import ForceElement
 from heavylift.solver.scene.descriptions import forward
 from heavylift.solver.scene.transport import (
     TRANSPORT,
@@ -147,7 +148,7 @@ INCLINE_WAY = 1e-3
 
 @TRANSPORT.describe("transporters")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Transporter:
+class Transporter(ForceElement):
     """A body that rolls over all decks, on wheels whose hydraulic cylinders share their oil in groups."""
 
     CHANNELS: ClassVar = (
@@ -204,6 +205,11 @@ class Transporter:
     """What keeps it level; it stays as it is pumped if absent."""
     accept_unstable: bool = False
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
+
+    def packed_by(self, integrator: str) -> str:
+        """All transporters and decks of a scene are packed together."""
+        del integrator
+        return "heavylift.solver.transport.packing"
 
     @staticmethod
     def check(spec: Any) -> None:
