@@ -34,19 +34,14 @@ from heavylift.pipeline.case.quantity_names import (
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case.report import ReportSection
-from heavylift.pipeline.case.scenario import Hook, Known, key_as_given, scenario_of
+from heavylift.pipeline.case.scenario import Known, key_as_given, scenario_of
 from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import (
-    Movable,
-    Scenario,
-    check_scenario,
-    drives_of,
-    helpers_of,
-    releases_of,
-)
+from heavylift.solver.scene.actions import Hook
+from heavylift.solver.scene.operation_state import Movable, drives_of, helpers_of, releases_of
+from heavylift.solver.scene.scenario import Scenario, check_scenario
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -321,23 +316,22 @@ class Case(SceneTables, _CaseHeading):
                 together |= {one: tuple(other for other in every if other != one) for one in every}
             together[f"{parts[0]}.x"] = tuple(f"{part}.x" for part in parts[1:])
             girders |= dict.fromkeys(parts[1:], (parts[0], 0.5 * crane.span))
-        drives, vehicles = tuple(movable["drives"]), tuple(movable["vehicles"])
         return Known(
-            self._names,
-            tuple(wire),
-            tanks,
-            drives,
-            hooks,
-            others,
-            together,
-            vehicles,
-            girders,
-            tuple(movable["releases"]),
-            {
+            names=self._names,
+            ropes=tuple(wire),
+            tanks=tanks,
+            drives=tuple(movable["drives"]),
+            hooks=hooks,
+            other_ropes=others,
+            together=together,
+            paths=tuple(movable["vehicles"]),
+            girders=girders,
+            joints=tuple(movable["releases"]),
+            helpers={
                 **{pump.name: "pump" for pump in self.pumps},
                 **{one.name: "levelling" for one in self.transporters if one.levelling is not None},
             },
-            {one.name: tuple(one.pumps) for one in self.controllers},
+            controllers={one.name: tuple(one.pumps) for one in self.controllers},
         )
 
     def _rests_with_contacts(self, what: str) -> None:

@@ -81,7 +81,8 @@ class _Described(GenerateJsonSchema):
             channels += channel_schema("NAME.contact_1", Collision.CONTACT_CHANNELS)
         if channels:
             found["channels"] = channels
-        for described in filter(None, (vars(base).get("DESCRIBED") for base in reversed(section.__mro__))):
+        described_by = (vars(base).get("DESCRIBED") for base in reversed(section.__mro__))
+        for described in (*filter(None, described_by), *getattr(section, "KINDS", ())):
             own = {field.name for field in described_fields(described)}
             for base in reversed(described.__mro__):
                 docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}

@@ -16,7 +16,7 @@ from heavylift.pipeline.assemble.operation_plan import (
 )
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages.stages import load_changed_case, run_case
-from heavylift.solver.scene.scenario import Release, ReleaseJoint, acted_on
+from heavylift.solver.scene.operations import RELEASE, RELEASE_JOINT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -76,7 +76,7 @@ def scenario_command(
         line for spec, row in zip(scenario.rows, phases, strict=True) for line in _table(spec, row, starts)
     ]
     lines += [_summary(case, name, phases, starts) for name in told]
-    released = [acted_on(a) for a in scenario.actions if isinstance(a, (Release, ReleaseJoint))]
+    released = [one.name for one in scenario.commands if one.operation in (RELEASE, RELEASE_JOINT)]
     if released:
         lines.append(f"released: {', '.join(released)}")
     return _document(phases, told), lines

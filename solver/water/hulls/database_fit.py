@@ -22,7 +22,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.preprocess.hydrodynamics.plausibility import check_long_waves
-from heavylift.solver.scene.scenario import TankRate
+from heavylift.solver.scene.operations import MOVES
 from heavylift.solver.scene.sea import LinearRestoring, RestoringOfSurface
 from heavylift.solver.water.hulls.checks import check_places
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
@@ -430,7 +430,7 @@ def _pumped(sea: Sea, name: str, scenario: Scenario | None) -> bool:
     """Whether tanks of a hull fill or empty, so that its draught at the start is not that of the database."""
     of_pumps = {end for pump in sea.pumps for end in (pump.source, pump.target)}
     if scenario is not None:
-        of_pumps |= {action.tank for action in scenario.actions if isinstance(action, TankRate)}
+        of_pumps |= {one.name for one in scenario.commands if one.actuates == "tank" and one.operation in MOVES}
     return any(
         tank.hull == name and (tank.name in of_pumps or len(tank.schedule[0]) > 1) for tank in sea.tanks
     )
