@@ -23,6 +23,7 @@ __all__ = [
     "BodyPoint",
     "ByCoordinate",
     "ByExponent",
+    "InWorld",
     "Least",
     "NameOf",
     "Positive",
@@ -123,7 +124,19 @@ class BodyPoint:
     """Annotation of a point [m], shape (3,), of the body that a thing is on.
 
     A user gives it in the coordinates of the geometry of the body, an object keeps it in its frame.
+
+    Attributes
+    ----------
+    of
+        Key that names the body, in a table with several; ``body`` if empty.
     """
+
+    of: str = ""
+
+
+@dataclass(frozen=True)
+class InWorld:
+    """Annotation of a place [m] that a user gives in the world: it moves with tables that are shifted."""
 
 
 @dataclass(frozen=True)

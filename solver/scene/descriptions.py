@@ -72,6 +72,7 @@ __all__ = [
     "check_table",
     "described_fields",
     "forward",
+    "import_all",
     "interval_extremes",
     "is_described",
     "known_channels",
@@ -364,6 +365,24 @@ def _bound(node: ast.stmt) -> list[str]:
             found.append(part.asname or part.name.partition(".")[0])
         elif isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
             found.append(part.id)
+    return found
+
+
+def import_all(package: types.ModuleType) -> list[types.ModuleType]:
+    """Import the modules of a package, also those in a folder that was added to its path.
+
+    Raises
+    ------
+    TypeError
+        With both places, if two files have one name.
+    """
+    found = []
+    for folder in package.__path__:
+        for file in sorted(Path(folder).glob("[!_]*.py")):
+            module = importlib.import_module(f"{package.__name__}.{file.stem}")
+            if Path(str(module.__file__)) != file:
+                raise TypeError(f"{file}: another file of this name is {module.__file__}")
+            found.append(module)
     return found
 
 
