@@ -17,9 +17,8 @@ from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import ChannelBook, MonitorOutputs
 from heavylift.solver.scene.connections import OnBody, PackedForce
-from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, Scene
+from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
 if TYPE_CHECKING:
@@ -95,10 +94,9 @@ def pack_connections(
     The velocities by which a mesh is seen are those of the material points that are in use, so with meshes all
     is packed twice: first to count these points.
     """
-    meshes = [body for body in ordered if isinstance(body, MeshBody)]
+    meshes = [body for body in ordered if body.SEEN_AT_POINTS]
     if not meshes:
         return _pack(scene, ordered, record, integrator, {})
-    from heavylift.solver.bodies.ancf.bases import plan_bases
     from heavylift.solver.joints.mesh_joints import expand_joints
 
     scene = expand_joints(scene)
@@ -106,7 +104,7 @@ def pack_connections(
 
     markers = packed.book.of([body.name for body in meshes])
     counts = {
-        body.name: len(plan_bases(body, on_body).bases) + moving.get(body.name, 0)
+        body.name: body.kind_module.point_count(body, on_body) + moving.get(body.name, 0)
         for body, on_body in zip(meshes, markers, strict=True)
     }
     packed = _pack(scene, ordered, record, integrator, counts)
@@ -138,7 +136,7 @@ def _pack(
         packed.sea = pack_sea(scene, book, record)
     watched = _watched(scene, integrator)
     _pack_forces(scene, packed, watched)
-    flexible = [body for body in ordered if isinstance(body, FlexibleBody)]
+    flexible = [body for body in ordered if body.mode_count]
     packed.notes = _tell_turned(scene, flexible, book)
     attachment = attachments(ordered, first_dofs(ordered, bases), bases)
     make_system: Any = None
@@ -192,9 +190,7 @@ def point_forces(scene: Scene) -> list[Any]:
     ]
 
 
-def _refuse_turned(
-    flexible: Sequence[FlexibleBody], book: MarkerBook, first: int, things: Sequence[Any]
-) -> None:
+def _refuse_turned(flexible: Sequence[Any], book: MarkerBook, first: int, things: Sequence[Any]) -> None:
     """Refuse what holds directions of bodies with modes where these turn, of the markers from a number on."""
     if flexible and things:
         from heavylift.solver.bodies.floating_frame.turned import refuse_turned
@@ -202,7 +198,7 @@ def _refuse_turned(
         refuse_turned(flexible, book, first, things)
 
 
-def _tell_turned(scene: Scene, flexible: Sequence[FlexibleBody], book: MarkerBook) -> tuple[str, ...]:
+def _tell_turned(scene: Scene, flexible: Sequence[Any], book: MarkerBook) -> tuple[str, ...]:
     """Sentences on forces and measures with directions of bodies with modes where these turn."""
     if not flexible:
         return ()

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from heavylift.solver.scene.bodies import Free
+from heavylift.solver.scene.bodies import Body, Free
+from heavylift.solver.scene.mesh_rates import highest_frame_frequency, highest_shell_frequency
 from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, outputs
 
 if TYPE_CHECKING:
@@ -223,7 +224,7 @@ class FollowerLoad:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeshBody:
+class MeshBody(Body):
     """What frames and shells have in common.
 
     Attributes
@@ -251,6 +252,10 @@ class MeshBody:
         Distance of carried strains from those of the shape at which ``"auto"`` changes over [1].
     """
 
+    KIND_MODULE: ClassVar = "heavylift.solver.bodies.ancf.packing"
+    CONTOURS: ClassVar = "nodes"
+    SEEN_AT_POINTS: ClassVar = True
+    ITERATES: ClassVar = True
     CHANNELS: ClassVar[tuple[ChannelKind, ...]]
     """What it records, in the order of its columns: vectors of all nodes, then results of all elements."""
 
@@ -271,6 +276,42 @@ class MeshBody:
     def motion(self) -> Free:
         """Always free: supports, not motions, hold it."""
         return Free()
+
+    def velocity_count(self, points: int) -> int:
+        """Three for each of its bases and moving points."""
+        return 3 * points
+
+    def inverse_scales(self) -> tuple[float, float]:
+        """Of the given shape."""
+        mass, inertia = self.kind_module.mass_and_inertia(self)
+        return 1.0 / mass, 1.0 / inertia
+
+    @property
+    def components(self) -> dict[str, tuple[str, ...]]:
+        """By node and axis, or by element."""
+        found: dict[str, tuple[str, ...]] = self.kind_module.mesh_columns(self)
+        return found
+
+    @property
+    def times(self) -> list[float]:
+        """Rows of the tables of its loads."""
+        return [time for load in self.loads for time in np.ravel(load.times)]
+
+    @property
+    def highest_frequency(self) -> float:
+        """Bound of its circular frequencies [1/s], as it is placed and not stressed."""
+        raise NotImplementedError
+
+    @property
+    def highest_rate(self) -> float:
+        """Bound of the highest rate [1/s]: circular frequency, or rate of what damping takes away fastest."""
+        frequency = self.highest_frequency
+        return max(frequency, self.viscous_damping + self.stiffness_damping * frequency**2)
+
+    def check_start(self) -> dict[str, tuple[int, ...]]:
+        """The mesh is one of its type."""
+        self.kind_module.check_mesh(self)
+        return super().check_start()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -294,6 +335,8 @@ class FrameBody(MeshBody):
         Strain of each element in the given shape, which pre-stresses it, shape (e,); none if empty.
     """
 
+    ORDER: ClassVar = 4
+    SHAPE: ClassVar = "curve"
     CHANNELS: ClassVar = (*FrameMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
     tangents: NDArray[np.float64]
@@ -302,6 +345,11 @@ class FrameBody(MeshBody):
     element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     model: FrameModel = "green-lagrange"
     axial_strains: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
+
+    @property
+    def highest_frequency(self) -> float:
+        """Of its stiffest element."""
+        return highest_frame_frequency(self.nodes, self.elements, self.sections, self.element_sections)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -324,6 +372,8 @@ class ShellBody(MeshBody):
         For membrane strains, along each direction, 3 to 7.
     """
 
+    ORDER: ClassVar = 5
+    SHAPE: ClassVar = "surface"
     CHANNELS: ClassVar = (*ShellMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
     slopes: NDArray[np.float64]
@@ -332,3 +382,8 @@ class ShellBody(MeshBody):
     sections: tuple[ShellSection, ...]
     element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     gauss_points: int = 5
+
+    @property
+    def highest_frequency(self) -> float:
+        """Of its stiffest element."""
+        return highest_shell_frequency(self.lengths, self.sections, self.element_sections)
