@@ -156,7 +156,7 @@ def _check_joint(joint: Joint) -> None:
 
 def _check_body(body: AnyBody) -> None:
     """Refuse start values of the wrong length or not finite: no later check would see a lost position."""
-    for key, shape in body.check_start().items():
+    for key, shape in body.start_shapes().items():
         value = np.asarray(getattr(body, key), dtype=np.float64)
         if value.shape != shape or not np.all(np.isfinite(value)):
             raise InputError(

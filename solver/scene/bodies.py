@@ -356,7 +356,7 @@ class Body:
         """Why an integrator cannot serve it, in a scene with joints or without, as words; empty if it can."""
         return ""
 
-    def check_start(self) -> dict[str, tuple[int, ...]]:
+    def start_shapes(self) -> dict[str, tuple[int, ...]]:
         """Refuse what cannot be packed; shapes of its start values by key."""
         return {"position": (3,), "orientation": (4,), "velocity": (3,), "angular_velocity": (3,)}
 
@@ -464,11 +464,11 @@ class FlexibleBody(Placed):
             return f"joints hold the flexible body {self.name!r}"
         return ""
 
-    def check_start(self) -> dict[str, tuple[int, ...]]:
+    def start_shapes(self) -> dict[str, tuple[int, ...]]:
         """Modal values are as many as modes, or none."""
         keys = ("modal_position", "modal_velocity", "damping_ratio")
         modal = {key: (self.mode_count,) for key in keys if np.size(getattr(self, key))}
-        return {**super().check_start(), **modal}
+        return {**super().start_shapes(), **modal}
 
 
 @BODIES.describe("rigid")

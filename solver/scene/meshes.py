@@ -308,10 +308,10 @@ class MeshBody(Body):
         frequency = self.highest_frequency
         return max(frequency, self.viscous_damping + self.stiffness_damping * frequency**2)
 
-    def check_start(self) -> dict[str, tuple[int, ...]]:
+    def start_shapes(self) -> dict[str, tuple[int, ...]]:
         """The mesh is one of its type."""
         self.kind_module.check_mesh(self)
-        return super().check_start()
+        return super().start_shapes()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
