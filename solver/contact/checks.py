@@ -224,7 +224,7 @@ def _check_footprint(contact: Contact, contour: Contour, body: Any) -> None:
     if not isinstance(contact.shape, PointShape | SphereShape):
         _refuse(contact, "footprint", f"of a {type(contact.shape).__name__}", "a point or a sphere")
     surface = contour.neutral is not None and len(contour.neutral.spaces) == 2
-    if not (surface and body is not None and body.CONTOURS == "modes"):
+    if not (surface and body is not None and body.MODAL):
         _refuse(
             contact, "footprint", f"{contact.footprint} m on {contour.name!r}", "a surface of a flexible body"
         )

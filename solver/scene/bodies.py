@@ -101,7 +101,7 @@ def _upright() -> NDArray[np.float64]:
 
 MOTIONS: Family[Any] = Family("frame", "heavylift.solver.scene", key="motion", alphabetical=False)
 """How a frame moves, by the motions of a case file."""
-BODIES: Family[Any] = Family("body", "heavylift.solver.scene")
+BODIES: Family[Any] = Family("body", "heavylift.solver.scene", "heavylift.solver.bodies.*")
 """Bodies that are said in numbers alone, by their types in a case file."""
 
 ANGLE_OR_LENGTH = ByCoordinate(Quantity("angle"), Quantity("length"))
@@ -228,14 +228,20 @@ class Body:
         kernels is asked of it too.
     ORDER
         Kinds are in the order of this number in a scene.
+    NOUN
+        What it is called in messages.
     DEFORMS
         Whether it is anything but rigid.
+    MODAL
+        Whether stages compute modes of a finite element model for it.
     CONTOURS
         How points of a contour on it move: with the frame, with modes too, or with nodes; empty if it carries none.
     SHAPE
         What it is by itself, whose tangents and edges joints hold, and which contacts touch; empty of a solid.
     SEEN_AT_POINTS
         Whether its velocities in the workspace are those of the material points that are in use, three each.
+    HAS_AXES
+        Whether directions at a point of it are known, not only its tangent.
     ITERATES
         Whether its step is iterated, and may be halved where that fails.
     FLOATS
@@ -244,10 +250,13 @@ class Body:
 
     KIND_MODULE: ClassVar[str]
     ORDER: ClassVar[int] = 100
+    NOUN: ClassVar[str] = "body"
     DEFORMS: ClassVar[bool] = True
+    MODAL: ClassVar[bool] = False
     CONTOURS: ClassVar[Literal["", "rigid", "modes", "nodes"]] = ""
     SHAPE: ClassVar[Literal["", "curve", "surface"]] = ""
     SEEN_AT_POINTS: ClassVar[bool] = False
+    HAS_AXES: ClassVar[bool] = True
     ITERATES: ClassVar[bool] = False
     FLOATS: ClassVar[bool] = False
 
@@ -405,6 +414,8 @@ class FlexibleBody(Placed):
 
     KIND_MODULE: ClassVar = "heavylift.solver.bodies.floating_frame.packing"
     ORDER: ClassVar = 1
+    NOUN: ClassVar = "flexible body"
+    MODAL: ClassVar = True
     CONTOURS: ClassVar = "modes"
     CHANNELS: ClassVar = (*FrameOutputs.CHANNELS, *ModalOutputs.CHANNELS)
     """What it records, in the order of its columns."""
@@ -478,6 +489,7 @@ class RigidBody(Placed):
 
     KIND_MODULE: ClassVar[str] = "heavylift.solver.bodies.rigid.packing"
     ORDER: ClassVar[int] = 2
+    NOUN: ClassVar[str] = "rigid body"
     DEFORMS: ClassVar[bool] = False
     CONTOURS: ClassVar = "rigid"
     CHANNELS: ClassVar[tuple[ChannelKind, ...]] = FrameOutputs.CHANNELS

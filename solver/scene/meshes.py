@@ -7,6 +7,7 @@ are unlimited: "Integrated simulation ... (2018)", sections 2.2 and 2.3.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
@@ -252,6 +253,8 @@ class MeshBody(Body):
         Distance of carried strains from those of the shape at which ``"auto"`` changes over [1].
     """
 
+    VECTORS: ClassVar[tuple[str, ...]]
+    """Names of the vectors of a node."""
     KIND_MODULE: ClassVar = "heavylift.solver.bodies.ancf.packing"
     CONTOURS: ClassVar = "nodes"
     SEEN_AT_POINTS: ClassVar = True
@@ -298,6 +301,16 @@ class MeshBody(Body):
         return [time for load in self.loads for time in np.ravel(load.times)]
 
     @property
+    def slopes_of_nodes(self) -> NDArray[np.float64]:
+        """Vectors of its nodes but their positions, in its axes, shape (n, vectors - 1, 3)."""
+        raise NotImplementedError
+
+    @property
+    def lengths_of_elements(self) -> NDArray[np.float64]:
+        """Of each, along it or along its sides [m], shape (e, 1 or 2)."""
+        raise NotImplementedError
+
+    @property
     def highest_frequency(self) -> float:
         """Bound of its circular frequencies [1/s], as it is placed and not stressed."""
         raise NotImplementedError
@@ -336,7 +349,10 @@ class FrameBody(MeshBody):
     """
 
     ORDER: ClassVar = 4
+    NOUN: ClassVar = "frame"
+    VECTORS: ClassVar = FRAME_VECTORS
     SHAPE: ClassVar = "curve"
+    HAS_AXES: ClassVar = False
     CHANNELS: ClassVar = (*FrameMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
     tangents: NDArray[np.float64]
@@ -345,6 +361,17 @@ class FrameBody(MeshBody):
     element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     model: FrameModel = "green-lagrange"
     axial_strains: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
+
+    @property
+    def slopes_of_nodes(self) -> NDArray[np.float64]:
+        """Tangents."""
+        return self.tangents[:, np.newaxis, :]
+
+    @property
+    def lengths_of_elements(self) -> NDArray[np.float64]:
+        """Along their curves."""
+        stress = importlib.import_module("heavylift.solver.bodies.ancf.stress")
+        return np.asarray(stress.frame_lengths(self.nodes, self.tangents, self.elements))[:, np.newaxis]
 
     @property
     def highest_frequency(self) -> float:
@@ -373,6 +400,8 @@ class ShellBody(MeshBody):
     """
 
     ORDER: ClassVar = 5
+    NOUN: ClassVar = "shell"
+    VECTORS: ClassVar = SHELL_VECTORS
     SHAPE: ClassVar = "surface"
     CHANNELS: ClassVar = (*ShellMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
@@ -382,6 +411,16 @@ class ShellBody(MeshBody):
     sections: tuple[ShellSection, ...]
     element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     gauss_points: int = 5
+
+    @property
+    def slopes_of_nodes(self) -> NDArray[np.float64]:
+        """Along both sides, and twist."""
+        return self.slopes
+
+    @property
+    def lengths_of_elements(self) -> NDArray[np.float64]:
+        """Along their sides."""
+        return self.lengths
 
     @property
     def highest_frequency(self) -> float:
