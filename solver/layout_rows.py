@@ -15,8 +15,7 @@ from heavylift.solver.markers import MarkerBook
 from heavylift.solver.rows.structure import RowSystem, classify_rows, pack_rows
 from heavylift.solver.scene.channels import ChannelBook, MonitorOutputs
 from heavylift.solver.scene.connections import Stage
-from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Scene
+from heavylift.solver.scene.scene import AnyBody, Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.layout_sea import PackedSea
@@ -87,10 +86,9 @@ def pack_connections(
     The velocities by which a mesh is seen are those of the material points that are in use, so with meshes all
     is packed twice: first to count these points.
     """
-    meshes = [body for body in ordered if isinstance(body, MeshBody)]
+    meshes = [body for body in ordered if body.SEEN_AT_POINTS]
     if not meshes:
         return _pack(scene, ordered, record, integrator, {})
-    from heavylift.solver.bodies.ancf.bases import plan_bases
     from heavylift.solver.joints.mesh_joints import expand_joints
 
     scene = expand_joints(scene)
@@ -98,7 +96,7 @@ def pack_connections(
 
     markers = packed.book.of([body.name for body in meshes])
     counts = {
-        body.name: len(plan_bases(body, on_body).bases) + moving.get(body.name, 0)
+        body.name: body.kind_module.point_count(body, on_body) + moving.get(body.name, 0)
         for body, on_body in zip(meshes, markers, strict=True)
     }
     packed = _pack(scene, ordered, record, integrator, counts)
@@ -131,7 +129,7 @@ def _pack(
 
         packed.sea = pack_sea(scene, book, record)
     pack_elements(acting, context, record)
-    flexible = [body for body in ordered if isinstance(body, FlexibleBody)]
+    flexible = [body for body in ordered if body.mode_count]
     packed.notes = _tell_turned(scene, flexible, book, _directed([*loads, *acting]))
     make_system: Any = None
     if scene.joints:
@@ -177,9 +175,7 @@ def _directed(things: Sequence[Any]) -> list[Any]:
     return [thing for thing in things if getattr(thing, "directed", False)]
 
 
-def _refuse_turned(
-    flexible: Sequence[FlexibleBody], book: MarkerBook, first: int, things: Sequence[Any]
-) -> None:
+def _refuse_turned(flexible: Sequence[Any], book: MarkerBook, first: int, things: Sequence[Any]) -> None:
     """Refuse what holds directions of bodies with modes where these turn, of the markers from a number on."""
     if flexible and things:
         from heavylift.solver.bodies.floating_frame.turned import refuse_turned
@@ -188,7 +184,7 @@ def _refuse_turned(
 
 
 def _tell_turned(
-    scene: Scene, flexible: Sequence[FlexibleBody], book: MarkerBook, things: list[Any]
+    scene: Scene, flexible: Sequence[Any], book: MarkerBook, things: list[Any]
 ) -> tuple[str, ...]:
     """Sentences on forces and measures with directions of bodies with modes where these turn."""
     if not flexible:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.bodies import Body
 from heavylift.solver.scene.connections import (
     GROUND,
     AlongJoint,
@@ -14,8 +15,7 @@ from heavylift.solver.scene.connections import (
     Joint,
 )
 from heavylift.solver.scene.descriptions import check_object
-from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 
 __all__ = ["check_scene"]
 
@@ -34,7 +34,7 @@ def check_scene(scene: Scene) -> None:
     if not scene.bodies:
         raise InputError("no body", source="scene", expected="at least one")
     kinds = (
-        (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
+        (scene.bodies, Body, "bodies"),
         (scene.forces, (ForceElement,), "forces"),
         (scene.joints, (Joint,), "joints"),
     )
@@ -154,17 +154,7 @@ def _check_joint(joint: Joint) -> None:
 
 def _check_body(body: AnyBody) -> None:
     """Refuse start values of the wrong length or not finite: no later check would see a lost position."""
-    shapes: dict[str, tuple[int, ...]] = {"position": (3,), "orientation": (4,)}
-    shapes |= {"velocity": (3,), "angular_velocity": (3,)}
-    if isinstance(body, MeshBody):
-        from heavylift.solver.bodies.ancf.packing import check_mesh
-
-        check_mesh(body)
-    elif isinstance(body, FlexibleBody):
-        for key in ("modal_position", "modal_velocity", "damping_ratio"):
-            if np.size(getattr(body, key)):
-                shapes[key] = (body.reduced.mode_count,)
-    for key, shape in shapes.items():
+    for key, shape in body.start_shapes().items():
         value = np.asarray(getattr(body, key), dtype=np.float64)
         if value.shape != shape or not np.all(np.isfinite(value)):
             raise InputError(

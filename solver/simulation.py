@@ -27,7 +27,7 @@ from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.recording import check_written, unwritten
 from heavylift.solver.scene.contacts import RigidLaw
-from heavylift.solver.scene.scene import FlexibleBody, Scene, Start
+from heavylift.solver.scene.scene import Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
     drive_warning,
@@ -178,7 +178,7 @@ class Simulation:
                 key="start",
                 expected="law 'rigid' of collisions, compliant contacts with contours, or 'check'",
             )
-        meshes = any("strain" in kind._fields for kind in self._layout.bodies)
+        meshes = any(kind.NODAL for kind in self._layout.bodies)
         if self._touches and start in AT_REST and (meshes or integrator != "dele2"):
             raise InputError(
                 f"{start!r} with contacts" + (" and frames or shells" if meshes else f" and {integrator!r}"),
@@ -220,10 +220,11 @@ class Simulation:
             mass=sum(float(mass.sum()) for mass, _ in self._bodies()),
         )
         self._range: ModalRange | None = None
-        if any(isinstance(body, FlexibleBody) for body in scene.bodies):
+        modal = [body for body in scene.bodies if body.mode_count]
+        if modal:
             from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
 
-            self._range = ModalRange(scene.bodies, self.channels, scene.joints)
+            self._range = ModalRange(modal, self.channels, scene.joints)
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._warm = False
         self._started = False
@@ -422,11 +423,8 @@ class Simulation:
         Stiff springs make accelerations that say nothing of the next step: errors of the stiff governor are a
         quarter of those along arcs. Redundant loops need arcs, whose midpoints are nearer to the constraints.
         """
-        from heavylift.solver.bodies.rigid.kind import RigidBodies
-
         for kind in self._layout.bodies:
-            if isinstance(kind, RigidBodies):
-                kind.frame["arc"] = 0.0
+            kind.straighten()
 
     def _probe(self) -> None:
         """Reactions at the start, and forces of what is in contact there, from one step that is taken back.
@@ -624,7 +622,7 @@ class Simulation:
             from heavylift.solver.integrate.integration import stiffness_seen
 
             if stiffness_seen(self._layout.systems[-1]):
-                meshes = any("strain" in kind._fields for kind in self._layout.bodies)
+                meshes = any(kind.NODAL for kind in self._layout.bodies)
                 where = "faster where coarse results are enough" if meshes else "faster"
                 found = [f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"]
         return "; ".join([*found, *self._layout.notes])
@@ -701,10 +699,7 @@ class Simulation:
     def _bodies(self) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Masses [kg] and lengths [m] of the bodies of each kind: reach of a frame, extension of a mesh."""
         for kind in self._layout.bodies:
-            if "frame" in kind._fields:
-                yield kind.frame["mass"], kind.frame["reach"]
-            elif "strain" in kind._fields:
-                yield kind.body["mass"], kind.body["size"]
+            yield kind.lengths()
 
     def _size(self) -> float:
         """Length of the largest body [m]."""

@@ -18,8 +18,6 @@ from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourS
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.model_io import read_model
 from heavylift.solver.scene import contacts as c
-from heavylift.solver.scene.meshes import FrameBody
-from heavylift.solver.scene.scene import FlexibleBody
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -38,7 +36,7 @@ if TYPE_CHECKING:
         SurfaceSplineSection,
     )
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.solver.scene.scene import AnyBody
+    from heavylift.solver.scene.scene import AnyBody, FlexibleBody
 
 __all__ = ["assemble_contact", "assemble_contacts", "assemble_contours", "contour_nodes"]
 
@@ -73,7 +71,7 @@ def assemble_contours(
     """
     from heavylift.contours.splines.checks import check_contour
 
-    flexible = {body.name: body for body in bodies if isinstance(body, FlexibleBody)}
+    flexible: dict[str, Any] = {body.name: body for body in bodies if body.MODAL}
     found = []
     for name, section in case.contours.items():
         with _told(case, name):
@@ -116,8 +114,7 @@ def _director(
     assert section.normal is not None
     normal = np.array(section.normal)
     if neutral is None:
-        frame = next(body for body in bodies if body.name == section.body)
-        assert isinstance(frame, FrameBody)
+        frame: Any = next(body for body in bodies if body.name == section.body)
         tangent = frame.tangents[0]
     else:
         from heavylift.contours.splines.derivatives import evaluate_contour

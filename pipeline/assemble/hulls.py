@@ -93,7 +93,6 @@ def _open_deck(section: Any, origin: NDArray[np.float64]) -> float | None:
 def frame_origin(case: Case, name: str) -> NDArray[np.float64]:
     """Origin of the frame of a rigid body in the coordinates of its geometry [m]."""
     body = case.bodies[name]
-    assert body.type == "rigid"
     return np.array(body.centre_of_mass) if body.frame.origin == "centre_of_mass" else np.zeros(3)
 
 
@@ -294,7 +293,6 @@ def _place(case: Case, name: str) -> tuple[NDArray[np.float64], float]:
     from heavylift.numerics.rotation import rotation_matrix
 
     body = case.bodies[name]
-    assert body.type == "rigid"
     rigid, _ = assemble_rigid(name, body)
     R = rotation_matrix(rigid.orientation)
     return rigid.position[:2], math.atan2(R[1, 0], R[0, 0])

@@ -10,6 +10,7 @@ import numpy as np
 
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.frames import start_of_frame
 from heavylift.pipeline.case.meshes import CORNERS, EDGES, counts_of
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.scene import mesh_shapes
@@ -37,21 +38,26 @@ if TYPE_CHECKING:
         ShellSectionTable,
         ShellSupportSection,
     )
+    from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.connections import EdgeJoint, Joint
     from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh
     from heavylift.solver.scene.scene import AnyBody
 
 __all__ = [
     "Place",
+    "assemble_body",
     "assemble_edge",
     "assemble_frame",
     "assemble_shell",
+    "check_drawn_points",
     "check_on_mesh",
+    "check_points",
     "check_pulleys",
     "frame_mesh",
     "joints_of_edge",
     "read_points",
     "shell_mesh",
+    "start_body",
 ]
 
 
@@ -181,6 +187,43 @@ NEAR = 1e-6
 are meant to be at one place, relative to the length of an edge."""
 SQUARE = 1e-9
 """Deviation from one of the component of a normal along the axis it belongs to."""
+
+
+def assemble_body(
+    case: Case, name: str, body: Any, _folder: OutputFolder
+) -> tuple[m.MeshBody, NDArray[np.float64]]:
+    """Frame or shell of a case, and the origin of its axes in the coordinates of its geometry: zero."""
+    return start_body(case, name, body)
+
+
+def start_body(case: Case, name: str, body: Any) -> tuple[m.MeshBody, NDArray[np.float64]]:
+    """The same: nothing of it waits for a stage."""
+    origin = np.zeros(3)
+    make = {"curve": assemble_frame, "surface": assemble_shell}[body.BODY.SHAPE]
+    return make(case, name, body, start_of_frame(body.initial, origin)), origin
+
+
+def check_points(
+    case: Case, body: Any, _origin: NDArray[np.float64], points: Sequence[tuple[str, ArrayLike]]
+) -> None:
+    """Points that it carries lie on the mesh, and pulleys turn about its tangent."""
+    for key, point in points:
+        check_on_mesh(body, point, case.file, key)
+    if body.SHAPE == "curve":
+        check_pulleys(case, body)
+
+
+def check_drawn_points(
+    case: Case, _section: Any, body: Any, points: Sequence[tuple[str, ArrayLike]]
+) -> Iterator[tuple[str, InputError]]:
+    """The same, as errors with their keys."""
+    for key, point in points:
+        try:
+            check_on_mesh(body, point, case.file, key)
+        except InputError as error:
+            yield key, error
+    if body.SHAPE == "curve":
+        check_pulleys(case, body)
 
 
 def assemble_frame(
@@ -505,8 +548,7 @@ def assemble_edge(case: Case, joint: Any, sides: Mapping[str, Side]) -> EdgeJoin
     names = joint.edges or ((joint.edge,) if joint.edge else ())
     for number in range(len(names) or len(joint.node_lists)):
         body = joint.between[number]
-        table = case.meshes[body]
-        assert table.type == "shell"
+        table: Any = case.meshes[body]
         mesh = shell_mesh(Place(case, body), table.geometry)
         nodes = mesh.edges[names[number]] if names else np.array(joint.node_lists[number], dtype=np.int64)
         if nodes.max() >= len(mesh.nodes):

@@ -23,7 +23,7 @@ from heavylift.pipeline.case.criteria_table import Criteria
 from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
-from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
+from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.quantity_names import (
     ACROSS,
@@ -53,7 +53,6 @@ ASKING = {"check", "converge", "criteria", "reference", "report", "scenario"}
 GAP = re.compile(r"([^\s.,()]+)\.gap(?:_min)?(?!\w)")
 """Owner, or pattern of owners, of a gap in the name of a quantity or channel, or in a combination of them."""
 _NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
-_KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
 
 class _CaseHeading(Section):
@@ -186,9 +185,9 @@ class Case(SceneTables, _CaseHeading):
     def _has_axes(self, index: int) -> None:
         """A rotation is seen of what has three axes."""
         for name in self.relative_motions[index].between:
-            if name in self.bodies and self.bodies[name].type == "frame":
+            if name in self.bodies and not self.bodies[name].BODY.HAS_AXES:
                 reject(
-                    f"{name!r} is a frame, which has a tangent and no torsion",
+                    f"{name!r} is a {self.bodies[name].BODY.NOUN}, which has a tangent and no torsion",
                     "bodies with three axes; sensors, and differences of their positions, on a frame",
                     key=f"relative_motions.{index}.between",
                 )
@@ -286,7 +285,7 @@ class Case(SceneTables, _CaseHeading):
     @property
     def _movable(self) -> dict[str, Any]:
         """What can be told something."""
-        frames = {name: body.frame for name, body in self.bodies.items() if hasattr(body, "frame")}
+        frames = {name: body.frame for name, body in self.bodies.items() if body.has_frame}
         return {
             "ropes": {rope.name: rope for rope in self.ropes},
             "tanks": frozenset(tank.name for tank in self.tanks),
@@ -337,7 +336,7 @@ class Case(SceneTables, _CaseHeading):
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""
         assert self.simulate is not None
-        meshes = [name for name, body in self.bodies.items() if body.type in {"frame", "shell"}]
+        meshes = list(self.meshes)
         if meshes:
             reject(
                 f"{self.simulate.start!r} with {what} and {meshes[0]!r}, a frame or shell",
@@ -360,8 +359,8 @@ class Case(SceneTables, _CaseHeading):
             body = self.bodies.get(quantity.owner)
             if body is None:
                 return f"a flexible body, and {quantity.owner!r} is no body"
-            if body.type != "flexible":
-                return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
+            if not body.BODY.MODAL:
+                return f"a flexible body, and {quantity.owner!r} is a {body.BODY.NOUN}"
             if quantity.family == "static":
                 asked = quantity.component.partition(".")[0]
                 if body.geometry.type == "four_files" and asked in {"stress", "von_mises"}:
@@ -375,7 +374,7 @@ class Case(SceneTables, _CaseHeading):
         if quantity.family == "stress":
             owner = next((one.body for one in self.sensors if one.name == quantity.owner), quantity.owner)
             body = self.bodies[owner]
-            if body.type == "flexible" and body.geometry.type == "four_files":
+            if body.BODY.MODAL and body.geometry.type == "four_files":
                 return _NO_ELEMENTS.format(owner)
         if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
             return f"a hull with a surface, and {quantity.owner!r} has none"
@@ -392,11 +391,7 @@ class Case(SceneTables, _CaseHeading):
     @property
     def meshes(self) -> dict[str, FrameBodySection | ShellBodySection]:
         """Frames and shells by name."""
-        return {
-            name: body
-            for name, body in self.bodies.items()
-            if isinstance(body, (FrameBodySection, ShellBodySection))
-        }
+        return {name: body for name, body in self.bodies.items() if body.BODY.SHAPE}
 
     @cached_property
     def collided(self) -> dict[str, tuple[int, tuple[str, str]]]:
@@ -459,7 +454,7 @@ class Case(SceneTables, _CaseHeading):
 
 def _yields(body: Body) -> bool:
     """Whether a body gives way to a force."""
-    return isinstance(body, MeshBodySection) or body.frame.motion == "free"
+    return bool(body.is_free)
 
 
 def load_case(

@@ -66,7 +66,6 @@ from heavylift.pipeline.case.fields import (
 from heavylift.solver.scene.connections import JOINTS, Between
 from heavylift.solver.scene.descriptions import (
     DescribedField,
-    Family,
     described_fields,
     is_described,
     owner_coordinate,
@@ -447,7 +446,7 @@ class Chosen:
     """
 
     def __init__(
-        self, family: Family[Any], section: Callable[[Any], type[Section]] = section_of, *, word: str = ""
+        self, family: Any, section: Callable[[Any], type[Section]] = section_of, *, word: str = ""
     ) -> None:
         self.family, self.section, self.word = family, section, word
 

@@ -17,7 +17,14 @@ from pydantic import (
     model_validator,
 )
 
-from heavylift.pipeline.case.bodies import FlexibleBodySection, RigidBodySection, RigidInitialSection
+from heavylift.pipeline.case.bodies import (
+    BodySection,
+    FlexibleBodySection,
+    RigidBodySection,
+    RigidInitialSection,
+    body_section,
+)
+from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import (
     Direction,
     InFolder,
@@ -33,9 +40,11 @@ from heavylift.pipeline.case.fields import (
     type_tag,
 )
 from heavylift.pipeline.case.geometry import BoxGroup
+from heavylift.solver.scene.bodies import BODIES
 from heavylift.solver.scene.meshes import Elasticity, FrameBody, FrameModel, ShellBody
 
 __all__ = [
+    "BODY_SECTIONS",
     "CORNERS",
     "EDGES",
     "ArcGeometry",
@@ -597,8 +606,10 @@ ShellLoad = Annotated[
 ]
 
 
-class MeshBodySection(Section):
+class MeshBodySection(BodySection):
     """What frames and shells have."""
+
+    ASSEMBLED_BY: ClassVar = "heavylift.pipeline.assemble.meshes"
 
     damping: MeshDampingSection = Field(default_factory=MeshDampingSection)
     """Damping; none if absent."""
@@ -615,6 +626,7 @@ class MeshBodySection(Section):
 class FrameBodySection(MeshBodySection):
     """A beam, cable or rod of cubic elements with large displacements and rotations; it has no torsion."""
 
+    BODY: ClassVar = FrameBody
     CHANNELS: ClassVar = FrameBody.CHANNELS
 
     type: Literal["frame"]
@@ -655,6 +667,7 @@ class FrameBodySection(MeshBodySection):
 class ShellBodySection(MeshBodySection):
     """A plate, shell or membrane of bicubic elements with large displacements and rotations, flat when unloaded."""
 
+    BODY: ClassVar = ShellBody
     CHANNELS: ClassVar = ShellBody.CHANNELS
 
     type: Literal["shell"]
@@ -679,7 +692,29 @@ class ShellBodySection(MeshBodySection):
         return self
 
 
-Body = Annotated[
-    FlexibleBodySection | RigidBodySection | FrameBodySection | ShellBodySection,
-    Field(discriminator="type"),
-]
+class _BodySections:
+    """Sections of bodies by their types: those of shapes and meshes, then all that are given in numbers alone."""
+
+    name, key, default = "body", "type", ""
+    _own: ClassVar[dict[str, type[BodySection]]] = {
+        "flexible": FlexibleBodySection,
+        "rigid": RigidBodySection,
+        "frame": FrameBodySection,
+        "shell": ShellBodySection,
+    }
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All types."""
+        return (*self._own, *(word for word in BODIES.words if word not in self._own))
+
+    def get(self, word: str) -> type[BodySection] | None:
+        """Section of a type; None if there is none."""
+        if word in self._own:
+            return self._own[word]
+        described = BODIES.get(word)
+        return None if described is None else body_section(described)
+
+
+BODY_SECTIONS = _BodySections()
+Body = Annotated[Any, Chosen(BODY_SECTIONS, lambda section: section)]

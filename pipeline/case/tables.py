@@ -20,7 +20,7 @@ from pydantic import Field, create_model
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, InWorld
 from heavylift.numerics.units import KINDS, parse_quantity
-from heavylift.pipeline.case.bodies import FlexibleBodySection, RigidBodySection
+from heavylift.pipeline.case.bodies import RigidBodySection
 from heavylift.pipeline.case.channel_kinds import MESH_TYPES, Declared, all_channels, joint_coordinate
 from heavylift.pipeline.case.collisions import collision_section, declared_collisions, yields
 from heavylift.pipeline.case.contacts import contact_section
@@ -30,7 +30,7 @@ from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
 from heavylift.pipeline.case.fields import GROUND, AccelerationVector, Section, UniqueName
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, hull_section
 from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
+from heavylift.pipeline.case.meshes import BODY_SECTIONS, Body
 from heavylift.pipeline.case.scenario import ScenarioSection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
@@ -169,21 +169,16 @@ def lengths(values: Any) -> Vector | None:
 
 
 def _of_body(row: Row) -> tuple[ChannelKind, ...]:
-    sections: Mapping[str, type[Section]] = {
-        "flexible": FlexibleBodySection,
-        "frame": FrameBodySection,
-        "shell": ShellBodySection,
-    }
-    kind, frame = str(row.get("type")), row.get("frame")
-    free = kind in MESH_TYPES or (isinstance(frame, dict) and frame.get("motion") == "free")
-    return (*sections.get(kind, RigidBodySection).CHANNELS, *(Free if free else Fixed).CHANNELS)
+    section, frame = BODY_SECTIONS.get(str(row.get("type"))) or RigidBodySection, row.get("frame")
+    free = "frame" not in section.model_fields or (isinstance(frame, dict) and frame.get("motion") == "free")
+    return (*section.CHANNELS, *(Free if free else Fixed).CHANNELS)
 
 
 # what acts on a scene from outside
 
 
 def _is_held(body: Any, _case: Any) -> bool:
-    return not isinstance(body, (FrameBodySection, ShellBodySection)) and body.frame.motion != "free"
+    return not body.is_free
 
 
 def _on_ground(entry: Any, _case: Any) -> bool:

@@ -129,7 +129,7 @@ class RecordedRun(Run):
         if body == GROUND:
             return np.tile(given, (len(self.times), 1))
         section: Any = self.case.bodies[body]
-        if section.type != "rigid":
+        if section.BODY.DEFORMS:
             sensor = sensor_at(self.case, body, point)
             return np.asarray(self.results[f"{sensor}.position"][self.inside])
         if section.frame.origin == "centre_of_mass":

@@ -111,7 +111,7 @@ def _tilted(case: Case, results: Results) -> list[str]:
         )
         for name, body in case.bodies.items()
         if "bodies" in case.place(f"bodies.{name}").split(".")  # builders draw theirs as they can
-        and body.type == "rigid"
+        and not body.BODY.DEFORMS
         and body.frame.motion == "free"
     }
     rolled = sorted((name for name in angles if angles[name] > TILT), key=lambda name: -angles[name])

@@ -15,7 +15,6 @@ from heavylift.pipeline.case.places import located
 from heavylift.pipeline.commands.hydrostatics import hull_loading
 from heavylift.pipeline.commands.scene import load_sea_case
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.solver.scene.bodies import RigidBody
 from heavylift.solver.water.hulls.ballast_plan import (
     Girder,
     Load,
@@ -132,12 +131,12 @@ def _without(found: SeaCase, loading: Loading) -> Loading:
     """What a hull carries, less the bodies that are not to be counted."""
     section = found.case.ballast
     assert section is not None
-    bodies = {body.name: body for body in found.scene.bodies}
+    bodies: dict[str, Any] = {body.name: body for body in found.scene.bodies}
     hull = bodies[section.hull]
     mass, moment = loading.mass, loading.mass * loading.centre
     for index, name in enumerate(section.apart):
         body = bodies.get(name)
-        if name not in loading.bodies or not isinstance(body, RigidBody):
+        if name not in loading.bodies or body is None or body.DEFORMS:
             raise InputError(
                 f"{name!r} is no rigid body that joints hold on {section.hull!r}",
                 source=found.case.file,

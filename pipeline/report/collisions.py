@@ -606,7 +606,7 @@ def _pose(
     """Where the origin of the geometry of a rigid body is in the world, and the rotation to world axes."""
     body = case.bodies[name]
     channels = (f"{name}.position", f"{name}.orientation")
-    if body.type != "rigid" or any(channel not in results for channel in channels):
+    if body.BODY.DEFORMS or any(channel not in results for channel in channels):
         return None
     position, R = results[channels[0]][record], rotation_matrix(results[channels[1]][record])
     if body.frame.origin == "centre_of_mass":

@@ -80,7 +80,7 @@ def integration_words(settings: SimulateSection) -> str:
 
 def rigid_sections(case: Case) -> list[Section]:
     """Sections on the rigid bodies of a case: one each, or one table of many."""
-    rigid = {name: body for name, body in case.bodies.items() if body.type == "rigid"}
+    rigid = {name: body for name, body in case.bodies.items() if not body.BODY.DEFORMS}
     if len(rigid) <= _SECTIONS:
         return [
             Section(f"Rigid body {name}", (Facts(tuple(body_input_rows(body))),))
@@ -104,7 +104,7 @@ def rigid_sections(case: Case) -> list[Section]:
 def body_input_rows(body: Any) -> list[tuple[str, str]]:
     """Mass and inertia of a rigid body; motion of the frame and initial state of any body."""
     rows: list[tuple[str, str]] = []
-    if body.type == "rigid":
+    if not body.BODY.DEFORMS:
         rows += [
             ("mass", f"{body.mass:.8g} kg"),
             ("centre of mass", numbers_words(body.centre_of_mass, "m")),

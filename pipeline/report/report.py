@@ -99,7 +99,7 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     before = _linked_pictures(folder / "report.md")
     results, problem = load_finite_results(case, out)
-    flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
+    flexible = {name: body for name, body in case.bodies.items() if body.BODY.MODAL}
     moved = results is not None and bool(results.meshes) and len(results.time) > 0
     touching = results is not None and bool(case.contacts or case.collisions) and len(results.time) > 0
     pictured = results is not None and len(results.time) > 0 and is_pictured(case)

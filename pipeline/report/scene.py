@@ -211,17 +211,16 @@ def scene_others(
     from heavylift.pipeline.pictures.contacts import scene_size
     from heavylift.pipeline.pictures.outer_surface import Surface, surface_from_mesh
     from heavylift.pipeline.results.model_io import read_model
-    from heavylift.solver.scene.scene import FlexibleBody
 
     try:
         scene = assemble_scene(case, stages)
         surfaces: dict[str, Surface] = {}
         for body in scene.bodies:
-            if isinstance(body, FlexibleBody):
+            if body.mesh_nodes is not None:
                 model = read_model(stages.model(body.name))
                 if model.mesh is not None:
                     surface = surface_from_mesh(model.mesh)
-                    nodes = body.reduced.nodes[surface.node_indices]  # in the axes of its frame
+                    nodes = body.mesh_nodes[surface.node_indices]  # in the axes of its frame
                     surfaces[body.name] = Surface(
                         nodes,
                         surface.node_indices,

@@ -166,7 +166,6 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     from heavylift.pipeline.assemble.collisions import collision_notes
     from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
-    from heavylift.solver.scene.meshes import MeshBody
     from heavylift.solver.simulation import AT_REST, Simulation
 
     section, folder, log = work.case.simulate, work.folder, work.log
@@ -180,7 +179,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
         for note in draught_notes(work.case, scene):
             log.say(f"simulate: NOTE: {note}")
-    meshes = [mesh_shape(body) for body in scene.bodies if isinstance(body, MeshBody)]
+    meshes = [mesh_shape(body) for body in scene.bodies if body.SHAPE]
     options: dict[str, Any] = {"record_every": section.record_every}
     if section.solver_tolerance is not None:
         options["tolerance"] = section.solver_tolerance

@@ -67,4 +67,4 @@ class Work:
     @property
     def flexible(self) -> dict[str, FlexibleBodySection]:
         """The bodies that have meshes and modes."""
-        return {name: body for name, body in self.case.bodies.items() if body.type == "flexible"}
+        return {name: body for name, body in self.case.bodies.items() if body.BODY.MODAL}

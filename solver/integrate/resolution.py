@@ -59,7 +59,7 @@ def _owners(layout: Layout) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         kind.survey(places, inertia, np.zeros(count))
     owner, judged = np.zeros(count, dtype=np.int64), np.zeros(count)
     for kind in layout.bodies:
-        if "frame" not in kind._fields:
+        if not kind.FRAMES:
             continue
         for number in kind.table["number"]:
             of_frame = int(places[number, 0]) + np.arange(6)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.joints.mesh_rows import EdgeSeam, Square, SquareJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.scene.connections import JOINTS, EdgeJoint, Joint, JointFrame
-from heavylift.solver.scene.meshes import MeshBody, ShellBody
+from heavylift.solver.scene.meshes import ShellBody
 from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["EdgeClamp", "EdgeHinge", "expand_edge"]
@@ -102,10 +103,10 @@ def expand_edge(joint: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
     InputError
         If the nodes are no edge of a shell, a hinge is not straight, or the edges of two shells differ.
     """
-    by_name = {body.name: body for body in bodies}
+    by_name: dict[str, Any] = {body.name: body for body in bodies}
     poses = start_frames(Joint(name=joint.name, body_a=joint.body_a, body_b=joint.body_b), bodies)
     a, b = by_name.get(joint.body_a), by_name.get(joint.body_b)
-    if not isinstance(a, ShellBody):
+    if a is None or a.SHAPE != "surface":
         raise InputError(
             f"{joint.body_a!r} is no shell",
             source=joint.name,
@@ -114,9 +115,9 @@ def expand_edge(joint: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
         )
     edge = _edge(joint, a, joint.nodes_a, "nodes_a")
     hinge = isinstance(joint, EdgeHinge)
-    if isinstance(b, ShellBody):
+    if b is not None and b.SHAPE == "surface":
         return _seams(joint, edge, _edge(joint, b, joint.nodes_b, "nodes_b"))
-    if isinstance(b, MeshBody) or len(joint.nodes_b):
+    if (b is not None and b.SEEN_AT_POINTS) or len(joint.nodes_b):
         raise InputError(
             f"{joint.body_b!r} is no shell",
             source=joint.name,

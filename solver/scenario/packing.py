@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Record, Records, filled, lane_records, records
 from heavylift.numerics.small import aligned
-from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.carried import LINE
 from heavylift.solver.drive import DRIVE_HEAD
 from heavylift.solver.force_elements.line_forces import LineForce
@@ -72,7 +71,7 @@ from heavylift.solver.transport.transporters import (
     VehicleData,
     VehicleState,
 )
-from heavylift.solver.water.hulls.kind import Hulls, PumpData, PumpRow, TankData, TankLevel
+from heavylift.solver.water.hulls.kind import PumpData, PumpRow, TankData, TankLevel
 
 __all__ = ["action_entry", "pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
 
@@ -157,9 +156,9 @@ def reserve_tables(
     bodies = []
     for kind in kinds[0]:
         made = kind
-        if isinstance(kind, Hulls) and pumped:
+        if kind.FLOATS and pumped:
             made = _with_levels(kind, scene.sea.tanks_of(scene.bodies), pumped)
-        if frames and isinstance(kind, FrameBodies):
+        if frames and kind.FRAMES:
             made = _with_frame_profiles(made, frames)
         bodies.append(made)
     connections: list[Any] = []
@@ -354,11 +353,7 @@ def share_profiles(
     """Kinds whose drives are told what to do keep their profiles in one array, which the scenario changes."""
     if not _commanded(scenario, "drive"):
         return kinds, np.zeros(0)
-    fields = [
-        (0, i, "constants")
-        for i, kind in enumerate(kinds[0])
-        if isinstance(kind, FrameBodies) and kind.driven
-    ]
+    fields = [(0, i, "constants") for i, kind in enumerate(kinds[0]) if kind.FRAMES and kind.driven]
     fields += [(1, i, "profiles") for i, kind in enumerate(kinds[1]) if "profiles" in kind._fields]
     arrays = [getattr(kinds[row][i], field) for row, i, field in fields]
     starts = np.cumsum([0, *(-(-len(array) // LINE) * LINE for array in arrays)])
@@ -420,7 +415,7 @@ def pack_scenario(
             actuators.add(name, sort, i, commanded=name in commanded, **given)
             if name in scenario.prepared:
                 entry.axial_stiffness = entry.damping = 0.0
-    hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
+    hulls = next((kind for kind in kinds[0] if kind.FLOATS), None)
     for i, tank in enumerate(() if scene.sea is None else scene.sea.tanks_of(scene.bodies)):
         actuators.add(tank.name, TANK, i)
     for name in _commanded(scenario, "drive"):
@@ -530,11 +525,7 @@ def _profile_start(
     for row, group in enumerate(kinds):
         for kind in group:
             array = getattr(kind, ("constants", "profiles")[row], None)
-            if (
-                array is None
-                or (row == 0 and not isinstance(kind, FrameBodies))
-                or not np.may_share_memory(array, profiles)
-            ):
+            if array is None or (row == 0 and not kind.FRAMES) or not np.may_share_memory(array, profiles):
                 continue
             base = (array.ctypes.data - profiles.ctypes.data) // profiles.itemsize
             for entry in kind.table:
@@ -567,17 +558,15 @@ class _Weights:
         total = 0.0
         for name in names:
             body = self.bodies.get(name)
-            mass = getattr(body, "mass", None)
-            if mass is None and body is not None and hasattr(body, "reduced"):
-                mass = body.reduced.integrals.mass
-            if mass is None:
+            known = None if body is None else body.mass_properties
+            if known is None:
                 raise InputError(
                     f"{name!r} is no body with a mass of its own",
                     source="scenario",
                     key="of",
                     expected="rigid bodies, and bodies with modes",
                 )
-            total += float(mass) * self.gravity
+            total += float(known[0]) * self.gravity
         if names and not total > 0.0:
             raise InputError(
                 "a part of a weight without gravity", source="scenario", key="of", expected="[gravity]"

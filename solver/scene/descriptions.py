@@ -201,7 +201,7 @@ class Family(Generic[T]):
     package
         Modules of this package may describe members; the one with the name of a word is looked at first.
     others
-        Packages after it whose modules may describe members too.
+        Packages after it whose modules may describe members too; ``"name.*"`` is all packages within one.
     default
         Word of a table that says none.
     typed
@@ -292,11 +292,16 @@ class Family(Generic[T]):
     @property
     def _folders(self) -> list[tuple[str, Path]]:
         """Packages and their folders: another one may be added to the path of a package."""
-        return [
-            (package, Path(folder))
-            for package in self._packages
-            for folder in importlib.import_module(package).__path__
-        ]
+        found = []
+        for named in self._packages:
+            package = named.removesuffix(".*")
+            folders = [Path(folder) for folder in importlib.import_module(package).__path__]
+            if named == package:
+                found += [(package, folder) for folder in folders]
+            else:
+                within = (file.parent for folder in folders for file in sorted(folder.glob("*/__init__.py")))
+                found += [(f"{package}.{folder.name}", folder) for folder in within]
+        return found
 
     def _read_all(self) -> None:
         if not self._complete:

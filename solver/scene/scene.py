@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from heavylift.solver.scene.bodies import (
+    Body,
     Driven,
     Fixed,
     FlexibleBody,
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
     from heavylift.solver.scene.connections import Joint
     from heavylift.solver.scene.contacts import Contact, Contour
-    from heavylift.solver.scene.meshes import MeshBody
     from heavylift.solver.scene.scenario import Scenario
     from heavylift.solver.scene.sea import Sea
 
@@ -85,7 +85,8 @@ class Sensor(OnBody):
     }
 
 
-AnyBody: TypeAlias = "FlexibleBody | RigidBody | MeshBody"
+AnyBody: TypeAlias = Body
+"""A body of any class."""
 
 
 @dataclass(frozen=True)

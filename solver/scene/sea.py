@@ -487,7 +487,20 @@ class FloatingBody(RigidBody):
         Names of all hulls whose velocities are coupled by water, in order.
     """
 
+    KIND_MODULE: ClassVar[str] = "heavylift.solver.water.hulls.packing"
+    ORDER: ClassVar[int] = 3
+    FLOATS: ClassVar[bool] = True
     CHANNELS: ClassVar = (*RigidBody.CHANNELS, *Hull.CHANNELS)
 
     hull: Hull = field(default_factory=lambda: Hull(body="", restoring=None))
     group: tuple[str, ...] = ()
+
+    @property
+    def group_names(self) -> tuple[str, ...]:
+        """All hulls that water couples with it."""
+        return self.group
+
+    @property
+    def inverse_masses(self) -> NDArray[np.float64] | None:
+        """None: added mass is a matrix."""
+        return None

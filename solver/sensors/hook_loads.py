@@ -48,7 +48,7 @@ from heavylift.solver.interface import (
 )
 from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at, zeros_of
-from heavylift.solver.scene.bodies import Free, RigidBody
+from heavylift.solver.scene.bodies import Free
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.outputs import (
     Outputs,
@@ -218,7 +218,7 @@ def pack(hooks: Sequence[HookLoad], context: PackingContext) -> None:
         body = watched.bodies[hook.body]
         if g == 0.0:
             raise InputError("no weight without gravity", source=hook.name, key="body", expected="[gravity]")
-        if not isinstance(body, RigidBody) or not isinstance(body.motion, Free):
+        if body.DEFORMS or not isinstance(body.motion, Free):
             raise InputError(
                 f"{hook.body!r} is no rigid body with a free frame",
                 source=hook.name,

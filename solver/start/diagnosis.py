@@ -191,8 +191,7 @@ def _tied(graph: BodyGraph, held: set[int]) -> BodyGraph:
 def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
     """Degrees of freedom only: what a mesh that deforms at will leaves free has no name."""
     rank = rank_of(scaled.matrix, scaled.owner, scaled.tolerance)
-    meshes = [kind for kind in rows.layout.bodies if "strain" in kind._fields]
-    coordinates = sum(int(kind.free.sum()) - 3 * int(kind.table["base_count"].sum()) for kind in meshes)
+    coordinates = sum(kind.hidden_coordinates for kind in rows.layout.bodies)
     return Diagnosis(
         degrees_of_freedom=len(rows.free) + coordinates - rank,
         row_count=scaled.matrix.shape[0],

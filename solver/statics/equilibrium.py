@@ -92,7 +92,7 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
     InputError
         If the joints cannot be closed, or no equilibrium is found; says what is left over.
     """
-    if any(type(kind).__name__ in {"FrameMeshes", "ShellMeshes"} for kind in rows.layout.bodies):
+    if any(kind.NODAL for kind in rows.layout.bodies):
         from heavylift.solver.statics.mesh_statics import find_mesh_equilibrium
 
         return find_mesh_equilibrium(rows)

@@ -17,10 +17,11 @@ from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import MOVES
+from heavylift.solver.scene.bodies import Body
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.connectivity import connected_bodies
 from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody, Scene
+from heavylift.solver.scene.scene import Free, Scene
 from heavylift.solver.scene.transport import BogieParts, LevellingParts, TransporterOutputs
 from heavylift.solver.transport.decks import Deck, corner_table
 from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
@@ -162,7 +163,7 @@ def pack(transporters: Sequence[Transporter], context: PackingContext) -> None:
         starts += [place for _, _, place in of_vehicle]
         lifts = [lift for _, lift, _ in of_vehicle]
         # see `heavylift.solver.transport.transporters`
-        apart = isinstance(places.body, FlexibleBody) and (
+        apart = places.body.mesh_nodes is not None and (
             transporter.line_damping + transporter.tyre_damping > 0.0
         )
         law = ElementBlock(transporter.name, tuple(ends), scale)
@@ -292,7 +293,7 @@ def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, int, int, int]:
 
 def _refuse_soft_decks(scene: Scene) -> None:
     """Refuse decks on bodies that deform: a deck is stiff, and its load would act on the shapes of one point."""
-    rigid = {body.name for body in scene.bodies if isinstance(body, RigidBody)} | {GROUND}
+    rigid = {body.name for body in scene.bodies if not body.DEFORMS} | {GROUND}
     for deck in scene.decks:
         if deck.body not in rigid:
             raise InputError(
@@ -385,12 +386,12 @@ def _stand(party: Sequence[Places], gravity: float) -> SupportStatics:
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints if not isinstance(joint, Guide)]
     hanging = connected_bodies(first.body.name, _free(scene), pairs, apart)[0] - first.carried
     carried = [body for body in scene.bodies if body.name in first.carried]
-    parts = [_mass_of(body, first) for body in carried if isinstance(body, (RigidBody, FlexibleBody))]
+    parts = [_mass_of(body, first) for body in carried if body.mass_properties is not None]
     problem = ""
     if hanging:
         problem = f"body {min(hanging)!r} hangs on it by a joint that is not fixed"
     elif len(parts) < len(carried):
-        problem = f"body {next(b.name for b in carried if not isinstance(b, (RigidBody, FlexibleBody)))!r} is a mesh"
+        problem = f"body {next(b.name for b in carried if b.mass_properties is None)!r} is a mesh"
     elif first.body.name in apart:
         problem = f"body {first.body.name!r} floats, or has a deck"
     if problem:
@@ -428,17 +429,11 @@ def _stand(party: Sequence[Places], gravity: float) -> SupportStatics:
     )
 
 
-def _mass_of(
-    body: RigidBody | FlexibleBody, places: Places
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+def _mass_of(body: Body, places: Places) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
     """Mass [kg], centre in the world at the start [m] and inertia about it in world axes [kg m2]."""
-    if isinstance(body, RigidBody):
-        mass, centre, inertia = body.mass, np.asarray(body.centre_of_mass), np.asarray(body.inertia)
-    else:
-        integrals = body.reduced.integrals
-        mass, centre = float(integrals.mass), integrals.first_moment / integrals.mass
-        second = integrals.inertia_kl - mass * np.outer(centre, centre)
-        inertia = np.trace(second) * np.eye(3) - second
+    known = body.mass_properties
+    assert known is not None
+    mass, centre, inertia = known
     frame = places.frame(body.name, centre)
     return mass, frame.point, frame.axes @ inertia @ frame.axes.T
 

@@ -430,7 +430,9 @@ def _pumped(sea: Sea, name: str, scenario: Scenario | None) -> bool:
     """Whether tanks of a hull fill or empty, so that its draught at the start is not that of the database."""
     of_pumps = {end for pump in sea.pumps for end in (pump.source, pump.target)}
     if scenario is not None:
-        of_pumps |= {one.name for one in scenario.commands if one.actuates == "tank" and one.operation in MOVES}
+        of_pumps |= {
+            one.name for one in scenario.commands if one.actuates == "tank" and one.operation in MOVES
+        }
     return any(
         tank.hull == name and (tank.name in of_pumps or len(tank.schedule[0]) > 1) for tank in sea.tanks
     )

@@ -388,6 +388,7 @@ class Hulls(RigidFrames):
         Undisturbed waves, for records.
     """
 
+    FLOATS: ClassVar[bool] = True
     kernel_modules: ClassVar[tuple[str, ...]] = (
         *RigidFrames.kernel_modules,
         "heavylift.solver.water.hulls.record",

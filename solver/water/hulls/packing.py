@@ -14,6 +14,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.rigid.kind import RigidFrame
 from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
+from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.ballast import PumpOutputs
 from heavylift.solver.scene.outputs import Columns
@@ -75,6 +76,27 @@ __all__ = [
 
 LEAST_SHARE = 0.02
 """Of the whole volume of a hull, that it must displace while a database is to hold."""
+
+
+def pack(bodies: Sequence[FloatingBody], places: BodyPlaces) -> Hulls:
+    """Make the kind of the hulls of a scene, see `pack_hulls`."""
+    afloat = places.sea
+    assert afloat is not None
+    return pack_hulls(
+        bodies,
+        places.number,
+        places.dofs[0],
+        places.columns,
+        places.markers,
+        places.sensors,
+        sea=afloat.sea,
+        tangents=afloat.tangents,
+        rate_tangents=afloat.rate_tangents,
+        line_ends=afloat.line_ends,
+        step=afloat.step,
+        notes=afloat.notes,
+        columns=afloat.columns,
+    )
 
 
 def pack_hulls(

@@ -1,0 +1,85 @@
+"""Where the bodies of a kind are among those of a scene: what their packing is given beside the bodies themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from heavylift.solver.markers import BodyMarkers
+from heavylift.solver.scene.outputs import Columns
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from heavylift.solver.scene.scene import AnyBody, Scene
+    from heavylift.solver.scene.sea import Sea
+
+__all__ = ["BodyPlaces", "SeaPlaces", "kind_groups"]
+
+
+@dataclass(frozen=True, eq=False)
+class SeaPlaces:
+    """What hulls are packed with.
+
+    Attributes
+    ----------
+    sea
+        As given.
+    tangents, rate_tangents
+        Arrays in which lines and fenders leave their stiffness and damping, shapes (n, 9).
+    line_ends
+        Body, marker and row of `tangents` of each end of a line that is on a hull.
+    columns
+        First record columns of tanks and pumps, by name.
+    step
+        Length of all steps [s], 0 if they vary.
+    notes
+        Receives what the user should know.
+    """
+
+    sea: Sea
+    tangents: NDArray[np.float64]
+    rate_tangents: NDArray[np.float64]
+    line_ends: Sequence[tuple[str, int, int]]
+    columns: Mapping[str, Columns]
+    step: float
+    notes: list[str]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPlaces:
+    """Of the bodies of one kind, in their order.
+
+    Attributes
+    ----------
+    number
+        Of the first in the scene; the others follow.
+    dofs
+        First velocity of each in the workspace.
+    columns
+        Where each is in a record.
+    markers, sensors
+        Points and directions of each, and points of it that are recorded.
+    moving
+        Number of the points of each that contacts move over it.
+    sea
+        For hulls.
+    """
+
+    number: int
+    dofs: Sequence[int]
+    columns: Sequence[Columns]
+    markers: Sequence[BodyMarkers]
+    sensors: Sequence[BodyMarkers]
+    moving: Sequence[int] = field(default=())
+    sea: SeaPlaces | None = None
+
+
+def kind_groups(scene: Scene) -> list[list[AnyBody]]:
+    """Bodies by kind, in the order of the kinds; only modules of those that a scene has are imported."""
+    groups: dict[tuple[int, str], list[Any]] = {}
+    for body in scene.bodies:
+        groups.setdefault((body.ORDER, body.KIND_MODULE), []).append(body)
+    return [sorted(groups[key], key=lambda body: body.place_in_kind) for key in sorted(groups)]
