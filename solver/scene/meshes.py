@@ -7,13 +7,14 @@ are unlimited: "Integrated simulation ... (2018)", sections 2.2 and 2.3.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from heavylift.solver.scene.bodies import Free
+from heavylift.solver.scene.drawn import Element, Skin
 from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, outputs
 
 if TYPE_CHECKING:
@@ -271,6 +272,10 @@ class MeshBody:
     def motion(self) -> Free:
         """Always free: supports, not motions, hold it."""
         return Free()
+
+    def drawn(self) -> Iterable[Element]:
+        """Its skin with the stresses of its elements."""
+        yield Skin(name=self.name, role="body", body=self)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
