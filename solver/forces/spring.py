@@ -13,8 +13,8 @@ corners: `heavylift.solver.force_elements.scalar_laws`, with the same entry and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -60,6 +60,7 @@ from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
 from heavylift.solver.scene.connections import FORCES, AlongJoint, Between, Joint, TorqueOutputs, as_joint
 from heavylift.solver.scene.descriptions import check_table, named, no_rows
+from heavylift.solver.scene.drawn import Element, Strut
 from heavylift.solver.scene.outputs import Outputs, channel, largest, outputs, smallest
 from heavylift.solver.scene.sliding_joints import SCALAR_LAWS
 
@@ -151,6 +152,10 @@ class Spring(Between):
     def packed_by(self, integrator: str) -> str:
         """A table is a row with a law, where there are such."""
         return _packing_module(self, integrator)
+
+    def drawn(self) -> Iterable[Element]:
+        """As between all points, coiled."""
+        return (replace(one, coiled=True) if isinstance(one, Strut) else one for one in super().drawn())
 
 
 @FORCES.describe("joint_spring")
