@@ -3,8 +3,7 @@
 A module that packs a kind has a function ``pack(things, context)``. It makes the kind of all things of the scene that
 name this module, and says where it goes: `PackingContext.add_rows` if it has rows, `PackingContext.add_forces` if its
 forces act on markers, both if it does both. Whether springs or ropes are rows or forces is for it to say, by
-`PackingContext.integrator`. It may have a function ``components(thing)`` too, the names of the components of channels
-that the scene decides; else those are the `components` of the thing, if it has some.
+`PackingContext.integrator`.
 """
 
 from __future__ import annotations
