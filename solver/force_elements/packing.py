@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.outcome import InputError
 from heavylift.solver.force_elements.system import ElementBlock
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.packing import start_frames
@@ -136,7 +137,20 @@ class PackingContext:
         return self.add_blocks(ElementBlock(name, sides, scale, compliance, relaxation, rows, fitted=fitted))
 
     def add_blocks(self, *blocks: ElementBlock) -> int:
-        """Number of the first of some blocks of rows, which follow those that are there."""
+        """Number of the first of some blocks of rows, which follow those that are there.
+
+        Raises
+        ------
+        InputError
+            If they are fitted to a law, and the integrator fits none.
+        """
+        if self.integrator != "dele2" and any(block.fitted for block in blocks):
+            raise InputError(
+                f"{self.integrator!r} with rows that are fitted to a law by iteration",
+                source=blocks[0].name,
+                key="integrator",
+                expected="'dele2' for such a scene",
+            )
         number = self.next_block
         self.blocks += blocks
         return number
