@@ -79,7 +79,6 @@ class ClutchOutputs(Outputs):
 class Clutch(AlongJoint):
     """A clutch or brake about the axis of a joint: it sticks up to a torque, and slips at it."""
 
-    CHANNEL_BY_COORDINATE: ClassVar = None
     CHANNELS: ClassVar = ClutchOutputs.CHANNELS
     """What it records, in the order of its columns."""
     SENTENCES: ClassVar = {"joint": "A hinge, or another joint with an angle, on which it acts."}

@@ -101,7 +101,7 @@ def pack_elements(things: Iterable[Any], context: PackingContext, record: Channe
 def _add_channels(thing: Any, context: PackingContext, record: ChannelBook) -> None:
     """Columns of what a thing records: channels along a joint are those of its coordinate, some have no components."""
     coordinate = ""
-    if getattr(thing, "CHANNEL_BY_COORDINATE", None) is not None:
+    if hasattr(thing, "CHANNEL_BY_COORDINATE") and not hasattr(thing, "CHANNELS"):
         coordinate = "angle" if joint_coordinate(context.joint(thing.joint), thing) == ANGLE else "travel"
     components = getattr(thing, "components", None)
     if components is None and _is_rope(thing):

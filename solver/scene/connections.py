@@ -508,7 +508,7 @@ class AlongJoint(ForceElement):
         "angle": TorqueOutputs.CHANNELS[0],
         "travel": ThrustOutputs.CHANNELS[0],
     }
-    """What it records, by the coordinate of its joint."""
+    """What it records, by the coordinate of its joint; one with `CHANNELS` records these."""
 
     name: str
     joint: Annotated[str, NameOf("joint")]
