@@ -125,7 +125,12 @@ def _file(module: str) -> Path:
     if not module.startswith("heavylift."):
         return Path(str(sys.modules[module].__file__))
     path = PACKAGE.joinpath(*module.split(".")[1:])
-    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    if path.is_dir():
+        return path / "__init__.py"
+    path = path.with_suffix(".py")
+    # a folder elsewhere may be on the path of a package
+    elsewhere = None if path.is_file() else getattr(sys.modules.get(module), "__file__", None)
+    return path if elsewhere is None else Path(elsewhere)
 
 
 @cache

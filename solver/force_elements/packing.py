@@ -3,8 +3,7 @@
 A module that packs a kind has a function ``pack(things, context)``. It makes the kind of all things of the scene that
 name this module, and says where it goes: `PackingContext.add_rows` if it has rows, `PackingContext.add_forces` if its
 forces act on markers, both if it does both. Whether springs or ropes are rows or forces is for it to say, by
-`PackingContext.integrator`. It may have a function ``components(thing)`` too, the names of the components of channels
-that the scene decides; else those are the `components` of the thing, if it has some.
+`PackingContext.integrator`.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.numerics.outcome import InputError
 from heavylift.solver.force_elements.system import ElementBlock
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.packing import start_frames
@@ -137,7 +137,20 @@ class PackingContext:
         return self.add_blocks(ElementBlock(name, sides, scale, compliance, relaxation, rows, fitted=fitted))
 
     def add_blocks(self, *blocks: ElementBlock) -> int:
-        """Number of the first of some blocks of rows, which follow those that are there."""
+        """Number of the first of some blocks of rows, which follow those that are there.
+
+        Raises
+        ------
+        InputError
+            If they are fitted to a law, and the integrator fits none.
+        """
+        if self.integrator != "dele2" and any(block.fitted for block in blocks):
+            raise InputError(
+                f"{self.integrator!r} with rows that are fitted to a law by iteration",
+                source=blocks[0].name,
+                key="integrator",
+                expected="'dele2' for such a scene",
+            )
         number = self.next_block
         self.blocks += blocks
         return number

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.joints.coordinate import ANGLE, joint_coordinate
-from heavylift.solver.scene.connections import ROPES, Stage
+from heavylift.solver.scene.connections import ROPES, Stage, rope_components
 from heavylift.solver.scene.descriptions import recorded_channels
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
@@ -61,7 +61,7 @@ def packing_module(thing: Any, integrator: str) -> Any:
     """
     named = getattr(thing, "packed_by", None)
     module = importlib.import_module(type(thing).__module__ if named is None else named(integrator))
-    if not hasattr(module, "pack") and getattr(thing, "FAMILY", None) is ROPES:
+    if not hasattr(module, "pack") and _is_rope(thing):
         module = importlib.import_module(ROPE_PACKING)
     if not hasattr(module, "pack"):
         raise InputError(
@@ -71,6 +71,11 @@ def packing_module(thing: Any, integrator: str) -> Any:
             expected=f"a function 'pack' in {module.__name__}",
         )
     return module
+
+
+def _is_rope(thing: Any) -> bool:
+    """Whether a case file calls it a rope, whatever it is made of."""
+    return getattr(thing, "FAMILY", None) is ROPES
 
 
 def pack_elements(things: Iterable[Any], context: PackingContext, record: ChannelBook) -> None:
@@ -87,19 +92,20 @@ def pack_elements(things: Iterable[Any], context: PackingContext, record: Channe
         module = packing_module(thing, context.integrator)
         modules[module.__name__] = module
         groups.setdefault(module.__name__, []).append(thing)
-        _add_channels(thing, module, context, record)
+        _add_channels(thing, context, record)
     known = [name for name in ORDER if name in groups]
     for name in dict.fromkeys((*known, *groups)):
         modules[name].pack(groups[name], context)
 
 
-def _add_channels(thing: Any, module: Any, context: PackingContext, record: ChannelBook) -> None:
+def _add_channels(thing: Any, context: PackingContext, record: ChannelBook) -> None:
     """Columns of what a thing records: channels along a joint are those of its coordinate, some have no components."""
     coordinate = ""
-    if hasattr(thing, "CHANNEL_BY_COORDINATE"):
+    if hasattr(thing, "CHANNEL_BY_COORDINATE") and not hasattr(thing, "CHANNELS"):
         coordinate = "angle" if joint_coordinate(context.joint(thing.joint), thing) == ANGLE else "travel"
-    of_kind = getattr(module, "components", None)
-    components = getattr(thing, "components", None) if of_kind is None else of_kind(thing)
+    components = getattr(thing, "components", None)
+    if components is None and _is_rope(thing):
+        components = rope_components(thing)
     kinds = [kind for kind in recorded_channels(type(thing), coordinate) if kind.columns(components)]
     if kinds:
         context.columns[id(thing)] = record.add(thing.name, kinds, components)

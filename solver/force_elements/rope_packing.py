@@ -41,22 +41,11 @@ from heavylift.solver.scene.connections import (
 if TYPE_CHECKING:
     from heavylift.solver.force_elements.packing import PackingContext
 
-__all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "check_strains_at_rest", "components", "pack", "start_path"]
+__all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "check_strains_at_rest", "make_ropes", "pack", "start_path"]
 
 LARGEST_DRIFT, LARGEST_SHARE = 1.0, 0.1
 """Of a carried stretch from the path [m], and relative to the length: the smaller one ends the run. Ropes break at a
 strain of two hundredths."""
-
-
-def components(rope: Any) -> dict[str, tuple[str, ...]]:
-    """Components of the channels of a rope: segments, sheaves that rub, and none of what it has not."""
-    segments = tuple(str(i + 1) for i in range(len(rope.path) - 1))
-    rubbing = tuple(str(place) for place in rubbing_places(rope))
-    found = dict.fromkeys((channel.name for channel in SheaveParts.CHANNELS), rubbing)
-    found |= dict.fromkeys(("segment_tension_max", "segment_tension_min"), segments if rubbing else ())
-    if not controlled(rope):
-        found |= dict.fromkeys((channel.name for channel in ControlOutputs.CHANNELS), ())
-    return {"segment_tension": segments, **found}
 
 
 def pack(ropes: Sequence[Any], context: PackingContext) -> None:
@@ -74,14 +63,21 @@ def pack(ropes: Sequence[Any], context: PackingContext) -> None:
     for rope in ropes:
         groups[1 if rubbing_places(rope) else 2 if controlled(rope) else 0].append(rope)
     for group in filter(None, groups):
-        kind = _pack_group(group, context)
+        kind = make_ropes(group, context)
+        if rubbing_places(group[0]):
+            kind = _with_friction(kind, group, context)
+        elif controlled(group[0]):
+            kind = _with_control(kind, group, context)
         context.add_rows(kind)
         if context.integrator == "accurate":
             context.add_forces(kind)
 
 
-def _pack_group(ropes: Sequence[Any], context: PackingContext) -> Ropes:
-    """A kind and its rows."""
+def make_ropes(ropes: Sequence[Any], context: PackingContext) -> Ropes:
+    """Ropes of one tension and their rows, from which other kinds of ropes may be made.
+
+    They have a `path`, an `axial_stiffness` or a `stiffness`, a `damping`, and perhaps a `length`, `tension`, `winch`.
+    """
     as_forces, leaders = context.integrator == "accurate", context.watched.ropes
     table: list[RopeEntry] = []
     places: list[PlaceMarkers] = []
@@ -135,7 +131,7 @@ def _pack_group(ropes: Sequence[Any], context: PackingContext) -> Ropes:
             rows_left -= most
     entries, carried = records(RopeEntry, table), records(RopeState, len(table))
     carried["fresh"], carried["stretched"], carried["rest"] = True, drawn, entries["start_length"]
-    kind = Ropes(
+    return Ropes(
         entries,
         records(PlaceMarkers, places),
         records(WinchRow, winches),
@@ -145,9 +141,6 @@ def _pack_group(ropes: Sequence[Any], context: PackingContext) -> Ropes:
         np.full(len(places), START_WRAP),
         context.watched.pulls,
     )
-    if rubbing_places(ropes[0]):
-        return _with_friction(kind, ropes, context)
-    return _with_control(kind, ropes, context) if controlled(ropes[0]) else kind
 
 
 def _rows_a_block(count: int) -> int:

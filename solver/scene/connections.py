@@ -84,6 +84,7 @@ __all__ = [
     "axes_about",
     "check_path",
     "controlled",
+    "rope_components",
     "rubbing_places",
 ]
 
@@ -532,7 +533,7 @@ class AlongJoint(ForceElement):
         "angle": TorqueOutputs.CHANNELS[0],
         "travel": ThrustOutputs.CHANNELS[0],
     }
-    """What it records, by the coordinate of its joint."""
+    """What it records, by the coordinate of its joint; one with `CHANNELS` records these."""
 
     name: str
     joint: Annotated[str, NameOf("joint")]
@@ -809,6 +810,17 @@ def rubbing_places(rope: Any) -> list[int]:
         for number, stop in enumerate(getattr(rope, "path", ()))
         if stop.efficiency < 1.0 or stop.friction > 0.0
     ]
+
+
+def rope_components(rope: Any) -> dict[str, tuple[str, ...]]:
+    """Components of the channels of a rope: its segments, its places that rub; none of what it does not have."""
+    segments = tuple(str(i + 1) for i in range(len(rope.path) - 1))
+    rubbing = tuple(str(place) for place in rubbing_places(rope))
+    found = {channel.name: rubbing for channel in SheaveParts.CHANNELS}
+    found |= dict.fromkeys(("segment_tension_max", "segment_tension_min"), segments if rubbing else ())
+    if not controlled(rope):
+        found |= {channel.name: () for channel in ControlOutputs.CHANNELS}
+    return {"segment_tension": segments, **found}
 
 
 def check_path(path: Sequence[Any]) -> None:

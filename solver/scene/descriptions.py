@@ -408,7 +408,7 @@ def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind
         Coordinate of the joint along which one acts, ``"angle"`` or ``"travel"``; all that may be if empty.
     """
     by_coordinate = getattr(described, "CHANNEL_BY_COORDINATE", None)
-    if by_coordinate is None:
+    if by_coordinate is None or hasattr(described, "CHANNELS"):
         found: tuple[ChannelKind, ...] = getattr(described, "CHANNELS", ())
         return found
     return (by_coordinate[coordinate],) if coordinate else tuple(by_coordinate.values())
