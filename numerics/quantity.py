@@ -9,10 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS, Dimension, Kind, parse_quantity, with_article
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
     from pydantic_core import CoreSchema
 
@@ -206,6 +210,18 @@ class TableFile:
 
     headers: tuple[tuple[str, ...], ...]
     fields: tuple[str, ...]
+
+    def arrays(
+        self,
+        name: str,  # noqa: ARG002
+        header: Sequence[str],
+        columns: Sequence[Sequence[float]],
+    ) -> dict[str, Any]:
+        """Fields of the object, from the name of the file, the names of its columns and their numbers."""
+        return {
+            key: np.array(np.radians(column) if title.endswith("_deg") else column, dtype=float)
+            for key, title, column in zip(self.fields, header, columns, strict=True)
+        }
 
 
 @dataclass(frozen=True)

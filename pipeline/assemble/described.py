@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
     from heavylift.solver.scene.descriptions import DescribedField
@@ -89,22 +87,14 @@ def assemble(
             elif field.default is MISSING:
                 given[field.name] = field.mark(Absent).value
         elif isinstance(field.quantity, TableFile):
-            given |= {} if value is None else _columns(folder / value, field.quantity)
+            if value is not None:
+                given |= field.quantity.arrays(value, *read_table(folder / value, field.quantity))
         else:
             given.setdefault(field.name, _value(value, field, sides, folder, body))
     made = described(**given)
     if hasattr(made, "check_start"):
         made.check_start(world, at_rest=at_rest)
     return made
-
-
-def _columns(file: Path, wanted: TableFile) -> dict[str, NDArray[np.float64]]:
-    """Arrays of an object from the columns of a file."""
-    header, columns = read_table(file, wanted)
-    return {
-        key: np.array(np.radians(column) if name.endswith("_deg") else column, dtype=float)
-        for key, name, column in zip(wanted.fields, header, columns, strict=True)
-    }
 
 
 def _value(value: Any, field: DescribedField, sides: Mapping[str, Side], folder: Path, body: str) -> Any:

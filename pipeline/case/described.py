@@ -183,12 +183,12 @@ def _run_check(section: Any) -> Any:
     return section
 
 
-def checked(check: Callable[[Any], None], value: Any) -> None:
-    """Run a check of a description on what a case file says."""
+def checked(check: Callable[[Any], None], value: Any, key: str = "") -> None:
+    """Run a check of a description on what a case file says; `key` is that of the table, if it is not validated."""
     try:
         check(value)
     except InputError as error:
-        reject(error.problem, error.expected, key=error.key)
+        reject(error.problem, error.expected, key=".".join(filter(None, (key, error.key))))
 
 
 def _default(field: DescribedField) -> Any:
@@ -218,6 +218,9 @@ def _annotation(field: DescribedField, parts: Parts, coordinate: str) -> Any:
 def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> Any:
     """Type of a value of a case file; `coordinate` is that of the tables within it."""
     hint = unaliased(hint)
+    if get_origin(hint) is Annotated:  # an entry of a list with a meaning of its own
+        hint, *marks = get_args(hint)
+        field = field._replace(marks=tuple(marks))
     quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
         choices = [_type(kind, field, parts, coordinate) for kind in inner if kind is not type(None)]

@@ -452,6 +452,8 @@ def _leaves(hint: Any) -> list[Any]:
 
 def _speaks_for_itself(hint: Any) -> bool:
     """Whether a value is a flag, a word of choice, a number that counts, or a table described elsewhere."""
+    if get_origin(hint) is Annotated:
+        return any(isinstance(mark, Meaning) for mark in get_args(hint)[1:])
     return hint in {bool, int} or get_origin(hint) is Literal or is_described(hint)
 
 
