@@ -18,6 +18,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import math
 import sys
 import types
 from dataclasses import MISSING, Field, dataclass, fields
@@ -209,7 +210,7 @@ class Family(Generic[T]):
     key
         In which a table says its word, if not as its ``type``.
     alphabetical
-        Whether its words are told in that order; if not, as they are described.
+        Whether its words are listed in that order, behind those that have an ``ORDER``; if not, as they are described.
     """
 
     def __init__(
@@ -287,7 +288,11 @@ class Family(Generic[T]):
     def words(self) -> tuple[str, ...]:
         """All words in their order."""
         self._read_all()
-        return tuple(sorted(self._members) if self._alphabetical else self._members)
+        if not self._alphabetical:
+            return tuple(self._members)
+        return tuple(
+            sorted(self._members, key=lambda word: (getattr(self._members[word], "ORDER", math.inf), word))
+        )
 
     @property
     def _folders(self) -> list[tuple[str, Path]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from heavylift.numerics.quantity import Positive, Quantity
 from heavylift.solver.scene.waves import WAVES, FromFile, WaveFile, Waves
@@ -19,6 +19,8 @@ __all__ = ["ElevationWaves"]
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ElevationWaves(FromFile, Waves):
     """Waves through an elevation that was measured at one place."""
+
+    ORDER: ClassVar = 5
 
     file: Annotated[str, WaveFile((("time", "elevation"),), ("places", "values"))]
     """Comma-separated with the header ``time,elevation``: equally spaced [s], and [m]."""

@@ -20,6 +20,7 @@ __all__ = ["JonswapWaves"]
 class JonswapWaves(IrregularWaves):
     """Irregular waves of the JONSWAP spectrum."""
 
+    ORDER: ClassVar = 2
     SIZE: ClassVar = ("significant height", "significant_height", "peak_period")
 
     significant_height: Annotated[float, Positive("length")]

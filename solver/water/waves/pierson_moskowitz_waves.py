@@ -20,6 +20,7 @@ __all__ = ["PiersonMoskowitzWaves"]
 class PiersonMoskowitzWaves(IrregularWaves):
     """Irregular waves of the Pierson-Moskowitz spectrum with two parameters (Bretschneider, ISSC)."""
 
+    ORDER: ClassVar = 3
     SIZE: ClassVar = ("significant height", "significant_height", "peak_period")
 
     significant_height: Annotated[float, Positive("length")]

@@ -21,6 +21,7 @@ __all__ = ["RegularWaves"]
 class RegularWaves(Waves):
     """One sinusoidal wave."""
 
+    ORDER: ClassVar = 1
     SIZE: ClassVar = ("wave height", "height", "period")
 
     height: Annotated[float, Positive("length")]

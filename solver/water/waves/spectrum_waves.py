@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from heavylift.solver.scene.waves import WAVES, FromFile, IrregularWaves, WaveFile
 from heavylift.solver.water.waves.spectra import tabulated_spectrum
@@ -19,6 +19,8 @@ __all__ = ["SpectrumWaves"]
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SpectrumWaves(FromFile, IrregularWaves):
     """Irregular waves of a spectrum in a file."""
+
+    ORDER: ClassVar = 4
 
     file: Annotated[str, WaveFile((("omega", "density"), ("frequency", "density")), ("places", "values"))]
     """Comma-separated with the header ``omega,density`` [rad/s], [m^2 s/rad], or ``frequency,density`` [Hz],
