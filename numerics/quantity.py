@@ -28,8 +28,10 @@ __all__ = [
     "ByCoordinate",
     "ByExponent",
     "InWorld",
+    "Key",
     "Least",
     "NameOf",
+    "PointsFile",
     "Positive",
     "Quantity",
     "Shape",
@@ -222,6 +224,26 @@ class TableFile:
             key: np.array(np.radians(column) if title.endswith("_deg") else column, dtype=float)
             for key, title, column in zip(self.fields, header, columns, strict=True)
         }
+
+
+@dataclass(frozen=True)
+class PointsFile:
+    """Annotation of the name of a file of points in the case folder, lines ``x,y,z`` [m], in place of an array.
+
+    Attributes
+    ----------
+    field
+        Of the object: what the points become, shape (n, 3).
+    """
+
+    field: str = "points"
+
+
+@dataclass(frozen=True)
+class Key:
+    """Annotation of a key that a user writes with another word than the field, as ``from``, which Python reserves."""
+
+    word: str
 
 
 @dataclass(frozen=True)

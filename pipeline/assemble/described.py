@@ -7,8 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.quantity import Absent, AsDrawn, BodyDirection, BodyPoint, Shape, Square, TableFile
-from heavylift.pipeline.case.columns import read_table
+from heavylift.numerics.quantity import (
+    Absent,
+    AsDrawn,
+    BodyDirection,
+    BodyPoint,
+    PointsFile,
+    Shape,
+    Square,
+    TableFile,
+)
+from heavylift.pipeline.case.columns import read_points, read_table
 from heavylift.pipeline.case.fields import Section
 from heavylift.pipeline.case.places import located
 from heavylift.solver.scene.connections import Between
@@ -89,6 +98,9 @@ def assemble(
         elif isinstance(field.quantity, TableFile):
             if value is not None:
                 given |= field.quantity.arrays(value, *read_table(folder / value, field.quantity))
+        elif isinstance(field.quantity, PointsFile):
+            if value is not None:
+                given[field.quantity.field] = read_points(folder / value)
         else:
             given.setdefault(field.name, _value(value, field, sides, folder, body))
     made = described(**given)

@@ -50,6 +50,7 @@ from heavylift.numerics.quantity import (
     ByCoordinate,
     ByExponent,
     NameOf,
+    PointsFile,
     Quantity,
     Shape,
     Square,
@@ -76,6 +77,7 @@ __all__ = [
     "import_all",
     "interval_extremes",
     "is_described",
+    "is_parallel",
     "known_channels",
     "no_rows",
     "owner_coordinate",
@@ -84,6 +86,8 @@ __all__ = [
     "zero_point",
 ]
 
+PARALLEL = 1e-9
+"""Sine of the angle below which two directions are parallel."""
 LONGEST_WORD = 100
 """Characters of a word that may be the name of a file."""
 
@@ -161,7 +165,15 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 
 
 Meaning = (
-    Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf | TableFile
+    Quantity
+    | ByCoordinate
+    | ByExponent
+    | WorldDirection
+    | BodyDirection
+    | BodyPoint
+    | NameOf
+    | TableFile
+    | PointsFile
 )
 """Annotations that say what a value is."""
 
@@ -490,6 +502,12 @@ def forward() -> NDArray[np.float64]:
 def upwards() -> NDArray[np.float64]:
     """Default of a direction: along z."""
     return np.array([0.0, 0.0, 1.0])
+
+
+def is_parallel(a: Sequence[float], b: Sequence[float]) -> bool:
+    """Whether two directions, neither zero, are parallel."""
+    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
 
 
 def named(spec: Any, *keys: str) -> bool:
