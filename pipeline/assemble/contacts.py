@@ -13,7 +13,7 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.described import assemble, spec_of
-from heavylift.pipeline.assemble.meshes import read_points
+from heavylift.pipeline.case.columns import read_points
 from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourSection
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.model_io import read_model

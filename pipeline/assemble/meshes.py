@@ -10,15 +10,14 @@ import numpy as np
 
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.assemble.frames import start_of_frame
-from heavylift.pipeline.case.meshes import CORNERS, EDGES, counts_of
+from heavylift.pipeline.case.meshes import CORNERS, EDGES
 from heavylift.solver.joints.edges import expand_edge
-from heavylift.solver.scene import mesh_shapes
 from heavylift.solver.scene import meshes as m
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -27,13 +26,10 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.geometry import BoxGroup
     from heavylift.pipeline.case.meshes import (
         FrameBodySection,
-        FrameGeometry,
         FrameLoad,
         FrameSectionTable,
-        MeshFiles,
         RegionSection,
         ShellBodySection,
-        ShellGeometry,
         ShellLoad,
         ShellSectionTable,
         ShellSupportSection,
@@ -55,7 +51,6 @@ __all__ = [
     "check_pulleys",
     "frame_mesh",
     "joints_of_edge",
-    "read_points",
     "shell_mesh",
     "start_body",
 ]
@@ -93,44 +88,20 @@ def _refuse_beyond_memory(place: Place, count: float, bytes_each: float, seconds
     )
 
 
-def frame_mesh(place: Place, geometry: FrameGeometry) -> FrameMesh:
-    """Mesh of a line, arc or spline."""
-    _refuse_beyond_memory(place, geometry.elements or 1, FRAME_BYTES, FRAME_SECONDS)
-    if geometry.type == "line":
-        return mesh_shapes.line(geometry.start, geometry.end, geometry.elements)
-    if geometry.type == "arc":
-        normal: NDArray[np.float64] = np.array(geometry.normal) / np.linalg.norm(geometry.normal)
-        reference = np.array(geometry.reference)
-        first = reference - (normal @ reference) * normal
-        return mesh_shapes.arc(
-            geometry.centre,
-            geometry.radius,
-            geometry.first,
-            geometry.last,
-            geometry.elements,
-            axes=(first, np.cross(normal, first)),
-        )
+def frame_mesh(place: Place, geometry: Any) -> FrameMesh:
+    """Mesh of the geometry of a frame."""
+    _refuse_beyond_memory(place, geometry.DESCRIBED.count(geometry), FRAME_BYTES, FRAME_SECONDS)
     with _told(place):
-        return mesh_shapes.spline(_points(place, geometry), geometry.elements)
+        made: FrameMesh = assemble(geometry, {}, place.case.folder).mesh()
+        return made
 
 
-def shell_mesh(place: Place, geometry: ShellGeometry) -> ShellMesh:
-    """Mesh of a rectangle, quadrilateral or grid."""
-    nx, ny = counts_of(geometry.elements)
-    _refuse_beyond_memory(place, float(nx) * float(ny), SHELL_BYTES, SHELL_SECONDS)
+def shell_mesh(place: Place, geometry: Any) -> ShellMesh:
+    """Mesh of the geometry of a shell."""
+    _refuse_beyond_memory(place, geometry.DESCRIBED.count(geometry), SHELL_BYTES, SHELL_SECONDS)
     with _told(place):
-        if geometry.type == "rectangle":
-            return mesh_shapes.rectangle(*geometry.size, nx, ny)
-        if geometry.type == "quadrilateral":
-            return mesh_shapes.quadrilateral(geometry.corners, nx, ny)
-        points = _points(place, geometry)
-        if len(points) != (nx + 1) * (ny + 1):
-            raise InputError(
-                f"{len(points)} points for {nx} x {ny} elements",
-                key="file",
-                expected=f"{(nx + 1) * (ny + 1)}, one more than elements in each direction",
-            )
-        return mesh_shapes.grid(points.reshape(ny + 1, nx + 1, 3).swapaxes(0, 1))
+        made: ShellMesh = assemble(geometry, {}, place.case.folder).mesh()
+        return made
 
 
 @contextlib.contextmanager
@@ -142,42 +113,8 @@ def _told(place: Place) -> Iterator[None]:
         if error.source:
             raise
         geometry = place.case.meshes[place.name].geometry
-        key = "corners" if geometry.type == "quadrilateral" and error.key == "points" else error.key
+        key = "file" if error.key == "points" and getattr(geometry, "file", None) else error.key
         raise place.error(f"geometry.{key}", error.problem, error.expected) from None
-
-
-def _points(place: Place, geometry: MeshFiles) -> NDArray[np.float64]:
-    """Points of a geometry, from its table or its file, shape (n, 3)."""
-    if geometry.file is None:
-        return np.array(geometry.points)
-    return read_points(place.case.folder / geometry.file)
-
-
-def read_points(file: Path) -> NDArray[np.float64]:
-    """Points of a file of lines ``x,y,z`` [m], shape (n, 3); ``#`` begins a comment.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or a line is not three finite numbers.
-    """
-    rows = []
-    try:
-        lines = file.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(error), source=file, expected="a readable text file") from None
-    for number, line in enumerate(lines, start=1):
-        text = line.partition("#")[0].strip()
-        if not text:
-            continue
-        try:
-            row = [float(entry) for entry in text.split(",")]
-        except ValueError:
-            row = []
-        if len(row) != 3 or not np.all(np.isfinite(row)):
-            raise InputError(f"{line!r}", source=file, key=f"line {number}", expected="x,y,z in m")
-        rows.append(row)
-    return np.array(rows).reshape(-1, 3)
 
 
 AnyMesh = TypeVar("AnyMesh", m.FrameBody, m.ShellBody)

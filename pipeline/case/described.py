@@ -37,8 +37,10 @@ from heavylift.numerics.quantity import (
     BodyPoint,
     ByCoordinate,
     ByExponent,
+    Key,
     Least,
     NameOf,
+    PointsFile,
     Quantity,
     Shape,
     Square,
@@ -152,6 +154,8 @@ def make_section(
         if field.name in base.model_fields or field.name in own:
             raise TypeError(f"{described.__qualname__}.{field.name} hides a key that {base.__name__} has")
         made, default = _annotation(_along(field, coordinate), parts or {}, coordinate), _default(field)
+        if key := field.mark(Key):
+            default = Field(default, alias=key.word)
         own[field.name] = (made | None, None) if field.name in optional else (made, default)
     own |= changed or {}
     within = base.DESCRIBED.__name__ if hasattr(base, "DESCRIBED") else ""
@@ -182,12 +186,12 @@ def _run_check(section: Any) -> Any:
     return section
 
 
-def checked(check: Callable[[Any], None], value: Any) -> None:
-    """Run a check of a description on what a case file says."""
+def checked(check: Callable[[Any], None], value: Any, key: str = "") -> None:
+    """Run a check of a description on what a case file says; `key` is that of the table, if it is not validated."""
     try:
         check(value)
     except InputError as error:
-        reject(error.problem, error.expected, key=error.key)
+        reject(error.problem, error.expected, key=".".join(filter(None, (key, error.key))))
 
 
 def _default(field: DescribedField) -> Any:
@@ -217,6 +221,9 @@ def _annotation(field: DescribedField, parts: Parts, coordinate: str) -> Any:
 def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> Any:
     """Type of a value of a case file; `coordinate` is that of the tables within it."""
     hint = unaliased(hint)
+    if get_origin(hint) is Annotated:  # an entry of a list with a meaning of its own
+        hint, *marks = get_args(hint)
+        field = field._replace(marks=tuple(marks))
     quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
         choices = [_type(kind, field, parts, coordinate) for kind in inner if kind is not type(None)]
@@ -224,6 +231,11 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
             tags = ("a table" if is_described(kind) else "a number" for kind in inner)
             choices = [Annotated[made, Tag(tag)] for made, tag in zip(choices, tags, strict=True)]
             return Annotated[reduce(or_, choices), Discriminator(_form)]
+        if len(choices) > 1 and any(get_origin(unaliased(kind)) is tuple for kind in inner):
+            lists = (get_origin(unaliased(kind)) is tuple for kind in inner if kind is not type(None))
+            tags = ("a list" if one else "a number" for one in lists)
+            choices = [Annotated[made, Tag(tag)] for made, tag in zip(choices, tags, strict=True)]
+            return Annotated[reduce(or_, choices), Discriminator(_is_list)]
         made: Any = reduce(or_, choices)
         return Optional[made] if type(None) in inner else made  # noqa: UP045
     if hint in parts:
@@ -240,6 +252,8 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     square = field.mark(Square)
     if square is not None:
         return _matrix(square.size, quantity)
+    if isinstance(quantity, PointsFile):
+        return Annotated[str, InFolder()]
     if isinstance(quantity, TableFile):
         return Annotated[str, InFolder(), AfterValidator(_ReadsTable(quantity).check)]
     if origin is tuple:
@@ -265,6 +279,10 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
 
 def _form(value: Any) -> str:
     return "a table" if isinstance(value, (dict, Section)) else "a number"
+
+
+def _is_list(value: Any) -> str:
+    return "a list" if isinstance(value, (list, tuple)) else "a number"
 
 
 def _number(quantity: Quantity | ByCoordinate) -> Any:

@@ -60,7 +60,6 @@ __all__ = [
     "UniqueName",
     "VelocityVector",
     "as_list",
-    "is_parallel",
     "parse_list",
     "quantity_schema",
     "refuse_unknown",
@@ -74,8 +73,6 @@ TAG = "type "
 """Beginning of the tags that `type_tag` gives."""
 LONGEST_DIRECTION = 1e100
 """Length of a direction, which is divided by it; its inverse is the shortest."""
-PARALLEL = 1e-9
-"""Sine of the angle below which two directions are parallel."""
 _SHOWN = 20  # names of a list in a message at most
 
 
@@ -261,12 +258,6 @@ def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
     if not 1.0 / LONGEST_DIRECTION <= length <= LONGEST_DIRECTION:
         reject(f"a direction of length {length:.3g}", "three numbers of about 1")
     return axis
-
-
-def is_parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
-    """Whether two directions, neither zero, are parallel."""
-    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
 
 
 def _unique_check(name: str, info: ValidationInfo) -> str:

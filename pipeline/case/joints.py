@@ -18,12 +18,12 @@ from heavylift.pipeline.case.fields import (
     Section,
     SideName,
     UniqueName,
-    is_parallel,
     reject,
 )
 from heavylift.pipeline.case.meshes import EdgeName, NodeNumber
 from heavylift.solver.scene import connections as c
 from heavylift.solver.scene.connections import Between, Place
+from heavylift.solver.scene.descriptions import is_parallel
 
 __all__ = [
     "AngleLimitsSection",

@@ -12,8 +12,7 @@ __all__ = ["BUILDERS", "EQUIPMENT"]
 def _find() -> dict[str, Any]:
     """Builders by their words."""
     import_all(equipment)
-    found: list[Any] = [EQUIPMENT.get(word) for word in EQUIPMENT.words]
-    return {one.WORD: one for one in sorted(found, key=lambda one: (one.ORDER, one.WORD))}
+    return {word: EQUIPMENT.get(word) for word in EQUIPMENT.words}
 
 
 BUILDERS = _find()

@@ -49,7 +49,7 @@ class Equipment:
     CHANNELS: ClassVar = ()
     """None of its own: what it writes has channels."""
     ORDER: ClassVar[float] = math.inf
-    """Place among the tables of a case file and of what is written; of one place by the alphabet."""
+    """Place among the tables of a case file and in which they are written; those without one follow by the alphabet."""
     OWN_NAME: ClassVar[bool] = True
     """Whether no other thing of a case has its name; if not, that is the name of something that it writes."""
 

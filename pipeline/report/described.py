@@ -11,6 +11,7 @@ from heavylift.numerics.quantity import (
     AsDrawn,
     BodyPoint,
     ByCoordinate,
+    Key,
     NameOf,
     Quantity,
     Shape,
@@ -100,7 +101,8 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
     coordinate
         That of the joint, ``"angle"`` or ``"travel"``, on which the quantity may depend.
     """
-    quantity, name = field.quantity, field.name.replace("_", " ")
+    key = field.mark(Key)
+    quantity, name = field.quantity, key.word if key else field.name.replace("_", " ")
     if field.mark(AsDrawn) is not None and value is None:
         return f"{name} as drawn"
     if isinstance(quantity, (WorldDirection, BodyPoint, NameOf)):
@@ -131,6 +133,8 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
     if isinstance(value[0], Section):
         parts = ("; ".join(thing_words(part, coordinate)) for part in value)
         return f"{name}: {', then '.join(parts)}" if len(value) <= _PARTS else f"{len(value)} {name}"
+    if field.mark(Shape) is not None and len(field.mark(Shape).lengths) > 1 and len(value) <= _PARTS:
+        return f"{name} {', '.join(numbers_words(row, unit) for row in value)}"
     if field.mark(Shape) is None or None not in field.mark(Shape).lengths:
         return f"{name} {numbers_words(value, unit)}"
     return f"{len(value)} {name}: {_ranges(value, unit)}"

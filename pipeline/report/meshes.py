@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.case.channel_kinds import lies_along_edge
-from heavylift.pipeline.case.meshes import counts_of
+from heavylift.pipeline.report.described import own_words
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.report.inputs import initial_rows
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.pipeline.results.words import number_words, numbers_words
+from heavylift.solver.scene.descriptions import described_fields
+from heavylift.solver.scene.mesh_shapes import ShellShape
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -72,22 +74,18 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
 
 def _geometry(given: Any) -> str:
     """Kind of a geometry and its measures."""
-    if given.type in {"rectangle", "quadrilateral", "grid"}:
-        count = " x ".join(map(str, counts_of(given.elements))) + " elements"
+    if issubclass(given.DESCRIBED, ShellShape):
+        count = " x ".join(map(str, given.DESCRIBED.counts(given))) + " elements"
     else:
         count = f"{given.elements} elements" if given.elements else "elements between the points"
-    words = {
-        "line": lambda g: f"from {numbers_words(g.start, 'm')} to {numbers_words(g.end, 'm')}",
-        "arc": lambda g: (
-            f"radius {number_words(g.radius, 'm')} about {numbers_words(g.centre, 'm')}, "
-            f"{g.first:.6g} to {g.last:.6g} rad"
-        ),
-        "spline": lambda g: g.file or f"through {len(g.points)} points",
-        "rectangle": lambda g: " x ".join(number_words(side, "m") for side in g.size),
-        "quadrilateral": lambda g: ", ".join(numbers_words(corner, "m") for corner in g.corners),
-        "grid": lambda g: g.file or f"{len(g.points)} points",
-    }[given.type](given)
-    return f"{given.type}: {words}; {count}"
+    points = getattr(given, "points", ())
+    words = [f"{len(points)} points"] if points else []
+    words += [
+        own_words(field, getattr(given, field.name), "")
+        for field in described_fields(given.DESCRIBED)
+        if field.name not in {"elements", "points"}
+    ]
+    return f"{given.type}: {', '.join(filter(None, words))}; {count}"
 
 
 def _region(region: Any) -> str:

@@ -73,16 +73,7 @@ def _waves(case: Case, known: dict[str, Any]) -> list[Table | Text]:
         return []
     rows = []
     for waves in case.sea.waves:
-        heights = (getattr(waves, "height", None), getattr(waves, "significant_height", None))
-        periods = (getattr(waves, "period", None), getattr(waves, "peak_period", None))
-        height, period = (next((v for v in values if v is not None), None) for values in (heights, periods))
-        words = []
-        if hasattr(waves, "gamma"):
-            words.append(f"gamma {waves.gamma:g}")
-        spreading = getattr(waves, "spreading", None)
-        if spreading is not None:
-            words.append(f"cos^2s, s = {spreading.exponent:g}, {spreading.directions} directions")
-        words += [str(file)] if (file := getattr(waves, "file", None)) else []
+        height, period, words = waves.DESCRIBED.summary(waves)
         rows.append(
             (
                 waves.type,

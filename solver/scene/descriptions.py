@@ -18,6 +18,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import math
 import sys
 import types
 from dataclasses import MISSING, Field, dataclass, fields
@@ -49,6 +50,7 @@ from heavylift.numerics.quantity import (
     ByCoordinate,
     ByExponent,
     NameOf,
+    PointsFile,
     Quantity,
     Shape,
     Square,
@@ -75,6 +77,7 @@ __all__ = [
     "import_all",
     "interval_extremes",
     "is_described",
+    "is_parallel",
     "known_channels",
     "no_rows",
     "owner_coordinate",
@@ -83,6 +86,8 @@ __all__ = [
     "zero_point",
 ]
 
+PARALLEL = 1e-9
+"""Sine of the angle below which two directions are parallel."""
 LONGEST_WORD = 100
 """Characters of a word that may be the name of a file."""
 
@@ -160,7 +165,15 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 
 
 Meaning = (
-    Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf | TableFile
+    Quantity
+    | ByCoordinate
+    | ByExponent
+    | WorldDirection
+    | BodyDirection
+    | BodyPoint
+    | NameOf
+    | TableFile
+    | PointsFile
 )
 """Annotations that say what a value is."""
 
@@ -209,7 +222,7 @@ class Family(Generic[T]):
     key
         In which a table says its word, if not as its ``type``.
     alphabetical
-        Whether its words are told in that order; if not, as they are described.
+        Whether its words are listed in that order, behind those that have an ``ORDER``; if not, as they are described.
     """
 
     def __init__(
@@ -287,7 +300,11 @@ class Family(Generic[T]):
     def words(self) -> tuple[str, ...]:
         """All words in their order."""
         self._read_all()
-        return tuple(sorted(self._members) if self._alphabetical else self._members)
+        if not self._alphabetical:
+            return tuple(self._members)
+        return tuple(
+            sorted(self._members, key=lambda word: (getattr(self._members[word], "ORDER", math.inf), word))
+        )
 
     @property
     def _folders(self) -> list[tuple[str, Path]]:
@@ -457,6 +474,8 @@ def _leaves(hint: Any) -> list[Any]:
 
 def _speaks_for_itself(hint: Any) -> bool:
     """Whether a value is a flag, a word of choice, a number that counts, or a table described elsewhere."""
+    if get_origin(hint) is Annotated:
+        return any(isinstance(mark, Meaning) for mark in get_args(hint)[1:])
     return hint in {bool, int} or get_origin(hint) is Literal or is_described(hint)
 
 
@@ -488,6 +507,12 @@ def forward() -> NDArray[np.float64]:
 def upwards() -> NDArray[np.float64]:
     """Default of a direction: along z."""
     return np.array([0.0, 0.0, 1.0])
+
+
+def is_parallel(a: Sequence[float], b: Sequence[float]) -> bool:
+    """Whether two directions, neither zero, are parallel."""
+    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
 
 
 def named(spec: Any, *keys: str) -> bool:
