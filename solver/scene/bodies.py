@@ -44,6 +44,7 @@ __all__ = [
     "PointOutputs",
     "Profile",
     "RigidBody",
+    "Started",
 ]
 
 GROUND = "ground"
@@ -375,13 +376,11 @@ class Body:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Placed(Body):
-    """What bodies with a frame have: how it moves, and where it starts.
+class Started(Body):
+    """Where a body starts.
 
     Attributes
     ----------
-    motion
-        How the frame moves.
     position, orientation
         Frame origin [m], world; unit quaternion (scalar first).
     velocity, angular_velocity
@@ -389,11 +388,28 @@ class Placed(Body):
         motion says.
     """
 
-    motion: Motion = field(default_factory=Free)
     position: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     orientation: NDArray[np.float64] = field(default_factory=_upright)
     velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+
+    @property
+    def motion(self) -> Motion:
+        """Free, unless it has a frame that says otherwise."""
+        return Free()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Placed(Started):
+    """What bodies with a frame have.
+
+    Attributes
+    ----------
+    motion
+        How the frame moves.
+    """
+
+    motion: Motion = field(default_factory=Free)
 
 
 @dataclass(frozen=True, eq=False)
