@@ -13,10 +13,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from heavylift.solver.scene.scene import AnyBody, Scene
-    from heavylift.solver.scene.sea import Sea
 
-__all__ = ["BodyPlaces", "SeaPlaces", "kind_groups"]
+__all__ = ["BodyPlaces", "SeaPlaces"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +24,7 @@ class SeaPlaces:
     Attributes
     ----------
     sea
-        As given.
+        A `heavylift.solver.scene.sea.Sea`.
     tangents, rate_tangents
         Arrays in which lines and fenders leave their stiffness and damping, shapes (n, 9).
     line_ends
@@ -39,7 +37,7 @@ class SeaPlaces:
         Receives what the user should know.
     """
 
-    sea: Sea
+    sea: Any
     tangents: NDArray[np.float64]
     rate_tangents: NDArray[np.float64]
     line_ends: Sequence[tuple[str, int, int]]
@@ -75,11 +73,3 @@ class BodyPlaces:
     sensors: Sequence[BodyMarkers]
     moving: Sequence[int] = field(default=())
     sea: SeaPlaces | None = None
-
-
-def kind_groups(scene: Scene) -> list[list[AnyBody]]:
-    """Bodies by kind, in the order of the kinds; only modules of those that a scene has are imported."""
-    groups: dict[tuple[int, str], list[Any]] = {}
-    for body in scene.bodies:
-        groups.setdefault((body.ORDER, body.KIND_MODULE), []).append(body)
-    return [sorted(groups[key], key=lambda body: body.place_in_kind) for key in sorted(groups)]

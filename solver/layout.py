@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.body_places import BodyPlaces, SeaPlaces, kind_groups
+from heavylift.solver.body_places import BodyPlaces, SeaPlaces
 from heavylift.solver.coordinates import attachments, first_dofs, velocity_count
 from heavylift.solver.interface import (
     Bodies,
@@ -107,7 +107,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.layout_sea import float_bodies
 
         scene = float_bodies(scene)
-    groups_of_bodies = kind_groups(scene)
+    groups_of_bodies = _kind_groups(scene)
     ordered = [body for group in groups_of_bodies for body in group]
 
     record = ChannelBook()
@@ -241,6 +241,14 @@ def _moving(scene: Scene) -> dict[str, int]:
     from heavylift.solver.contact.moving_points import count_moving
 
     return count_moving(scene)
+
+
+def _kind_groups(scene: Scene) -> list[list[Any]]:
+    """Bodies by kind, in the order of the kinds; only modules of those that a scene has are imported."""
+    groups: dict[tuple[int, str], list[Any]] = {}
+    for body in scene.bodies:
+        groups.setdefault((body.ORDER, body.KIND_MODULE), []).append(body)
+    return [sorted(groups[key], key=lambda body: body.place_in_kind) for key in sorted(groups)]
 
 
 def _of_sensors(sensors: dict[str, list[tuple[int, Any]]], bodies: list[Any]) -> list[BodyMarkers]:

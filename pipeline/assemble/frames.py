@@ -35,15 +35,19 @@ __all__ = [
 
 
 def assemble_body(
-    _case: Case, name: str, body: Any, _folder: OutputFolder
+    case: Case, name: str, body: Any, _folder: OutputFolder
 ) -> tuple[AnyBody, NDArray[np.float64]]:
     """Body of a case that is given in numbers alone, and the origin of its frame in the coordinates of its geometry."""
-    return assemble_rigid(name, body)
+    return start_body(case, name, body)
 
 
 def start_body(_case: Case, name: str, body: Any) -> tuple[AnyBody, NDArray[np.float64]]:
     """The same: nothing of it waits for a stage."""
-    return assemble_rigid(name, body)
+    if body.has_frame:
+        return assemble_rigid(name, body)
+    origin = np.zeros(3)
+    given = {"name": name, **start_of_frame(body.initial, origin)}
+    return assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given), origin
 
 
 def check_points(

@@ -136,7 +136,7 @@ def assemble_body(
 def start_body(case: Case, name: str, body: Any) -> tuple[m.MeshBody, NDArray[np.float64]]:
     """The same: nothing of it waits for a stage."""
     origin = np.zeros(3)
-    make = {"curve": assemble_frame, "surface": assemble_shell}[body.BODY.SHAPE]
+    make: Any = {"curve": assemble_frame, "surface": assemble_shell}[body.BODY.SHAPE]
     return make(case, name, body, start_of_frame(body.initial, origin)), origin
 
 

@@ -306,7 +306,7 @@ def contour_loads(
     from heavylift.pipeline.assemble.contacts import contour_nodes
     from heavylift.pipeline.case.contours import SurfaceContourSection
 
-    directions = case.bodies[body].modes.attach_directions  # type: ignore[union-attr]
+    directions = case.bodies[body].modes.attach_directions
     loads = []
     for name, contour in case.contours.items():
         if contour.body != body:

@@ -287,10 +287,13 @@ class _PlacedSection(BodySection):
 
 
 @cache
-def body_section(described: Any) -> type[Section]:
+def body_section(described: Any) -> type[BodySection]:
     """Section of a body that is given in numbers alone."""
     if described is RigidBody:
-        return RigidBodySection
-    made = make_section(described, _PlacedSection if issubclass(described, Placed) else _StartedSection)
+        found: Any = RigidBodySection
+        return found
+    base = _PlacedSection if issubclass(described, Placed) else _StartedSection
+    made: Any = make_section(described, base)
     made.BODY = described
-    return made
+    section: type[BodySection] = made
+    return section

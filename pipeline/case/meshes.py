@@ -567,7 +567,7 @@ class _BodySections:
         """Section of a type; None if there is none."""
         if word in self._own:
             return self._own[word]
-        described = BODIES.get(word)
+        described: Any = BODIES.get(word)
         return None if described is None else body_section(described)
 
 

@@ -23,7 +23,7 @@ from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.connections import AlongJoint, EdgeJoint, Joint
-from heavylift.solver.scene.scene import AnyBody, Scene
+from heavylift.solver.scene.scene import Scene
 
 __all__ = ["expand_joints"]
 
@@ -66,7 +66,7 @@ def expand_joints(scene: Scene) -> Scene:
     return replace(scene, joints=tuple(joints))
 
 
-def _is_curve(side: AnyBody | None) -> bool:
+def _is_curve(side: Any) -> bool:
     """Whether a side has a tangent and nothing else."""
     return side is not None and side.SHAPE == "curve"
 
@@ -111,11 +111,10 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, Any]) -> Joint:
                     expected="none, or a small rigid body between",
                 )
     tangents = [
-        frame.axes.T @ frame_tangent(side, frame.point, joint.name) if _is_curve(side) else None
-        for side, frame in (
-            (bodies.get(joint.body_a), joint.frame_a),
-            (bodies.get(joint.body_b), joint.frame_b),
-        )
+        frame.axes.T @ frame_tangent(bodies[name], frame.point, joint.name)
+        if _is_curve(bodies.get(name))
+        else None
+        for name, frame in ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
     ]
     place = JointPlace(
         0, ChannelBook().add(joint.name, joint.CHANNELS), start_frames(joint, list(bodies.values()))

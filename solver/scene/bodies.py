@@ -48,6 +48,7 @@ __all__ = [
     "PointOutputs",
     "Profile",
     "RigidBody",
+    "Started",
 ]
 
 GROUND = "ground"
@@ -379,13 +380,11 @@ class Body:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Placed(Body):
-    """What bodies with a frame have: how it moves, and where it starts.
+class Started(Body):
+    """Where a body starts.
 
     Attributes
     ----------
-    motion
-        How the frame moves.
     position, orientation
         Frame origin [m], world; unit quaternion (scalar first).
     velocity, angular_velocity
@@ -393,11 +392,23 @@ class Placed(Body):
         motion says.
     """
 
-    motion: Motion = field(default_factory=Free)
     position: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     orientation: NDArray[np.float64] = field(default_factory=_upright)
     velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Placed(Started):
+    """What bodies with a frame have.
+
+    Attributes
+    ----------
+    motion
+        How the frame moves.
+    """
+
+    motion: Motion = field(default_factory=Free)
 
 
 @dataclass(frozen=True, eq=False)
