@@ -171,7 +171,7 @@ _SPARE: list[Path] = []
 
 
 def writable_root() -> Path:
-    """Folder that new object files go to; one for this run alone if the usual one is not fit for it, told in a line."""
+    """Folder for new object files; a temporary one for this run, with a message, if the usual one cannot be used."""
     if not _SPARE:
         folder = objects_folder()
         reason = distrusted(folder)

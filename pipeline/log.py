@@ -1,6 +1,6 @@
 """What a person sees while stages run: lines on a stream; progress as a bar on a terminal, else as lines.
 
-Nobody has to read what is said: a pipe that is closed, as by ``| head -1``, or a disk that is full, as under
+Output need not be read: a pipe that is closed, as by ``| head -1``, or a disk that is full, as under
 ``> log.txt``, silences the stream and never ends the run that speaks.
 """
 
@@ -88,7 +88,7 @@ def _silence(stream: TextIO) -> None:
 
 
 class Log:
-    """Prints messages, unless told to be quiet.
+    """Prints messages, unless `quiet`.
 
     Parameters
     ----------

@@ -231,7 +231,7 @@ def _softer(layout: Layout) -> str:
 
 
 def _contact_remedy(layout: Layout, contact: int) -> tuple[str, str]:
-    """Why a contact ended the run, if that is not said elsewhere, and what may help."""
+    """Why a contact ended the run, if no other message says so, and what may help."""
     from heavylift.solver.contact.kind import NO_END, NO_IMPULSES, PRESSED_IN, RIGID
 
     (contacts,) = _contacts(layout)
@@ -269,7 +269,7 @@ def force_warning(layout: Layout) -> str:
 
 
 BEYOND = 1.0 + 1e-6
-"""Share of what wheels, drives and brakes can do from which on it is told that they could not."""
+"""Utilisation of wheels, drives and brakes from which on there is a warning."""
 
 
 def drive_warning(layout: Layout) -> str:
@@ -305,7 +305,7 @@ def drive_warning(layout: Layout) -> str:
 
 
 AT_LIMIT = 1.0 - 1e-9
-"""Share of what tyres, motors and brakes can do from which on it is told that they were at their end."""
+"""Utilisation of tyres, motors and brakes from which on there is a warning."""
 
 
 def _tyres_at_their_limit(layout: Layout, kind: Any) -> list[str]:
@@ -334,10 +334,10 @@ of a search for its rest."""
 
 
 TOLD_DRIFT = 0.1
-"""Of the drift at which strains are not carried any more, from which it is told: as a rule 1e-4, 20 MPa in steel."""
+"""Of the drift at which integrated strains are abandoned, from which to warn: as a rule 1e-4, 20 MPa in steel."""
 
 TOLD_SHARE = 0.02
-"""Of the largest strain, from which a drift is told."""
+"""Of the largest strain, from which a drift is reported."""
 
 
 def mesh_warning(layout: Layout) -> str:
@@ -388,7 +388,7 @@ def mesh_warning(layout: Layout) -> str:
 
 
 LARGEST_TILT = math.radians(20.0)
-"""Of a hull, beyond which it is told what its database leaves out: potential theory is one of small motions."""
+"""Of a hull, beyond which a warning lists what its database neglects: potential theory is one of small motions."""
 
 
 def hull_warning(layout: Layout) -> str:

@@ -1,6 +1,6 @@
 """What a contour must be for something to touch it: smooth, unfolded, with its normal out of the material.
 
-On which side of a surface the material is, is told from the other nodes of the body.
+The side of a surface on which the material is follows from the other nodes of the body.
 """
 
 from __future__ import annotations

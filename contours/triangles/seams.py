@@ -1,9 +1,9 @@
 """Seams: triangles that meet without being joined, as the plates of CAD models do.
 
-What may push from an edge or a vertex is told by the triangles that it joins (`feature_judge`). Plates that abut,
-overlap or meet in T-junctions join nothing: each of their borders would be an edge in the open, and what slides over
-the seam would be stopped by it. So the triangles that a border *lies in* become its neighbours too, found once from
-where things are:
+Directions in which an edge or a vertex may push follow from the triangles that it joins (`feature_judge`). Plates that
+abut, overlap or meet in T-junctions join nothing: each of their borders would be an edge in the open, and what slides
+over the seam would be stopped by it. So the triangles that a border *lies in* become its neighbours too, found once
+from where things are:
 
 - a vertex of a border has the corners of every triangle that it touches as neighbours;
 - an edge of a border has a neighbour on a side if triangles that contain it cover it on that side from end to end.

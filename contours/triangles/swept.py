@@ -16,7 +16,7 @@ simulation ... ships and offshore structures (2018)", section 2.6.1; its method 
 **Roots** of a cubic in [0, 1] are certified against rounding, one after another from the left.
 The cubic is held by its Bernstein coefficients: if all have one sign there is no root, if their signs change
 once there is exactly one (Descartes' rule in the Bernstein basis). Each coefficient carries a bound of its
-rounding error; a sign counts only beyond the bound, and where signs stay unknown the caller is told so.
+rounding error; a sign counts only beyond the bound, and where signs stay unknown the result says so.
 
 **Advancement** to where a separating plane is reached tells when two moving features first touch.
 At a time, the closest points give a plane between the features. Corners move linearly, so the time for which

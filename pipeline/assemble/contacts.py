@@ -211,7 +211,7 @@ def _fitted_to_nodes(
 ) -> NeutralContour:
     """Contour through nodes of a flexible body."""
     reduced = body.reduced
-    # places are told, and messages speak, in the coordinates of the geometry
+    # points in the case and in messages are in the coordinates of the geometry
     picked = contour_nodes(case, name, reduced.nodes + origin, folder)
     return _fit(name, section, reduced.nodes[picked], reduced.mode_shapes[:, picked])
 

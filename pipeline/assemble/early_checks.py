@@ -128,7 +128,7 @@ def scene_errors(case: Case) -> list[InputError]:
 
         deep = (
             case.sea is None or case.sea.depth is None
-        )  # lines on a bottom that is not there are told of the case
+        )  # lines on a missing bottom are reported with the case
         scene.parts(
             "lines",
             lambda line: None if deep and line.on_seabed else assemble_line(case, line, sides),

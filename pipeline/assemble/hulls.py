@@ -242,7 +242,7 @@ def bem_inputs(
     Raises
     ------
     InputError
-        If a hull does not float upright, several do not head the same way, or hulls that are said to be symmetric are
+        If a hull does not float upright, several do not head the same way, or hulls declared symmetric are
         not.
     """
     assert section.compute is not None

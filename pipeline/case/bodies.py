@@ -45,7 +45,7 @@ ModalValues = Annotated[
 
 
 class _FrameSection(Section):
-    """What is said of every frame."""
+    """Keys of every frame."""
 
     origin: Literal["geometry", "centre_of_mass"] = "geometry"
     """Origin of the body frame: that of the geometry, or the centre of mass."""

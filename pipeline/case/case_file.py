@@ -290,7 +290,7 @@ class Case(SceneTables, _CaseHeading):
 
     @property
     def _movable(self) -> dict[str, Any]:
-        """What can be told something."""
+        """What can be commanded."""
         frames = {name: body.frame for name, body in self.bodies.items() if hasattr(body, "frame")}
         return {
             "ropes": {rope.name: rope for rope in self.ropes},
@@ -485,7 +485,7 @@ def load_case(
         the key is removed.
     further
         What else can be wrong with a case whose tables are right by themselves; asked if they do not fit together, so
-        that all is told at once.
+        that all errors are reported at once.
 
     Raises
     ------
@@ -521,7 +521,7 @@ def load_case(
         errors += case._misfits()  # noqa: SLF001
         if errors and further is not None and not equipped.errors:
             more = further(case)
-    # what is wrong with a block, a parameter or a builder is told alone: the rest would follow from it
+    # errors of a block, a parameter or a builder are reported alone: others would follow from them
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
     errors = [e for e in errors if _in_builder(e.key)] or errors
     if errors:

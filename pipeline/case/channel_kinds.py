@@ -82,7 +82,7 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
 def joint_coordinate(joint_type: str, spec: object = None) -> str:
     """The scalar on which springs and motors of a sort of joints act, ``"angle"`` or ``"travel"``; empty if none.
 
-    What is `said` counts for joints that have both.
+    For joints that have both, the `spec` decides.
     """
     described = JOINTS.get(joint_type)
     if described is None:

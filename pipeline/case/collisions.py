@@ -160,7 +160,7 @@ class _CollisionPlace(Section):
                     "surfaces of two bodies",
                     key="between",
                 )
-            known = {a, b} <= {*context.names.bodies, GROUND}  # an unknown one is told of the surface
+            known = {a, b} <= {*context.names.bodies, GROUND}  # an unknown one is reported with the surface
             if known and a not in yielding and b not in yielding:
                 reject(
                     f"neither {a!r} nor {b!r} can give way",

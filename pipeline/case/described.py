@@ -313,7 +313,7 @@ class _InItsUnit:
         self.quantity = quantity
 
     def parse(self, value: Any, info: ValidationInfo) -> Any:
-        """A value in SI; one if the exponent is wrong, which is told already."""
+        """A value in SI; one if the exponent is wrong, which is reported already."""
         exponent = self.quantity.exponent or info.data.get("exponent")
         if value is None or exponent is None:
             return None if value is None else 1.0
@@ -330,7 +330,7 @@ class _InUnitsOfTheJoint:
         self.quantities = quantities
 
     def parse(self, value: Any, info: ValidationInfo) -> Any:
-        """A value, or a list of values, in SI; zeros if the joint is not known, whose error is told already."""
+        """A value, or a list of values, in SI; zeros if the joint is not known, whose error is reported already."""
         if value is None or "joint" not in info.data:
             return [] if isinstance(value, list) else 0.0
         context = CaseContext.of(info)

@@ -217,7 +217,7 @@ class MatricesGeometry(Section):
     """Groups of nodes, in addition to those named in the deck."""
 
     def matrix_files(self) -> dict[str, str]:
-        """Paths of the three files as said or by default, relative to the case folder."""
+        """Paths of the three files as given or by default, relative to the case folder."""
         stem = self.file.rpartition(".")[0]
         named = {"stiffness": ".sti", "mass": ".mas", "degrees": ".dof"}
         return {key: getattr(self, key) or stem + suffix for key, suffix in named.items()}

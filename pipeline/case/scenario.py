@@ -73,7 +73,7 @@ from heavylift.solver.scene.scenario import (
 __all__ = ["Hook", "Known", "ScenarioSection", "key_as_given", "scenario_of"]
 
 TAUT = 1.0
-"""Tension from which on a rope counts as taut, if nothing else is said [N]."""
+"""Tension from which on a rope counts as taut by default [N]."""
 
 
 class Hook(NamedTuple):

@@ -230,7 +230,7 @@ def check_wave(waves: Any, depth: float, gravity: float, key: str) -> None:
 
 
 def _readable(value: str, info: ValidationInfo, headers: tuple[tuple[str, ...], ...]) -> str:
-    """A file that can be read as columns; what is wrong with it is told of the key that names it."""
+    """A file that can be read as columns; errors are reported with the key that names it."""
     context = CaseContext.of(info)
     if context is None:
         return value

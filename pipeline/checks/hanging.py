@@ -1,4 +1,4 @@
-"""How loads hang, if it is to be told: lines of equalizers that carry nothing, pulleys at stops, bodies that tilt.
+"""Warnings of how loads hang: lines of equalizers that carry nothing, pulleys at stops, bodies that tilt.
 
 Everything is by the records of a run; of lines also by their smallest tensions over all steps.
 """

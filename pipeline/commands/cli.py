@@ -201,7 +201,7 @@ def criteria(
 ) -> int:
     """Run a case and judge it by its [[criteria]]: what is used of each limit, when, where, by which clause.
 
-    With seeds the worst of all runs counts, and the distribution of what they use is told.
+    With seeds the worst of all runs counts, and the distribution of the utilisation is shown.
 
     Exit code: 0 if every criterion passed, 1 if some failed or could not be evaluated, 2 for bad input, above 2 if the
     run stopped.

@@ -95,7 +95,7 @@ def rao_command(
                 "no exciting forces, radiation alone",
                 source=hulls.database.source,
                 key="excitation",
-                expected="a database with exciting forces; without --heading natural periods are told",
+                expected="a database with exciting forces; without --heading natural periods are given",
             )
         log.say(
             f"rao: {hulls.database.source}: no exciting forces, radiation alone: natural periods, no operators"
@@ -222,7 +222,7 @@ def joint_force_rows(linear: LinearScene, operators: MotionOperators) -> list[li
 def separate_modes(hulls: LinearHulls) -> list[NaturalMode]:
     """Natural modes of bodies that move independently of each other, one group after another, then by period.
 
-    Equal periods of equal hulls would otherwise be told of mixtures of their motions.
+    Equal periods of equal hulls would otherwise be those of mixtures of their motions.
     """
     from scipy.sparse.csgraph import connected_components
 

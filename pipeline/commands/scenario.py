@@ -101,7 +101,7 @@ def send_command(path: Path, word: Command, *, out: Path | None = None, override
     if case.scenario is None:
         raise InputError("no scenario", source=case.file, key="scenario", expected="a case with one")
     send(case.output_folder if out is None else out, word)
-    return f"{word}: told; the run takes it within a second"
+    return f"{word}: sent; the run takes it within a second"
 
 
 def _document(phases: Sequence[Sequence[PlannedPhase]], starts: Mapping[str, float]) -> dict[str, Any]:

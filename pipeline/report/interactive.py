@@ -91,7 +91,7 @@ def interactive_content(
     case, stages, results
         The case, its output folder and its time histories.
     told
-        What is said of it.
+        Its caption.
     live, version_of_data
         As of `page_content`.
     """

@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 _EXTREMES = ("axial_force", "membrane_force", "bending_moment", "axial_stress", "von_mises", "strain_drift")
-"""Channels of elements whose extremes are told."""
+"""Channels of elements whose extremes are shown."""
 
 
 def mesh_sections(case: Case, results: Results | None) -> list[Section]:

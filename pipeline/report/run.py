@@ -122,7 +122,7 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
 
 
 def _diagnosis_rows(known: dict[str, Any]) -> list[tuple[str, str]]:
-    """What the solver said of the scene: chosen integrator, degrees of freedom, redundant joints, free motions."""
+    """What the solver found about the scene: chosen integrator, degrees of freedom, redundant joints, free motions."""
     rows = [(key, str(known.get(key) or "")) for key in ("choice", "start")]
     rows.append(("steps in a period", str(known.get("periods") or "").removeprefix("steps in a period: ")))
     for label, key in (

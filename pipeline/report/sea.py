@@ -243,7 +243,7 @@ def _pumps(case: Case) -> list[Table]:
         )
         for pump in case.pumps
     ]
-    header = ("pump", "from, to", "at most [kg/s]", "lag [s]", "told by")
+    header = ("pump", "from, to", "at most [kg/s]", "lag [s]", "commanded by")
     return [short_table(header, rows)] if rows else []
 
 

@@ -415,7 +415,7 @@ def _cycles(t: NDArray[np.float64], x: NDArray[np.float64]) -> tuple[NDArray[np.
 
 
 PROBABILITY = 0.9
-"""Of not being exceeded, of the extreme value that is told."""
+"""Of not being exceeded, of the reported extreme value."""
 
 
 LEAST_RUNS = 3

@@ -200,7 +200,7 @@ def _alive(process: int) -> bool:
 class _Stream(io.RawIOBase):
     """A file that HDF5 may write into: a fault is kept until HDF5 has closed it.
 
-    A library whose write fails while it closes a file is left with half a file and ends the process; so it is told
+    A library whose write fails while it closes a file is left with half a file and ends the process; so it reports
     that all went well, and whoever opened the file hears of the fault.
     """
 

@@ -149,7 +149,7 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
     refused = work.folder.refused_database(name)
     database = None if "mesh" in work.force else _computed_before(work, name, inputs)
     if database is None:
-        capytaine_version()  # before anything is said: without it nothing can be done
+        capytaine_version()  # before any message: without it nothing can be done
         count = sum(len(hull.panels) for hull in inputs.hulls)
         covers = sum(len(lid.panels) for lid in inputs.lids if lid is not None)
         seconds = expected_seconds(inputs, section.compute.processes)

@@ -136,7 +136,7 @@ def simulate_stage(work: Work) -> StageReport:
 
 
 def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
-    """Tilts at which transporters tip over [rad], told before they move."""
+    """Tilts at which transporters tip over [rad], reported before they move."""
     from heavylift.solver.transport.packing import vehicle_tipping
 
     found = vehicle_tipping(scene)
@@ -270,7 +270,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
 
 def _hanging(work: Work) -> list[str]:
-    """What is to be told of how loads hang, by the results of the run."""
+    """Warnings of how loads hang, by the results of the run."""
     from heavylift.pipeline.checks.hanging import hanging_warnings
     from heavylift.pipeline.results.histories import load_results
 

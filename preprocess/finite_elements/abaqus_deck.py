@@ -13,9 +13,9 @@ What is understood:
 * *parts*: ``*PART``, ``*ASSEMBLY``, ``*INSTANCE`` with translation and rotation; a set ``S`` of an instance ``I`` is
   called ``I.S``, and ``S`` too if no other instance has one; an instance is a set of elements;
 * *materials*: ``*MATERIAL`` with ``*ELASTIC`` (isotropic; of a table over temperature the first row) and
-  ``*DENSITY``; ``*SOLID SECTION``. What is plastic, viscous or thermal besides is left out, and said.
+  ``*DENSITY``; ``*SOLID SECTION``. Plastic, viscous and thermal properties are left out, and reported.
 
-What is left out, and said: constraints, contacts and loads; masses (nonstructural ones too), springs, dashpots, gaps
+Left out, and reported: constraints, contacts and loads; masses (nonstructural ones too), springs, dashpots, gaps
 and couplings; shells, beams and plane elements without a section, which meshers write for groups; sections of no set.
 What is refused when a body is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric
 elements, solids with 4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
@@ -1035,7 +1035,7 @@ class _Assembler:
     # -- materials --
 
     def _without_section(self) -> None:
-        """Shells, plane elements, beams of which nothing is said but their nodes: meshers write groups so."""
+        """Shells, plane elements, beams without properties, only with nodes: meshers write groups so."""
         found = [np.empty(0, dtype=np.int64)]
         for place, one in enumerate(self.placed):
             found += [self._elements(one.part, place, elements) for elements, _ in one.part.sections]

@@ -256,7 +256,7 @@ def expand_omitted_rows(
     ------
     InputError
         More rows than 3n, a count that is no multiple of 3, no mode that moves, given nodes of another
-        count, or candidates that cannot be told apart.
+        count, or ambiguous candidates.
     """
     n, rows = len(nodes), len(stored)
     if rows > 3 * n or rows % 3 or rows == 0:
@@ -461,7 +461,7 @@ def read_four_files(
         A missing file; a fault of the text (file and line are named); a factor or a mass that is not
         positive; row counts that do not fit the nodes; a matrix given partly as a triangle and partly in
         full, or unsymmetric; a node clamped in some directions only; a mode that moves a clamped node;
-        omitted nodes that cannot be told; an impossible body.
+        unknown omitted nodes; an impossible body.
     """
     folder = Path(folder)
     for key, factor in (

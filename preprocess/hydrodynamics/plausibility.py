@@ -19,7 +19,7 @@ Each relation sees some errors and not others:
 * In long waves a hull feels the water's weight and acceleration: heave is in phase with the wave (or opposite, below
   the water), surge and sway a quarter of a period apart, and heave is rho g times the water plane. It sees a phase that
   is turned, and nothing if the database has no wave that is long. Weight and acceleration are opposite: columns on
-  pontoons feel little heave already in long waves, so nothing is said where the acceleration counts.
+  pontoons have small heave forces already in long waves, so heave is not judged where the acceleration counts.
 
 Source: Faltinsen, *Sea Loads on Ships and Offshore Structures* (1990), chapter 3; Newman, "The exciting forces on fixed
 bodies in waves", J. Ship Res. 6 (1962).
@@ -83,7 +83,7 @@ SLOPE = 1.0
 WATER_PLANE = 2.0
 """Factor between heave in a long wave and the stiffness of the water plane."""
 ACCELERATION = 0.5
-"""Share of that stiffness which the acceleration of hull and water may take for heave to be told."""
+"""Share of that stiffness which the acceleration of hull and water may take for heave to be judged."""
 
 
 def check_plausibility(database: HydrodynamicDatabase) -> None:

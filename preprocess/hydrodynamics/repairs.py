@@ -1,4 +1,4 @@
-"""What panel codes leave missing or wrong in a database, repaired as far as it can be, and told with its size.
+"""What panel codes leave missing or wrong in a database, repaired where possible, and reported with its size.
 
 Panel codes break reciprocity and give damping that drives near irregular frequencies and where waves are shorter
 than a few panels, leave NaN where a problem failed, and are often run without infinite frequency or without waves.
@@ -74,7 +74,7 @@ LARGEST_TOLERANCE = 0.5
 ROUND = 1e-9
 
 FELT_DAMPING = 1e-3
-"""Of the critical damping: what is changed of less is not told."""
+"""Of the critical damping: smaller changes are not reported."""
 
 PROJECTIONS, ENOUGH = 200, 1e-3
 """At most, and the eigenvalue below zero of correlations at which they end; the rest is scaled away."""

@@ -73,7 +73,7 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     dofs
         First velocity of each body.
 

@@ -1,6 +1,6 @@
 """Whether a fixed step resolves what moves: periods that a scene is known to have, and steps in a period of its motion.
 
-Before the run the shortest periods are told: of the waves, and of ropes, springs and stops with what hangs on them.
+Before the run the shortest periods are reported: of the waves, and of ropes, springs and stops with what hangs on them.
 They do not tell what moves. A rope that only carries may have any of them: the step takes it implicitly. So a warning
 waits for the run, which has measured how its bodies moved (`heavylift.solver.sensors.step_counts`).
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["ENOUGH", "period_words", "prepare_counts", "step_warning"]
 
 ENOUGH = 20.0
-"""Steps in a period from which on nothing is told: the midpoint rule is then off by pi^2/3/N^2, a hundredth of the
+"""Steps in a period from which on there is no warning: the midpoint rule is then off by pi^2/3/N^2, a hundredth of the
 phase a radian."""
 
 SMALLEST_SHARE = 1e-3

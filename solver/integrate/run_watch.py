@@ -1,4 +1,4 @@
-"""Whether a run keeps its balance of energy and its joints closed: what steps gain, lose or open is told."""
+"""Whether a run keeps its balance of energy and its joints closed: gains, losses and openings are reported."""
 
 from __future__ import annotations
 

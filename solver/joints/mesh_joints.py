@@ -1,4 +1,4 @@
-"""Joints on frames and along edges of shells, told in rows on points and slopes before a scene is packed.
+"""Joints on frames and along edges of shells, expressed as rows on points and slopes before a scene is packed.
 
 Shells carry a triad at every point, so all joints work on them as on rigid bodies. Frames have a tangent and nothing
 else: fixed joints and hinges keep it, others work where all their directions are along it.
@@ -159,7 +159,7 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
 
 
 def _refuse_opposite(joint: Joint, place: JointPlace, tangent: NDArray[np.float64]) -> None:
-    """Rows on tangents vanish for opposite ones too; what the joint wants is told by its axes."""
+    """Rows on tangents vanish for opposite ones too; the intended direction follows from its axes."""
     one, other = (frame.axes @ tangent for frame in place.frames)
     if not one @ other > 0.0:
         raise InputError(

@@ -1,14 +1,14 @@
 """Rest of scenes with contacts: a motion in frozen time that loses its velocities whenever its kinetic energy falls.
 
-Contacts, friction and impacts act as in any step, so nothing of them is said twice. Where the kinetic energy has passed
-a peak the forces have gone through their balance; a start anew from there, at rest, is nearer to it (kinetic damping:
-P. A. Cundall, 1976; M. R. Barnes, Int. J. Space Structures 14, 1999).
+Contacts, friction and impacts act as in any step, so nothing of them is defined twice. Where the kinetic energy has
+passed a peak the forces have gone through their balance; a start anew from there, at rest, is nearer to it (kinetic
+damping: P. A. Cundall, 1976; M. R. Barnes, Int. J. Space Structures 14, 1999).
 
 The steps are its own. A swing of frequency w that begins at rest is left after the first step with the part
 ``(1 - s^2) / (1 + s^2)``, s = w h / 2, if the step h is long for it, and goes to its peak if h is short: steps of
 several lengths in turn reach all swings. So that no length of them shows, the way is gone again with shorter steps,
 until two ways end at the same place. Without friction they do; with friction there is no single place of rest, and how
-far two ways end from each other is told.
+far apart two such searches end is reported.
 """
 
 from __future__ import annotations

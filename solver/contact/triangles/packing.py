@@ -88,7 +88,7 @@ def pack_collisions(
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     columns
         First record column of each collision.
     attachment, dofs, scales

@@ -1,4 +1,4 @@
-"""On which side of each other features are that were found: told by where they begin, or by what touches already."""
+"""The side of each other on which found features are: from their start, or from existing contacts."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _told(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, ne
 def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, first: bool) -> None:
     """Sides of what was found and is no contact yet; what was inside before, and has none to go on from, is unknown.
 
-    Which side it comes from is told by what touches already, and it may be as deep inside as that.
+    Its side follows from existing contacts, and it may be as deep inside as these.
     """
     size = meshes.pair_values[pair].length_scale
     nothing = ABOUT_NOTHING * size + 2.0 * deepest_of(meshes, contacts, pair)

@@ -1,7 +1,7 @@
 """Fillings of tanks for the stages of an operation, and the hull girder in still water; plain NumPy.
 
-At each stage the hull is to lie with a given heel and trim, and a given draft if one is said. Weight, buoyancy and free
-surfaces give three equations for the masses m of the tanks, linear but for the centres of water in tanks of odd
+At each stage the hull is to lie with a given heel and trim, and a given draft if there is one. Weight, buoyancy and
+free surfaces give three equations for the masses m of the tanks, linear but for the centres of water in tanks of odd
 shapes, so Newton's method on them ends in a few rounds. Of all fillings that fulfil them the one is taken that pumps
 least after the stage before,
 

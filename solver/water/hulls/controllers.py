@@ -155,7 +155,7 @@ class Controllers(Arrays):
     Attributes
     ----------
     table, aims, served, plans
-        What was said.
+        The description.
     state, aim_state
         Carried.
     effects
@@ -447,7 +447,7 @@ def pack_controllers(
     Parameters
     ----------
     sea
-        What the user said.
+        The scene.
     hulls
         The kind of all hulls.
     names

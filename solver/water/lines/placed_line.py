@@ -174,7 +174,7 @@ def check_ends(
     line, anchor, fairlead
         As in `check_line`; a length may be open.
     on_seabed
-        Whether the anchor was said to be on the bottom.
+        Whether the anchor is given to be on the bottom.
 
     Raises
     ------
