@@ -59,7 +59,7 @@ def _lose(stream: TextIO, error: Exception) -> None:
     first = not _SILENCED
     _SILENCED[stream] = error
     if first and stream is not sys.stderr:
-        say_on(sys.stderr, f"output is lost: {error.strerror}; the run itself goes on")
+        say_on(sys.stderr, f"output is lost: {error.strerror}; the run itself continues")
 
 
 def flush_output() -> None:

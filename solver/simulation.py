@@ -592,7 +592,7 @@ class Simulation:
 
     @property
     def verdict(self) -> tuple[Outcome, str]:
-        """Whether a run that has come to its end is to be believed, and a message why not."""
+        """Whether the energy balance of a completed run is credible, and a message why not."""
         if not self._watch.begun:  # nothing but a start
             self._left_range(self.record()[np.newaxis])
         if self.outcome is Outcome.MODES_LEFT:

@@ -113,7 +113,7 @@ def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
                     )
                 names = states.dtype.names or ()
                 word, unit = ("rope", " m") if {"rest", "depth"} & set(names) else ("law of", "")
-                reason = f": positions have left the elongation that makes its force, by {state['drift']:.3g}{unit}"
+                reason = f": positions have left the integrated elongation of its force, by {state['drift']:.3g}{unit}"
                 return word, reason, "a smaller step: a third of a period of what hangs on it is too long"
     return "", "", ""
 
@@ -262,7 +262,7 @@ def force_warning(layout: Layout) -> str:
             if found["miss"] > LARGEST_MISS * found["largest"]:
                 parts.append(
                     f"{layout.block_names[entry.block]!r} has a recorded force of {found['force']:.6g} at"
-                    f" t = {found['time']:.6g} s where its elongation and the rates of the steps say"
+                    f" t = {found['time']:.6g} s where its elongation and the rates of the steps give"
                     f" {found['expected']:.6g}: take a smaller step"
                 )
     return "; ".join(parts)
@@ -368,7 +368,7 @@ def mesh_warning(layout: Layout) -> str:
             if numbers.changed_over:
                 parts.append(
                     f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"
-                    f" where its carried strains had drifted by {numbers.largest_drift:.3g}, which is"
+                    f" where its integrated strains had drifted by {numbers.largest_drift:.3g}, which is"
                     f" {numbers.largest_share:.1%} of the largest strain"
                 )
             elif (
@@ -380,7 +380,7 @@ def mesh_warning(layout: Layout) -> str:
                 > 1.0
             ):
                 parts.append(
-                    f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
+                    f"the integrated strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
                     f" shape, up to {numbers.largest_share:.1%} of the largest strain: its stresses are wrong by as"
                     " much times the modulus; take a smaller step, or elasticity 'energy-momentum'"
                 )

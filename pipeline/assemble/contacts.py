@@ -164,7 +164,7 @@ def _of_tetrahedra(case: Case, section: SurfaceContourSection, count: int) -> In
         return None
     blocks = "mesh.element = 'hex8' of the body, " if body.geometry.type == "blocks" else ""
     return InputError(
-        f"a contour goes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
+        f"a contour passes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
         key="face",
         expected=f"bricks: {blocks}geometry 'blocks', or a file with bricks; or 'nodes', a matrix of "
         "nodes that lie in rows; or a body of type 'shell', which has a contour by itself",

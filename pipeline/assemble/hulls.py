@@ -340,7 +340,7 @@ def _panel_words(mesh: PanelMesh, size: float) -> str:
     )
     if mesh.problem:
         words += (
-            f"; WARNING: its triangles were halved instead of meshed anew ({mesh.problem}), "
+            f"; WARNING: its triangles were halved instead of remeshed ({mesh.problem}), "
             "which takes several times as many panels"
         )
     return words

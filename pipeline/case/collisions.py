@@ -163,13 +163,13 @@ class _CollisionPlace(Section):
             known = {a, b} <= {*context.names.bodies, GROUND}  # an unknown one is reported with the surface
             if known and a not in yielding and b not in yielding:
                 reject(
-                    f"neither {a!r} nor {b!r} can give way",
+                    f"neither {a!r} nor {b!r} can move",
                     "a body with a free frame, a frame or a shell on one side",
                     key="between",
                 )
         elif not collision_pairs(self.name, None, self.among, surfaces, yielding):
             reject(
-                "no pair of these surfaces is on two bodies of which one can give way",
+                "no pair of these surfaces is on two bodies of which one can move",
                 "surfaces of several bodies, one of them with a free frame",
                 key="among",
             )

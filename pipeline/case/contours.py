@@ -68,7 +68,7 @@ def _twice(value: Any) -> Any:
 def _both_open(value: Any) -> Any:
     """``false`` as that of both directions; ``true`` does not say which."""
     if value is True:
-        reject("true does not say in which direction", "[true, false], [false, true] or [true, true]")
+        reject("true does not give the direction", "[true, false], [false, true] or [true, true]")
     return [False, False] if value is False else value
 
 

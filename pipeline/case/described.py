@@ -339,7 +339,7 @@ class _InUnitsOfTheJoint:
         if has_both(kind) and info.data.get("coordinate") is None:
             reject(
                 f"joint {info.data['joint']!r} has an angle and a travel",
-                "'coordinate', which says which of them",
+                "'coordinate', which selects one of them",
             )
         slides = joint_coordinate(kind, info.data.get("coordinate")) == "travel"
         quantity = self.quantities.travel if slides else self.quantities.angle

@@ -269,7 +269,7 @@ class MeshSection(Section):
             for axis, counts in self.divisions.items():
                 if set(counts) == {1}:
                     reject(
-                        f"{list(counts)}: one brick a wall, whose single integration point sees no bending",
+                        f"{list(counts)}: one brick a wall, whose single integration point has no bending stiffness",
                         "2 or more bricks (4 for bending within 7 %), or formulation 'incompatible'",
                         key=f"divisions.{axis}",
                     )

@@ -172,14 +172,14 @@ class CrossJointSection(AxisJointSection):
         if self.axes is not None and self.second_axis is not None:
             reject("both 'axes' and 'second_axis'", "'axis' and 'second_axis', or 'axes'")
         if self.axis is not None and self.second_axis is None:
-            reject("'axis' without 'second_axis'", "the axis of b, square to that of a")
+            reject("'axis' without 'second_axis'", "the axis of b, perpendicular to that of a")
         if (
             self.axis is not None
             and self.second_axis is not None
             and is_parallel(self.axis, self.second_axis)
         ):
             problem = f"{_shown(self.second_axis)} is parallel to axis = {_shown(self.axis)}"
-            reject(problem, "a direction square to 'axis'", key="second_axis")
+            reject(problem, "a direction perpendicular to 'axis'", key="second_axis")
         return self
 
 

@@ -119,7 +119,7 @@ def _tilted(case: Case, results: Results) -> list[str]:
         return []
     words = ", ".join(f"{name!r} by {math.degrees(angles[name]):.3g} deg" for name in rolled[:_NAMED])
     more = f" and {len(rolled) - _NAMED} more" if len(rolled) > _NAMED else ""
-    return [f"at rest the vertical of bodies is not as they are drawn: {words}{more}"]
+    return [f"at rest bodies are tilted against their initial positions: {words}{more}"]
 
 
 def _angle(drawn: NDArray[np.float64], rest: NDArray[np.float64], up: NDArray[np.float64]) -> float:

@@ -194,7 +194,7 @@ def _ended(line: str, outcome: Outcome) -> int:
 
 
 def _fault(error: BaseException) -> str:
-    """A line about a fault of the program, whose traceback goes to a file."""
+    """A line about an internal error, whose traceback goes to a file."""
     import traceback
     from pathlib import Path
 
@@ -206,8 +206,8 @@ def _fault(error: BaseException) -> str:
     try:
         file = _write_traceback(error, error.__traceback__)
     except OSError:
-        return f"a fault of the program, not of the input: {reason}{where}"
-    return f"a fault of the program, not of the input: {reason}{where}; {file} tells more"
+        return f"an internal error, not an error of the input: {reason}{where}"
+    return f"an internal error, not an error of the input: {reason}{where}; {file} has the traceback"
 
 
 def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:

@@ -484,7 +484,7 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
         "",
         f"  extremes of a run (Gumbel): most probable, expected, and what {kept} of runs keep within, its",
     ]
-    lines += ["  standard error, and where it is with 90 % confidence, as so many runs tell", ""]
+    lines += ["  standard error, and its 90 % confidence interval for this number of runs", ""]
     for side in ("maxima", "minima"):
         for one in document["channels"]:
             factor, unit = (180.0 / math.pi, "deg") if one["unit"] == "rad" else (1.0, one["unit"])

@@ -190,4 +190,4 @@ def initial_rows(initial: Any) -> list[tuple[str, str]]:
         if values:
             full = unit.replace("m", "m kg^0.5", 1) if by_mass else unit
             rows.append((f"initial {key.replace('_', ' ')}", f"{numbers_words(values, full)}, {scaling}"))
-    return rows or [("initial state", "at rest, as drawn")]
+    return rows or [("initial state", "at rest, in its initial position")]

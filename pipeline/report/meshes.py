@@ -51,7 +51,7 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     for region in body.regions:
         if getattr(region, "axial_strain", None) is not None:
             strain = number_words(region.axial_strain, "")
-            rows.append(("axial strain as drawn", f"{strain}; {_region(region)}"))
+            rows.append(("initial axial strain", f"{strain}; {_region(region)}"))
     if shape is not None:
         vectors = 1 + shape.vectors.shape[1]
         count = len(shape.nodes)
@@ -116,7 +116,7 @@ def _section(section: Any) -> str:
 def _elasticity(body: Any) -> str:
     """Strain measure, and how stress enters the step."""
     words = {
-        "auto": f"carried strains, until they drift by {body.drift_tolerance:g}; then energy-momentum",
+        "auto": f"integrated strains, until they drift by {body.drift_tolerance:g}; then energy-momentum",
         "carried": "carried strains",
         "energy-momentum": "energy-momentum",
         "explicit": "explicit forces",

@@ -78,7 +78,7 @@ def run_ending(stages: OutputFolder, results: Results | None) -> tuple[Outcome |
     if results is not None and results.metadata.get("outcome"):
         known = results.metadata
     if known.get("outcome") == "unfinished":
-        return Outcome.INTERRUPTED, "The run was cut off or still goes on"
+        return Outcome.INTERRUPTED, "The run was interrupted or still continues"
     try:
         return Outcome[str(known.get("outcome", "")).upper()], str(known.get("message") or "")
     except KeyError:
@@ -161,7 +161,7 @@ def history_section(case: Case, stages: OutputFolder, results: Results | None, a
     wanted = case.report.channels or _chosen_channels(case, results)
     spectra = case.report.spectra or tuple(name for name in results if name.endswith(".modal_position"))
     items += [
-        Text(f"Channel {name!r} is not recorded; the case asks for its plot.", warning=True)
+        Text(f"Channel {name!r} is not recorded; the case requests its plot.", warning=True)
         for name in dict.fromkeys((*wanted, *spectra))
         if name not in results
     ]

@@ -728,7 +728,7 @@ def _batches(
             raise StopError(
                 Outcome.INTERRUPTED,
                 f"{path} is {'damaged, and was put aside' if there else 'not there'}: something else has changed the "
-                f"files of this run; the records from number {first} on are not whole, so nothing was merged and "
+                f"files of this run; the records from number {first} on are incomplete, so nothing was merged and "
                 "nothing removed; the same command goes on from what is before them",
             )
         times.append(segment.times)

@@ -214,7 +214,7 @@ class Advancer:
             reached = simulation.step_index * simulation.step
             return (
                 Outcome.INTERRUPTED,
-                f"{stop.signal_name} at t = {reached:.9g} s; the same command goes on from there",
+                f"{stop.signal_name} at t = {reached:.9g} s; the same command continues from there",
             )
         return Outcome.COMPLETED, ""
 
@@ -252,7 +252,7 @@ class Advancer:
                 )
                 raise StopError(
                     Outcome.DISK_FULL,
-                    f"{error}: {kept} kept. Free some space and give the same command: it goes on from there",
+                    f"{error}: {kept} kept. Free some space and give the same command: it continues from there",
                 ) from None
             raise
         self._written_steps = simulation.step_index

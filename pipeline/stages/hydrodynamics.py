@@ -78,7 +78,7 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
                 _write_manifest(manifest_file, case, items)
                 continue
             if file.is_file():
-                log.say(f"mesh: {name}: {file} is damaged, made anew")
+                log.say(f"mesh: {name}: {file} is damaged, computed again")
         skipped = False
         begin = time.process_time()
         with located(case, f"databases.{name}"):

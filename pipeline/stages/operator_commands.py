@@ -46,7 +46,7 @@ def send(root: Path, word: Command) -> None:
             _append(root / WORDS_FILE, f"{word}\n")
             return
     raise InputError(
-        f"no run works in {root}", source=root, key="--send", expected="a run that goes on, or another --out"
+        f"no run works in {root}", source=root, key="--send", expected="a run in progress, or another --out"
     )
 
 

@@ -143,7 +143,7 @@ def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
     for name, angles in found.items():
         log.say(
             f"simulate: {name} tips over at {math.degrees(angles.static):.4g} degrees on rigid groups, at "
-            f"{math.degrees(angles.compliant):.4g} degrees of the road with what they give way"
+            f"{math.degrees(angles.compliant):.4g} degrees of the road on compliant groups"
         )
     return {name: angles._asdict() for name, angles in found.items()}
 

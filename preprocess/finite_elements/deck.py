@@ -769,5 +769,5 @@ def _check_material(material: Material, source: object) -> None:
             f"longitudinal waves of {speed:.4g} m/s, no material is like that",
             source=source,
             expected='the units of the file: length_unit = "1 mm" and mass_unit = "1 t" for N/mm^2 and t/mm^3, '
-            '"1 m" and "1 kg" if it is meant so',
+            '"1 m" and "1 kg" if that is intended',
         )

@@ -336,7 +336,9 @@ def _best_candidate(
     nf = min(stored.shape[1], _TESTED_MODES)
     remedy = f"the {count} omitted nodes in 'clamped_nodes'"
     if nf < 2:
-        raise InputError(f"omits {count} nodes, and one mode cannot tell which", source=path, expected=remedy)
+        raise InputError(
+            f"omits {count} nodes, and one mode does not determine which", source=path, expected=remedy
+        )
     shapes = stored.reshape(-1, 3, stored.shape[1])[:, :, :nf]
     cosines = _run_cosines(shapes, masses, count)
     results = [(float(c), np.arange(s, s + count)) for s, c in enumerate(cosines)]

@@ -180,7 +180,7 @@ def _check_outliers(database: HydrodynamicDatabase) -> None:
         for at, factor in outlying_frequencies(database.omega, values, largest):
             omega = database.omega[at]
             raise InputError(
-                f"at {omega:.4g} rad/s all of it is {factor:.2g} times what the frequencies beside it say",
+                f"at {omega:.4g} rad/s all of it is {factor:.2g} times the value of the adjacent frequencies",
                 source=database.source,
                 key=key,
                 expected=f"one that changes steadily; 'leave_out = [{omega:.4g}]' if that is all that is wrong",

@@ -69,7 +69,7 @@ FEW = 4
 """At most one in so many frequencies is proposed to be left out."""
 
 LARGEST_TOLERANCE = 0.5
-"""Above it nothing of a matrix is to be believed."""
+"""Above it a whole matrix is implausible."""
 
 ROUND = 1e-9
 
@@ -419,7 +419,7 @@ def _with_limit(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicD
     return _told(
         replace(database, added_mass_infinite=value),
         "no added mass of infinite frequency: found from the damping by Ogilvie's relation, "
-        f"which scatters by {max(scatter, 1e-4):.2%} over these frequencies and knows nothing of damping beyond them",
+        f"which scatters by {max(scatter, 1e-4):.2%} over these frequencies and neglects damping beyond them",
     )
 
 

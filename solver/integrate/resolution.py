@@ -239,8 +239,8 @@ def step_warning(layout: Layout, floor: float) -> str:
     if sudden:
         steps.append(sudden[0][1])
         parts.append(
-            f"a motion is taken up within a few steps by {_listed(sudden)} steps in a period with what it holds: peaks"
-            " of its force, and how the motion goes on, are those of the step"
+            f"a motion is taken up within a few steps by {_listed(sudden)} steps in a period with the mass that it holds: peaks"
+            " of its force, and the motion afterwards, depend on the step"
         )
     turning = _turning(layout, floor)
     if turning:

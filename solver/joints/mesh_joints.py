@@ -145,7 +145,7 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
                 f"the axis is {np.degrees(np.arccos(min(abs(tangent[2]), 1.0))):.4g} deg from the tangent of the frame",
                 source=joint.name,
                 key="axis",
-                expected=f"an axis along the tangent or square to it; else {BETWEEN}",
+                expected=f"an axis along the tangent or perpendicular to it; else {BETWEEN}",
             )
         normals = z[None, :]
     else:

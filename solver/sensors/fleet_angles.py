@@ -78,9 +78,9 @@ class FleetAngle(Between, PackedForce):
         axis, normal = np.array(spec.axis), np.array(spec.normal)
         if abs(axis @ normal) > SQUARE * float(np.linalg.norm(axis) * np.linalg.norm(normal)):
             raise InputError(
-                f"{normal.tolist()} is not square to axis = {axis.tolist()}",
+                f"{normal.tolist()} is not perpendicular to axis = {axis.tolist()}",
                 key="normal",
-                expected="a direction square to 'axis'",
+                expected="a direction perpendicular to 'axis'",
             )
 
 

@@ -269,7 +269,7 @@ class _Search:
         """Which body has most of the energy of a motion that does not end."""
         energy = np.bincount(self.rows.owner, weights=inertia * velocity**2, minlength=len(self._mass))
         name = self.rows.layout.body_names[int(np.argmax(np.where(self.moves, energy, -1.0)))]
-        return f"a motion goes on that nothing takes away, most of it of {name!r}"
+        return f"a motion continues that nothing damps, most of it of {name!r}"
 
     def moved(self) -> float:
         """Largest displacement of a body since the start [m]."""

@@ -379,7 +379,7 @@ class _Search:
         worst = int(np.argmax(np.bincount(rows.owner, weights=full**2)))
         return InputError(
             f"no stable equilibrium found after {self.iterations} iterations: all loads are carried, but"
-            f" {rows.layout.body_names[worst]!r} leaves each position of balance once it is pushed",
+            f" {rows.layout.body_names[worst]!r} leaves each equilibrium position after a disturbance",
             source="simulation",
             key="start",
             expected="joints, springs or ropes that hold it, or a start nearer to a stable equilibrium",

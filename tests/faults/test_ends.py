@@ -49,7 +49,7 @@ def test_a_run_ends_as_if_it_could_speak(small_case, how):
     assert found.returncode == 0
     if how == "output":
         assert found.stderr.decode().splitlines() == [
-            "output is lost: No space left on device; the run itself goes on"
+            "output is lost: No space left on device; the run itself continues"
         ]
     manifest = json.loads((small_case / "out" / "simulate" / "manifest.json").read_text())
     assert manifest["outcome"] == "completed"

@@ -200,7 +200,7 @@ def plan_stages(
         if abs(position.pose.trim - stage.trim) + abs(position.pose.list - stage.heel) > 1e-6:
             raise InputError(
                 f"stage {stage.name!r}: the hull does not stay at a heel of {math.degrees(stage.heel):.4g} and a trim"
-                f" of {math.degrees(stage.trim):.4g} deg, it goes to {math.degrees(position.pose.list):.4g} and"
+                f" of {math.degrees(stage.trim):.4g} deg, it moves to {math.degrees(position.pose.list):.4g} and"
                 f" {math.degrees(position.pose.trim):.4g} deg",
                 source=hull.name,
                 key="tanks",

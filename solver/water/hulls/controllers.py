@@ -557,7 +557,7 @@ def begin_controllers(kind: Controllers, names: Sequence[str]) -> None:
         values = np.linalg.svd(unit, compute_uv=False)
         if not (sizes > 0.0).all() or len(values) < len(A) or values[-1] < DEPENDENT * values[0]:
             raise InputError(
-                f"{len(A)} things to keep, and the pumps can change {int((values > DEPENDENT * values[0]).sum())}"
+                f"{len(A)} quantities to keep, and the pumps can change {int((values > DEPENDENT * values[0]).sum())}"
                 " of them by themselves",
                 source=name,
                 key="pumps",
