@@ -184,7 +184,7 @@ class Simulation:
                 f"{start!r} with contacts" + (" and frames or shells" if meshes else f" and {integrator!r}"),
                 source="simulation",
                 key="start",
-                expected="'check' or 'project': contacts come to rest by themselves in time",
+                expected="'check' or 'project': contacts come to rest during the run",
             )
         self._start_mode, self._scene = start, scene
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)

@@ -69,7 +69,7 @@ def stop_message(layout: Layout, when: str) -> str:
     if outcome is Outcome.OFF_ROAD:
         vehicle, reason = _where_off_road(layout)
         if "tipped over" in reason:
-            remedy = "groups farther apart, a lower load, or a gentler way"
+            remedy = "groups farther apart, a lower load, or a smoother path"
     thrown, jolt = _jolt(layout) if outcome is Outcome.STEP_TOO_LARGE else ("", "")
     if jolt:
         part, reason, vehicle = "transporter", jolt, thrown
@@ -109,7 +109,7 @@ def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
                     return (
                         "line bearing",
                         reason,
-                        "a longer body or deck, or what holds its sides at their distance",
+                        "a longer body or deck, or something that holds its sides at their distance",
                     )
                 names = states.dtype.names or ()
                 word, unit = ("rope", " m") if {"rest", "depth"} & set(names) else ("law of", "")
@@ -237,15 +237,15 @@ def _contact_remedy(layout: Layout, contact: int) -> tuple[str, str]:
     (contacts,) = _contacts(layout)
     why = int(contacts.control.failure)
     if why == NO_END:
-        return ": it and laws of ropes and stops move each other without end", "softer stops and ropes"
+        return ": it and the laws of ropes and stops do not converge together", "softer stops and ropes"
     if why == NO_IMPULSES:
-        reason = ": no impulses obey the laws of this and all others that touch, in shorter steps neither"
+        reason = ": no impulses satisfy the laws of this and all other contacts, nor in shorter steps"
         return reason, COMPLIANT_LAW if _has_rigid(layout) else "a smaller step, or less friction"
     if why == PRESSED_IN:
         stiffer = "" if contacts.table[contact].law == RIGID else " a stiffer law"
         deeper = "it is deeper inside its contour than its rounding"
         return "", f"a smaller step,{stiffer} or a larger radius: {deeper}"
-    return "", "a smaller step, or a contour whose control points are not crowded"
+    return "", "a smaller step, or a contour with more evenly spaced control points"
 
 
 LARGEST_MISS = 0.01
@@ -315,12 +315,12 @@ def _tyres_at_their_limit(layout: Layout, kind: Any) -> list[str]:
         name = layout.block_names[int(path.block)]
         if state.most_traction.value > AT_LIMIT:
             parts.append(
-                f"{name!r} slides: some of its wheels have all the friction that there is (first at t = "
+                f"{name!r} slides: some of its wheels use all their friction (first at t = "
                 f"{state.most_traction.time:.6g} s)"
             )
         if state.wait > 0.0:
             parts.append(
-                f"{name!r} is slower than its plan, by {state.wait:.4g} s in all: motors or friction had no more"
+                f"{name!r} is slower than its plan, by {state.wait:.4g} s in all: motors or friction at their limit"
             )
     return parts
 

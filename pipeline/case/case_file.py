@@ -347,7 +347,7 @@ class Case(SceneTables, _CaseHeading):
         if meshes:
             reject(
                 f"{self.simulate.start!r} with {what} and {meshes[0]!r}, a frame or shell",
-                "'check' or 'project': contacts come to rest by themselves in time",
+                "'check' or 'project': contacts come to rest during the run",
                 key="simulate.start",
             )
         soft = next((i for i, collision in enumerate(self.collisions) if collision.law != "rigid"), None)
@@ -575,12 +575,12 @@ def read_document(file: Path) -> dict[str, Any]:
         raise InputError(
             "does not exist",
             source=file,
-            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes one to begin with",
+            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes an example",
         ) from None
     except OSError as error:
         raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"byte {error.start} is no UTF-8", source=file, expected="text in UTF-8") from None
+        raise InputError(f"byte {error.start} is not UTF-8", source=file, expected="text in UTF-8") from None
     except RecursionError:
         raise InputError(
             "is nested too deeply", source=file, expected=f"at most {DEEPEST} tables within each other"

@@ -39,7 +39,7 @@ __all__ = [
 ]
 
 SMALLEST_DEGREE = 3
-"""A contour has a continuous curvature, or what slides along it is hit at every knot."""
+"""A contour has a continuous curvature, or sliding bodies get an impulse at every knot."""
 
 Parametrisation = Literal["chord", "centripetal", "uniform"]
 Weight = Annotated[float, Positive("number")]
@@ -52,7 +52,7 @@ def _smooth(value: Any) -> Any:
         reject(f"{value!r} is not an integer", f"an integer from {SMALLEST_DEGREE} to {LARGEST_DEGREE}")
     if value < SMALLEST_DEGREE:
         reject(
-            f"degree {value} has no continuous curvature, and what slides along it is hit at every knot",
+            f"degree {value} has no continuous curvature, and sliding bodies get an impulse at every knot",
             f"{SMALLEST_DEGREE} to {LARGEST_DEGREE}",
         )
     if value > LARGEST_DEGREE:

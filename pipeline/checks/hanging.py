@@ -31,7 +31,7 @@ _NAMED = 4  # bodies of a sentence
 
 
 def hanging_warnings(case: Case, results: Results) -> list[str]:
-    """Sentences without a full stop; none if all lines carry, no pulley is at a stop and bodies rest as drawn."""
+    """Sentences without a full stop; none if lines carry, pulleys are off their stops and bodies rest unturned."""
     if not len(results.time):
         return []
     return [*_equalizers(case, results), *_phases(case), *_tilted(case, results)]
@@ -42,7 +42,7 @@ def _phases(case: Case) -> list[str]:
     if case.scenario is None:
         return []
     words = words_of_inner_ropes(case, str(case.scenario.model_dump()))
-    return [f"phases judge what its lines do not feel: {words}"] if words else []
+    return [f"conditions of phases use the rope over the pulleys, not the lines: {words}"] if words else []
 
 
 def _equalizers(case: Case, results: Results) -> list[str]:

@@ -12,7 +12,7 @@ class Terminated(KeyboardInterrupt):
 def interruption(error: KeyboardInterrupt) -> str:
     """A line about Ctrl-C or SIGTERM outside the time loop."""
     name = "SIGTERM: stopped" if isinstance(error, Terminated) else "interrupted"
-    return f"{name}; what was written is kept"
+    return f"{name}; results so far are kept"
 
 
 def out_of_memory(error: MemoryError) -> str:

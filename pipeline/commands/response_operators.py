@@ -298,7 +298,7 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
     lines.append("  natural periods (undamped):")
     lines += [f"    {mode['period']:>10.4g} s   {mode['coordinate']}" for mode in document["natural_modes"]]
     if not document["natural_modes"]:
-        lines.append("    none: nothing restores")
+        lines.append("    none: no restoring force")
     if not document["headings"]:
         return [*lines, "", "  no response operators: the databases have no exciting forces"]
     lines += [

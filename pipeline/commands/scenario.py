@@ -159,7 +159,7 @@ def _summary(
     if not math.isfinite(low):
         return (
             f"{words}, no least length is known from phase {where!r} on: it has no timeout, the rope is connected in"
-            " it, or its winch answers to something else"
+            " it, or its winch is controlled otherwise"
         )
     words += f", shortest {low:.3f} m in phase {where!r}"
     if low <= 0.0:

@@ -243,7 +243,7 @@ def simulate_seeds(
     Raises
     ------
     InputError
-        If nothing has a seed, or fewer runs are wanted than tell something.
+        If no wave or wind has a seed, or fewer runs are wanted than tell something.
     StopError
         If bodies could not be prepared, somebody interrupts, or the machine has no room.
     """
@@ -254,7 +254,7 @@ def simulate_seeds(
         raise InputError(f"{count}", source="--seeds", expected=f"{LEAST_RUNS} runs or more, better 10 to 20")
     if not keys:
         raise InputError(
-            "nothing has a seed",
+            "no wave or wind has a seed",
             source=case.file,
             key="sea",
             expected="irregular waves, or wind with turbulence",

@@ -102,7 +102,7 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
     """
     quantity, name = field.quantity, field.name.replace("_", " ")
     if field.mark(AsDrawn) is not None and value is None:
-        return f"{name} as drawn"
+        return f"initial geometric {name}"
     if isinstance(quantity, (WorldDirection, BodyPoint, NameOf)):
         return ""
     if get_origin(field.hint) is Literal and value is not None:

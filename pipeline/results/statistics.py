@@ -580,7 +580,7 @@ def _component(results: Results, channel: str, index: int, count: int) -> Column
         column = values if values.ndim == 1 else values[:, index]
         if ".gap" in channel and np.isnan(column).any():
             raise InputError(
-                f"{channel!r} is not known at all times: surfaces were out of reach, and their distance was not requested",
+                f"{channel!r} is not known at all times: surfaces out of reach, and their distance not requested",
                 source=run.source,
                 expected="'clearance = true' in the collision, or a check, criterion or [report] channels that name it",
             )

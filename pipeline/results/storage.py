@@ -159,7 +159,7 @@ def replacing(path: Path) -> Iterator[Path]:
     except OSError as error:
         if error.errno in FULL or "No space left" in str(error):
             raise StopError(
-                Outcome.DISK_FULL, f"no space left to write {path}; what was written before is intact"
+                Outcome.DISK_FULL, f"no space left to write {path}; earlier files are intact"
             ) from None
         raise
     finally:

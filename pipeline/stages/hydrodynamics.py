@@ -255,12 +255,12 @@ def _told(
     )
     for sentence in sentences:
         work.log.say(f"mesh: {name}: REFUSED: {sentence}")
-    work.log.say(f"mesh: {name}: what was computed is kept in {kept}")
+    work.log.say(f"mesh: {name}: the computed database is kept in {kept}")
     shown = "; ".join(sentences[:_SHOWN])
     if len(sentences) > _SHOWN:
         shown += f"; {len(sentences) - _SHOWN} more in {kept.with_suffix('.json').name}"
     return InputError(
-        f"what was computed cannot be: {shown}", key="compute", expected=remedy or error.expected
+        f"the computed database is impossible: {shown}", key="compute", expected=remedy or error.expected
     )
 
 
@@ -274,7 +274,7 @@ def _remedy(section: DatabaseSection, database: HydrodynamicDatabase, faults: Se
     assert compute is not None
     if not faults:
         return ""
-    words = [] if compute.lid else ["'compute.lid = true', which takes irregular frequencies away"]
+    words = [] if compute.lid else ["'compute.lid = true', which removes irregular frequencies"]
     words.append(f"a 'compute.panel_size' below {compute.panel_size:g} m")
     words += [
         f"{word}; nothing is computed again then" for word in remedies(database, faults, section.repair)

@@ -105,7 +105,7 @@ def steps_taken(simulation: Any) -> int:
 
 
 def simulate_stage(work: Work) -> StageReport:
-    """Integrate over the whole duration, going on from what an earlier run left if it fits."""
+    """Integrate over the whole duration, continuing the results of an earlier run if they fit."""
     folder, log = work.folder, work.log
     digest = simulate_digest(work.case)
     manifest = read_json(folder.manifest("simulate")) or {}

@@ -147,7 +147,6 @@ class LoneExtremes:
             return ""
         more = f" and {len(words) - NAMED} more" if len(words) > NAMED else ""
         return (
-            f"extremes stand alone where a phase ended within a step: {'; '.join(words[:NAMED])}{more}: what is"
-            " recorded there may be of a step that was cut to next to nothing; let the phase end at a whole step, or"
-            " compare with another step"
+            f"extremes stand alone where a phase ended within a step: {'; '.join(words[:NAMED])}{more}: their"
+            " values may be those of a very short step; let the phase end at a whole step, or compare with another step"
         )

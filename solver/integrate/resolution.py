@@ -239,15 +239,15 @@ def step_warning(layout: Layout, floor: float) -> str:
     if sudden:
         steps.append(sudden[0][1])
         parts.append(
-            f"a motion is taken up within a few steps by {_listed(sudden)} steps in a period with the mass that it holds: peaks"
-            " of its force, and the motion afterwards, depend on the step"
+            f"a motion is taken up within a few steps by {_listed(sudden)} steps in a period with the mass that it"
+            " holds: peaks of its force, and the motion afterwards, depend on the step"
         )
     turning = _turning(layout, floor)
     if turning:
         steps.append(turning[0][1])
         parts.append(
             f"the speed over sheaves with friction turns within few steps: {_listed(turning)} steps in a period:"
-            " which way sheaves rub, and with that the tensions that stay, are those of the step"
+            " the sliding directions, and with them the remaining tensions, depend on the step"
         )
     words = []
     if parts:
@@ -259,7 +259,7 @@ def step_warning(layout: Layout, floor: float) -> str:
     if ramps:
         words.append(
             f"ramps of drives are passed in a step or two of {counts.step:.3g} s, by {_listed(ramps)} steps in a ramp:"
-            " what they start and stop feels that of the step"
+            " the driven motion starts and stops within these steps instead"
         )
     return "; ".join(words)
 

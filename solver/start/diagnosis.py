@@ -148,7 +148,7 @@ def diagnose(rows: StartRows) -> Diagnosis:
     near = _nearby(rows, scaled, lengths, graph, ranks)
     redundant = [
         f"{_joints(rows, bridge.blocks)} hold {names[bridge.bodies[1]]!r} with"
-        f" {plural(more, 'row')} too many: how they share their forces is not unique"
+        f" {plural(more, 'row')} too many: the distribution of their forces is not unique"
         for bridge, more in texts
     ]
     for core, core_rank in zip(graph.cores, ranks, strict=True):
@@ -162,7 +162,7 @@ def diagnose(rows: StartRows) -> Diagnosis:
             motions.append(f"{quoted(loose_bodies)} hang together, and no joint holds them to anything else")
     singular = None if near is None else near.ranks != ranks or near.stuck
     if near is not None and near.stuck:
-        motions.append("in this position only: at second sight the joints allow less motion than that")
+        motions.append("in this position only: to second order the joints allow less motion than that")
     return Diagnosis(
         degrees_of_freedom=len(rows.free) - rank,
         row_count=scaled.matrix.shape[0],
@@ -344,12 +344,12 @@ def _core_redundancy(
                 where = f", {'all' if always == 0 else left.shape[1] - always} of them in this position only"
         texts.append(
             f"{_joints(rows, loop_blocks)} {action} with {plural(more, 'row')} too many{where}:"
-            " how they share their forces is not unique"
+            " the distribution of their forces is not unique"
         )
     if missing:
         texts.append(
             f"{_joints(rows, blocks)} together have {plural(missing, 'row')}"
-            f"{' more' if texts else ''} too many: how they share their forces is not unique"
+            f"{' more' if texts else ''} too many: the distribution of their forces is not unique"
         )
     return texts
 

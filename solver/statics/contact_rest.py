@@ -177,11 +177,11 @@ def settle_contacts(
     notes = []
     if apart > SAME:
         notes.append(
-            f"{'friction' if rubs else 'what holds it'} leaves the place of rest open: two ways to it put {name!r}"
-            f" {apart * length:.2g} m apart"
+            f"{'friction' if rubs else 'what holds it'} leaves the position of rest undetermined: two searches end with"
+            f" {name!r} {apart * length:.2g} m apart"
         )
     if found.unbalanced > UNBALANCED:
-        notes.append(f"a part of {found.unbalanced:.1g} of the loads is not in balance yet")
+        notes.append(f"a fraction of {found.unbalanced:.1g} of the loads is not balanced yet")
     worth = apart > TOLD or found.unbalanced > UNBALANCED
     return ContactRest("; ".join([text, *notes]), "at the start " + ", ".join(notes) if worth else "")
 

@@ -214,5 +214,5 @@ def test_a_signal_in_a_stage_outside_the_time_loop(small_case):
     _, error = process.communicate(timeout=30)
     assert time.monotonic() - begin < 10.0
     assert process.returncode == Outcome.INTERRUPTED
-    assert error == "SIGTERM: stopped; what was written is kept\n"
+    assert error == "SIGTERM: stopped; results so far are kept\n"
     assert not list((small_case / "out").rglob("*.h5"))

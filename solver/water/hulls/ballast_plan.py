@@ -287,7 +287,7 @@ def _fill(
         f"stage {stage.name!r}: no filling found in {ROUNDS} rounds",
         source=hull.name,
         key="tanks",
-        expected="tanks whose centres go evenly with their water",
+        expected="tanks whose centres vary smoothly with their water",
     )
 
 

@@ -156,7 +156,7 @@ def check_line(line: MooringLine, anchor: NDArray[np.float64], fairlead: NDArray
             source=line.name,
             key="sections",
             expected=f"a length of {span:g} m or more, from the anchor to the fairlead; a stretch of"
-            f" {min(START_STRAIN, line.strain_limit):.3g} at the start is taken",
+            f" {min(START_STRAIN, line.strain_limit):.3g} at the start is accepted",
         )
 
 
