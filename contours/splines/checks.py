@@ -92,8 +92,8 @@ def check_degree(contour: NeutralContour, source: str = "contour") -> None:
     for axis, space in enumerate(contour.spaces):
         if space.degree < SMALLEST_DEGREE:
             raise InputError(
-                f"degree {space.degree}{_direction(contour, axis)}: a body that slides along it gets an impulse at every"
-                " knot",
+                f"degree {space.degree}{_direction(contour, axis)}: a body that slides along it gets an impulse at"
+                " every knot",
                 source=source,
                 key="degree",
                 expected=f"at least {SMALLEST_DEGREE} for a contact contour",

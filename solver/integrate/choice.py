@@ -95,7 +95,7 @@ def _rope(scene: Scene) -> str:
 
 
 def _rubbing(scene: Scene) -> str:
-    """The first rope with friction in a sheave or a winch that is controlled by its tension, as words; empty if none."""
+    """The first rope with sheave friction or a winch controlled by its tension, in words; empty if none."""
     for rope in scene.ropes:
         if rubbing_places(rope):
             return f"rope {rope.name!r} sticks and slides on its sheaves"
