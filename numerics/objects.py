@@ -228,7 +228,7 @@ def _write(unit: Unit, data: bytes) -> None:
         older = [(_age(other), other) for other in path.parent.glob(f"{name}-*.o") if other != path]
         for _, other in sorted(older)[:-KEPT_OBJECTS]:
             other.unlink(missing_ok=True)
-    except OSError as error:  # a full disk: this run goes on with what it has in memory
+    except OSError as error:  # a full disk: this run continues with what it has in memory
         say(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
     finally:
         if temporary is not None:

@@ -114,7 +114,7 @@ class Log:
         """Give a function ``update(done, note)`` that shows how far the work is.
 
         On a terminal it draws a bar; elsewhere it prints a line on standard error every `PROGRESS_SECONDS`,
-        so that a log file or a batch system shows that a long run goes on, and standard output stays clean.
+        so that a log file or a batch system shows that a long run continues, and standard output stays clean.
         """
         if self.quiet:
             yield lambda _done, _note: None

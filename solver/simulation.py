@@ -637,7 +637,7 @@ class Simulation:
         return self._lone.warning(times, self.step, self.record_every, steps_vary=self.tolerance > 0.0)
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Everything that a continuation needs, bit for bit: arrays by name, copied."""
+        """Everything that a bitwise identical continuation needs: arrays by name, copied."""
         self._start()
         arrays = {name: array.copy() for name, array in self._arrays()}
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
@@ -689,7 +689,7 @@ class Simulation:
             self._lone.state = state["extremes"]
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.sequencer.state.outcome) < 0
-        self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record
+        self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._layout.work.status.words[:] = 0.0
         self._started = True
         if self._touches:

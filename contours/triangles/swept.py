@@ -20,7 +20,7 @@ rounding error; a sign counts only beyond the bound, and where signs stay unknow
 
 **Advancement** to where a separating plane is reached tells when two moving features first touch.
 At a time, the closest points give a plane between the features. Corners move linearly, so the time for which
-the plane goes on separating them follows from one division a corner; no contact can occur before it
+the plane keeps separating them follows from one division a corner; no contact can occur before it
 (conservative advancement, Mirtich 1996, with the bound along the separating axis instead of along the fastest
 point). Where a turning edge would make such steps ever shorter, the plane turns with it. This holds whatever
 the accuracy of the plane, needs no polynomial of coplanarity, and is not troubled by motion within a plane,

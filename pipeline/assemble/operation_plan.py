@@ -116,7 +116,7 @@ class _Course:
     speed, acceleration
         Then, as far as the value is known.
     rows
-        Plan; none of what stands still, or goes on with its speed.
+        Plan; none of what stands still, or continues with its speed.
     target
         Where it comes to rest.
     arrived

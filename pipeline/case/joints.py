@@ -162,7 +162,7 @@ def _shown(vector: tuple[float, float, float]) -> str:
 
 
 class CrossJointSection(AxisJointSection):
-    """What joints have with an axis on either side, square to each other."""
+    """What joints have with an axis on either side, perpendicular to each other."""
 
     second_axis: Direction | None = None
     """With `axis`, the axis of a: world direction of the axis of b at the start, any length."""

@@ -283,7 +283,7 @@ def _choice(definition: Mapping[str, Any]) -> str:
 
 
 def _references(node: Any, suffix: str = "") -> Iterator[tuple[str, str]]:
-    """Sections that a value may be, and how their paths go on."""
+    """Sections that a value may be, and how their paths continue."""
     if isinstance(node, list):
         for entry in node:
             yield from _references(entry, suffix)

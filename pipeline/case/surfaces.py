@@ -113,7 +113,7 @@ class ExclusionSection(Section):
     """How its axes are turned from those of the body; not at all if absent."""
     keep: Literal["outside", "inside"] = "outside"
     """``outside``: triangles that lie wholly in the box take no part; ``inside``: triangles that lie wholly outside of
-    all such boxes take no part. What the sides of a box cut goes on taking part."""
+    all such boxes take no part. Triangles cut by the sides of a box are kept."""
 
 
 class SurfaceSection(Section):

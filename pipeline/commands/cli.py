@@ -115,7 +115,7 @@ def simulate(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Reduced bodies to time histories; an interrupted run goes on where it stopped."""
+    """Reduced bodies to time histories; an interrupted run continues where it stopped."""
     stages = ("mesh", "modes", "simulate")
     return _stages(stages, ("simulate",), case, out, set_, force=force, quiet=quiet, json=json)
 
@@ -255,7 +255,7 @@ def scenario(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Phases of an operation, and how long its ropes will be, without dynamics; or a word to a run that goes on."""
+    """Phases of an operation, and how long its ropes will be, without dynamics; or a command to a run in progress."""
 
     def command(log: "Log") -> int:
         if send is not None:

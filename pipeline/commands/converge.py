@@ -53,7 +53,7 @@ def converge_case(
     InputError
         If the case has no study, or a value does not fit the parameter.
     StopError
-        If a run does not complete; one of several series goes on and tells so in its row.
+        If a run does not complete; one of several series continues and tells so in its row.
     """
     from heavylift.pipeline.pictures.plots import plot_series, plot_study
 

@@ -1,4 +1,4 @@
-"""Ends of commands that nobody asked for, in a line each; nothing that takes time is imported here."""
+"""Unrequested ends of commands, with a line for each; nothing that takes time is imported here."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def scenario_command(
 
 
 def send_command(path: Path, word: Command, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:
-    """Say a word to the run that goes on in the output folder of a case.
+    """Send a command to the run in progress in the output folder of a case.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def send_command(path: Path, word: Command, *, out: Path | None = None, override
     Raises
     ------
     InputError
-        If something is wrong with the case, it has no scenario, or no run goes on.
+        If something is wrong with the case, it has no scenario, or no run is in progress.
     """
     from heavylift.pipeline.stages.operator_commands import send
 

@@ -168,7 +168,7 @@ def _closed(code: int) -> int:
 
 
 def _told(error: BaseException) -> int:
-    """Say what no command has answered in a line; returns the exit code."""
+    """Report an unhandled error in one line; returns the exit code."""
     from heavylift.numerics.outcome import Outcome
 
     if isinstance(error, KeyboardInterrupt):

@@ -238,7 +238,7 @@ def simulate_seeds(
     """Runs of several seeds, each in a folder of its own below ``seeds``; those that are there are not repeated.
 
     Of each run `take` takes what is wanted from the case of its seed and its folder, so that the records of one run are
-    in memory. A run that stops by itself is one without, and the others go on.
+    in memory. A run that stops by itself is one without, and the others continue.
 
     Raises
     ------

@@ -39,7 +39,7 @@ FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 
 
 class StopError(RuntimeError):
-    """A stage cannot go on, through no fault of the input; says how it ended and what to do."""
+    """A stage cannot continue, through no fault of the input; says how it ended and what to do."""
 
     def __init__(self, outcome: Outcome, message: str) -> None:
         self.outcome = outcome

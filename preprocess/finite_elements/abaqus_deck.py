@@ -3,7 +3,7 @@
 What is understood:
 
 * *text*: keywords in any case and with or without inner blanks; comments ``**``; blank lines; a keyword line goes
-  on after a comma at its end; lines of elements, constants and sets go on as long as numbers are missing; commas at
+  on after a comma at its end; lines of elements, constants and sets continue as long as numbers are missing; commas at
   the end of a line; numbers like 1.5D-3; quoted names; ``*INCLUDE``, and ``INPUT=`` of nodes, elements, sets and the
   like (`INPUT_IS_DATA`), of files below the case folder;
 * *mesh*: ``*NODE`` (``NSET``, ``SYSTEM=R|C|S``) and ``*SYSTEM``; ``*ELEMENT`` (``TYPE``, ``ELSET``), of which C3D8,
@@ -75,7 +75,7 @@ class _Card:
 
 
 _FIELD = re.compile(r'(?:[^,"]|"[^"]*")+')
-# a line that goes on with a keyword: parameters, and no data as it is
+# a line that continues with a keyword: parameters, and no data as it is
 _PARAMETERS = re.compile(r"[A-Za-z][A-Za-z ]*=|(GENERATE|INTERNAL|UNSORTED)\s*(,|$)", re.IGNORECASE)
 
 

@@ -166,7 +166,7 @@ def read_entries(path: Path, node_count: int) -> EntryTable:
 
 
 def write_table(path: Path, values: NDArray[np.float64]) -> None:
-    """Write rows of numbers with 17 digits, so that reading gives the same bits."""
+    """Write rows of numbers with 17 digits, so that reading gives bitwise identical numbers."""
     template = " ".join(["%24.16e"] * values.shape[1])
     path.write_text("".join(template % tuple(row) + "\n" for row in values.tolist()), encoding="ascii")
 

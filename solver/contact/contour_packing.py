@@ -213,7 +213,7 @@ def _control_data(contour: Contour, one: NeutralContour, body: AnyBody | None) -
 
 
 def _across(contour: Contour, one: NeutralContour, body: AnyBody | None) -> NDArray[np.float64]:
-    """Two directions square to the first chord of a curve, in the world at the start."""
+    """Two directions perpendicular to the first chord of a curve, in the world at the start."""
     if len(one.spaces) == 2:
         return np.eye(3)[:2]
     chord = one.control[1] - one.control[0]

@@ -415,7 +415,7 @@ class Events(Record):
     effort
         Contacts times iterations of their solver since the last whole step.
     exhausted
-        Whether the rest of the whole step goes on without impacts of its own.
+        Whether the rest of the whole step continues without impacts of its own.
     rough, roughest
         Solutions of this step that were accepted although the solver found none of its accuracy, and their largest
         residual: counted when the step stands.
@@ -458,7 +458,8 @@ class Events(Record):
 
 
 class Tally(Record):
-    """What steps that stand have counted since the start; carried, so that a run that goes on tells what all of it did.
+    """What steps that stand have counted since the start; carried, so that a run that continues tells what all of it
+    did.
 
     Attributes
     ----------

@@ -66,7 +66,7 @@ class RunWatch:
     mass
         Of all bodies [kg].
     remedy
-        What may help beside a smaller step or tolerance, as words that go on a sentence.
+        What may help beside a smaller step or tolerance, as words that continue a sentence.
 
     Attributes
     ----------

@@ -172,7 +172,7 @@ def _refuse_opposite(joint: Joint, place: JointPlace, tangent: NDArray[np.float6
 
 
 def _across(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Two unit directions square to a unit direction and to each other, as rows."""
+    """Two unit directions perpendicular to a unit direction and to each other, as rows."""
     first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(direction, first)])

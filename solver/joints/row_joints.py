@@ -81,7 +81,7 @@ __all__ = [
 ]
 
 LARGEST_COSINE = 0.9
-"""Of the angle between two axes that are square to each other, at the start: the row vanishes if they are parallel."""
+"""Of the angle between two perpendicular axes, at the start: the row vanishes if they are parallel."""
 
 
 class RowPart(Record):

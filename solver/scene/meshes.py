@@ -312,7 +312,7 @@ class ShellBody(MeshBody):
     ----------
     slopes
         ``r_x``, ``r_y`` and ``r_xy`` at the nodes, shape (n, 3, 3): derivatives of the position by lengths along
-        the two directions of the mesh. They need not be unit vectors or square to each other.
+        the two directions of the mesh. They need not be unit vectors or perpendicular to each other.
     elements
         Nodes of each: origin, along x, opposite, along y; shape (e, 4).
     lengths

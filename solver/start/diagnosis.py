@@ -464,7 +464,7 @@ def block_rank(matrix: Any, owner: NDArray[np.int64], tolerance: float) -> int:
     Notes
     -----
     All rows on a body are rotated so that as few of them as its own rank, found by QR with exchange of
-    columns, have anything in its columns; these are put aside and counted, the others go on to its neighbours.
+    columns, have anything in its columns; these are put aside and counted, the others continue to its neighbours.
     Rotations keep the rank, so this is a multifrontal QR (T. A. Davis, ACM Trans. Math. Software 38, 2011, on
     SuiteSparseQR) whose fronts are bodies; bodies with few neighbours go first.
     """

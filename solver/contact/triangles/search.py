@@ -2,7 +2,7 @@
 
 The search begins at the poses of the last end and goes to those of this one. What it finds is looked up among the
 contacts that are there; what is new becomes one if its patch needs it. A contact that slides over the border of its
-face goes on with the face that was found beyond it.
+face continues with the face that was found beyond it.
 """
 
 from __future__ import annotations
@@ -219,7 +219,7 @@ def _hand_over(
     moved: float,
     work: Workspace,
 ) -> bool:
-    """A contact that holds and has left its face or edge goes on with what was found there, its memory kept."""
+    """A contact that holds and has left its face or edge continues with what was found there, its memory kept."""
     c, side = goes_on(meshes, contacts, pair, i, moved)
     if c < 0:
         return False

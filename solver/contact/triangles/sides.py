@@ -129,7 +129,7 @@ def _told(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, ne
 
 @kernel(internal=True)
 def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, first: bool) -> None:
-    """Sides of what was found and is no contact yet; what was inside before, and has none to go on from, is unknown.
+    """Sides of what was found and is no contact yet; what was inside before, and has none to continue from, is unknown.
 
     Its side follows from existing contacts, and it may be as deep inside as these.
     """

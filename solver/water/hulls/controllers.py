@@ -10,7 +10,7 @@ kilogram of each pump does to them, A, follows from the stiffness of the hull in
 is the least of all flows q of the pumps that does it, besides those f that have no room: a pump that would run its
 tank over or dry within a period, with the water that still follows by its lag, or that cannot turn round. The share
 s <= 1 keeps every pump within its rate. The flow of a pump follows c with its own lag, exactly, so nothing depends on
-the steps but the times of the looks, which are whole steps; all is carried, so a run goes on bit for bit.
+the steps but the times of the looks, which are whole steps; all is carried, so a continued run is bitwise identical.
 """
 
 from __future__ import annotations
