@@ -1,6 +1,6 @@
 """Compiled code that belongs to no scene: object files, made once and loaded in a millisecond.
 
-A *unit* is a set of kernels with declared signatures: all that one kind of things does, or the loop of an integrator.
+A *unit* is a set of kernels with declared signatures: all operations of one kind, or the loop of an integrator.
 It is compiled as a whole, each function once, into one object file whose name holds a digest of the sources that
 its kernels import, of the compiler and of the processor. So an edit compiles what it touches, and a scene that puts
 known kinds together anew compiles nothing. Files are written beside their place and renamed; one that is not whole, or

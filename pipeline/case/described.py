@@ -103,7 +103,7 @@ class BetweenSection(_NamedSection):
 
 
 def section_of(described: Any, coordinate: str = "") -> type[Section]:
-    """Section of a description, with the keys of where the thing is; `coordinate` as in `make_section`."""
+    """Section of a description, with the keys of where the component is; `coordinate` as in `make_section`."""
     return _section_of(described, coordinate)
 
 

@@ -277,7 +277,7 @@ def _limits_section(quantity: Quantity) -> Any:
 
 @cache
 def joint_section(described: type[c.Joint]) -> type[Section]:
-    """Section of a sort of joints."""
+    """Section of a type of joints."""
     base = _PLACES[described.PLACE]
     turning = described.ROTATIONAL
     changed = {"compliance": (_COMPLIANCE, 0.0)} if turning and not any(turning) else None
@@ -285,4 +285,4 @@ def joint_section(described: type[c.Joint]) -> type[Section]:
 
 
 Joint = Annotated[Any, Chosen(c.JOINTS, joint_section)]
-"""A joint of any sort."""
+"""A joint of any type."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["TILT", "hanging_warnings"]
 
 TILT = math.radians(5.0)
-"""Angle to the vertical as drawn from which on a body has rolled to another rest [rad]."""
+"""Angle to the initial vertical from which on a body has rolled to another position of rest [rad]."""
 CARRIES = 1e-3
 """Part of the largest force of all lines of an equalizer from which on it carries."""
 AT_STOP = 1e-9
@@ -98,7 +98,7 @@ def _span(time: NDArray[np.float64], records: NDArray[np.bool_]) -> str:
 
 
 def _tilted(case: Case, results: Results) -> list[str]:
-    """Rigid bodies that an equilibrium has tilted from how they are drawn."""
+    """Rigid bodies that an equilibrium has tilted from their initial positions."""
     if not case.begins_at_rest:
         return []
     up = np.array([0.0, 0.0, 1.0])
@@ -123,7 +123,7 @@ def _tilted(case: Case, results: Results) -> list[str]:
 
 
 def _angle(drawn: NDArray[np.float64], rest: NDArray[np.float64], up: NDArray[np.float64]) -> float:
-    """Angle between the vertical in the axes of a body as drawn and at rest [rad]."""
+    """Angle between the vertical in the axes of a body initially and at rest [rad]."""
     a, b = (_vertical(q, up) for q in (drawn, rest))
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
 

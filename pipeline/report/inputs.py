@@ -174,7 +174,7 @@ def _drive(frame: Any) -> list[tuple[str, str]]:
 
 
 def initial_rows(initial: Any) -> list[tuple[str, str]]:
-    """Initial state as far as it is given; the rest is at rest where the geometry was drawn."""
+    """Initial state as far as it is given; the rest is at rest at the position of the geometry."""
     rows = [
         (f"initial {key.replace('_', ' ')}", numbers_words(value, unit))
         for key, unit in (("position", "m"), ("velocity", "m/s"), ("angular_velocity", "rad/s"))

@@ -60,7 +60,7 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     rows.append(("elasticity", _elasticity(body)))
     for key, unit in (("axial_force", "N"), ("axial_strain", "")):
         if getattr(body, key, None) is not None:
-            rows.append((key.replace("_", " ") + " as drawn", number_words(getattr(body, key), unit)))
+            rows.append(("initial " + key.replace("_", " "), number_words(getattr(body, key), unit)))
     damping = [f"viscous {body.damping.viscous:.6g} 1/s"] if body.damping.viscous else []
     if body.damping.stiffness:
         damping.append(f"{number_words(body.damping.stiffness, 's')} times the stiffness")
@@ -174,7 +174,7 @@ def _load(load: Any) -> str:
 
 
 def _places(results: Results, shape: MeshShape) -> Table:
-    """Ends of a frame, corners and middle of a shell: where they are drawn, start and end; and the farthest node."""
+    """Ends of a frame, corners and middle of a shell: initially, at start and end; and the farthest node."""
     count = len(shape.nodes)
     positions = results[f"{shape.name}.position"].reshape(len(results.time), count, 3)
     drawn = shape.world_nodes()
@@ -195,7 +195,7 @@ def _places(results: Results, shape: MeshShape) -> Table:
     ]
     largest = number_words(float(moved[record, farthest]), "m") + _when(results, int(record), " at ")
     rows.append((f"farthest from its place (node {farthest})", largest, *([""] * len(records))))
-    columns = ["drawn in the world", *records]
+    columns = ["initial position", *records]
     return short_table(("node", *(f"{column} [{unit.text}]" for column in columns)), rows)
 
 

@@ -560,7 +560,7 @@ class _Reader:
     def _one_element(
         self, card: _Card, name: str, words: list[str], at: tuple[Path, int], members: _Set | None
     ) -> None:
-        # couplings and the like may name other things than nodes: their number is enough
+        # couplings and the like may name other items than nodes: their number is enough
         named = _numbers_of(name) is not None
         label, *nodes = _whole(
             card, words if named else words[:1], at, f"whole numbers: element and nodes of {name}"

@@ -458,8 +458,7 @@ class Events(Record):
 
 
 class Tally(Record):
-    """What steps that stand have counted since the start; carried, so that a run that continues tells what all of it
-    did.
+    """Counts of accepted steps since the start; carried, so that a continued run reports those of all of it.
 
     Attributes
     ----------

@@ -142,7 +142,7 @@ class LevelPoint:
 
 @outputs
 class ControllerParts(Parts):
-    """What a controller records of each thing that it keeps."""
+    """Channels of each quantity that a controller keeps."""
 
     error: Part = channel("number", "what it keeps less what that should be, filtered [m, rad]", None)
 

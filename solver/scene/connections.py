@@ -1,4 +1,4 @@
-"""What a user says of the things between bodies: joints, ropes, springs, drives and motors, in SI units.
+"""Descriptions of components between bodies: joints, ropes, springs, drives and motors, in SI units.
 
 Every joint has a *joint frame* on either side: a point and three axes, in the frame of the body (in
 world axes on the ground). The joint is closed when the two frames fit, each type in its own way.
@@ -275,7 +275,7 @@ class Limits:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Joint:
-    """What all joints have. Each sort is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
+    """What all joints have. Each type is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
 
     Attributes
     ----------
@@ -378,7 +378,7 @@ class EdgeJoint(Joint):
 
 
 JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
-"""All sorts of joints, by their types in a case file."""
+"""All joints, by their types in a case file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -483,7 +483,7 @@ class PackedForce:
 FORCES: Family[Any] = Family(
     "force", "heavylift.solver.forces", "heavylift.solver.force_elements", default="point"
 )
-"""All sorts of forces on bodies, between two points and along joints, by their types in a case file; those that are
+"""All forces on bodies, between two points and along joints, by their types in a case file; those that are
 rows with a law stand among the laws."""
 
 
@@ -492,7 +492,7 @@ MEASURES: Family[Any] = Family("table", "heavylift.solver.sensors", typed=False)
 
 
 ROPES: Family[Any] = Family("rope", "heavylift.solver.force_elements", default="wire")
-"""All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
+"""All ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
 
 
 @ROPES.part

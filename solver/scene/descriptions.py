@@ -1,14 +1,14 @@
-"""Descriptions: all there is to say of a kind of things, said once.
+"""Descriptions: the single definition of each component type.
 
-A *description* is a frozen dataclass, in the file of its kind, of what a user says of one thing: each field is
+A *description* is a frozen dataclass, in the file of its kind, of the values of one component: each field is
 annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it, what
 it records, and in ``check`` what its keys must say together. The section of the case file, the JSON schema, the tables
 of keys, the sentences of channels, the object itself and its row of the report are made from it; nothing of it stands
 anywhere else. A *part* is the description of a table within that of another one. An object that was not made from a
 case file is checked by the same words, see `check_object`.
 
-A `Family` finds the descriptions of one sort: each module of a package may bring some. A file that nobody names is not
-looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
+A `Family` finds descriptions that belong together: each module of a package may bring some. A file that nobody names is
+not looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
 with what it refers to: who reads a case does not import a compiler. When the kernels are wanted, the module is imported
 as any other, and finds its description there already.
 """
@@ -106,7 +106,7 @@ def interval_extremes(
 
 @dataclass(frozen=True)
 class ChannelKind:
-    """A channel that things of a kind record.
+    """A channel that components of a type record.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class DescribedField(NamedTuple):
 
 
 class Family(Generic[T]):
-    """Descriptions of one sort, by the words of case files.
+    """Descriptions of one family, by the words of case files.
 
     Parameters
     ----------
@@ -374,7 +374,7 @@ def described_fields(described: Any) -> tuple[DescribedField, ...]:
 
 
 def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind, ...]:
-    """What things of a description record.
+    """Channels of components of a description.
 
     Parameters
     ----------
@@ -398,7 +398,8 @@ def is_described(hint: Any) -> bool:
 def _find_fields(described: type) -> tuple[DescribedField, ...]:
     """Keys of a description; a field without quantity is a `TypeError`.
 
-    Fields of its bases without annotation are no keys: they say where a thing is, which a case file tells otherwise.
+    Fields of its bases without annotation are no keys: they give where a component is, in another form than a case
+    file.
     """
     hints: dict[str, Any] = {}
     for base in reversed(described.__mro__):
@@ -512,12 +513,12 @@ def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     coordinate
         Coordinate of the joint along which it acts, ``"angle"`` or ``"travel"``.
     source
-        Name of the thing, if it has none of its own.
+        Name of the component, if it has none of its own.
 
     Raises
     ------
     InputError
-        With the name of the thing and the key.
+        With the name of the component and the key.
     """
     if not is_described(type(thing)):
         return
@@ -529,7 +530,7 @@ def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
 
 
 def _spec(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
-    """Keys of a thing as a case file says them; checked."""
+    """Keys of a component as in a case file; checked."""
     spec = types.SimpleNamespace()
     for field in described_fields(type(thing)):
         place = f"{key}{field.name}"

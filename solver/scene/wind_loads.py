@@ -338,7 +338,7 @@ class LoadOutputs(Outputs):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FluidLoad:
-    """What all loads of wind and current have. Each sort is a subclass in a file of `heavylift.solver.water.wind`.
+    """What all loads of wind and current have. Each type is a subclass in a file of `heavylift.solver.water.wind`.
 
     Attributes
     ----------
@@ -389,6 +389,6 @@ class DragElement(FluidLoad):
 
 
 FLUID_LOADS: Family[FluidLoad] = Family("load", "heavylift.solver.water.wind")
-"""All sorts of loads of wind and current, by their types in a case file."""
+"""All loads of wind and current, by their types in a case file."""
 
 FluidField = WindField | CurrentField

@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 ALIGNED = 0.9
-"""Cosine between normals of contacts that lie on the same side of the same thing."""
+"""Cosine between normals of contacts that lie on the same side of the same part."""
 
 ABOUT_NOTHING = 1e-6
 """Of the size: a gap that does not tell the side."""

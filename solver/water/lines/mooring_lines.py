@@ -193,7 +193,7 @@ class MooringState(BottomState):
 
 
 class MooringScratch(LineEnds):
-    """Lower end of a mooring line for a record, the solution that the steps continue from, and the tension last found."""
+    """Lower end of a mooring line for a record, the solution from which steps continue, and the last tension."""
 
     solution: BottomState
     tension: float

@@ -234,7 +234,7 @@ def hang_line(
 
     Notes
     -----
-    A slack line is longer than it needs to be; what lies on the seabed is drawn straight, and shortened.
+    A slack line has excess length; its part on the seabed is drawn straight, and shortened.
     """
     x, z, slope, clearance = plane_of_line(line, anchor, fairlead)
     seabed = line.seabed is not None
