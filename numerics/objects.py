@@ -609,7 +609,7 @@ class Entry:
 
 
 def entry(function: Callable[..., Any]) -> Entry:
-    """Declare a kernel that Python calls, with annotations that say all its types."""
+    """Declare a kernel that Python calls, with annotations of all its types."""
     return Entry(function)
 
 

@@ -115,7 +115,7 @@ class WorldDirection:
 
 @dataclass(frozen=True)
 class BodyDirection:
-    """Annotation of a direction, shape (3,), in the axes of the body that a component is on; of two bodies the first."""
+    """Annotation of a direction, shape (3,), in the axes of the body that a component is on; of two the first."""
 
 
 @dataclass(frozen=True)

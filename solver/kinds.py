@@ -461,7 +461,7 @@ def method(group: str) -> Callable[[F], F]:
     Returns
     -------
     callable
-        Takes a kernel with annotations that say all types, the first of them the class of the kind or a base of some.
+        Takes a kernel with annotations of all types, the first of them the class of the kind or a base of some.
     """
     return lambda function: cast("Any", Method(function, group))
 

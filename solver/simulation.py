@@ -418,7 +418,7 @@ class Simulation:
     def _straighten(self) -> None:
         """Take midpoints along straight lines.
 
-        Stiff springs make accelerations that say nothing of the next step: errors of the stiff governor are a
+        Stiff springs make accelerations that give no information on the next step: errors of the stiff governor are a
         quarter of those along arcs. Redundant loops need arcs, whose midpoints are nearer to the constraints.
         """
         from heavylift.solver.bodies.rigid.kind import RigidBodies

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 __all__ = ["assemble_contact", "assemble_contacts", "assemble_contours", "contour_nodes"]
 
 CIRCLE_POINTS = 48
-"""Points of a circle on a rigid body, if the case says no number."""
+"""Points of a circle on a rigid body, if the case gives no number."""
 ALONG = 1e-3
 """Sine of the angle to a curve below which a direction is not across it."""
 

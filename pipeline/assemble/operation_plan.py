@@ -107,7 +107,7 @@ class PlannedPhase:
 
 @dataclass
 class _Course:
-    """Of something that moves: what a plan says since the phase began, or bounds.
+    """Of something that moves: a planned value since the phase began, or bounds.
 
     Attributes
     ----------

@@ -26,7 +26,7 @@ from heavylift.solver.scene.contacts import COLLISION_LAWS, RigidLaw
 __all__ = ["RECORDED", "YIELDING", "collision_pairs", "collision_section", "declared_collisions", "yields"]
 
 RECORDED = Collision.recorded
-"""Contacts that a collision records one by one, unless the case says another number."""
+"""Contacts that a collision records one by one, unless the case gives another number."""
 YIELDING = frozenset({"frame", "shell"})
 """Types of bodies that always give way to a force."""
 

@@ -184,7 +184,7 @@ def _run_check(section: Any) -> Any:
 
 
 def checked(check: Callable[[Any], None], value: Any) -> None:
-    """Run a check of a description on what a case file says."""
+    """Run a check of a description on what a case file gives."""
     try:
         check(value)
     except InputError as error:

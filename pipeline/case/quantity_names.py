@@ -478,7 +478,7 @@ def _term_kind(term: str, text: str, names: Declared | None) -> Kind:
 
 
 def _check_same_components(name: str, terms: Sequence[str], names: Declared) -> None:
-    """Refuse a combination of a vector with a number, or of vectors of other components, as far as the case tells."""
+    """Refuse a combination of a vector with a number, or of vectors of other components, where known."""
     known = [
         (term, components) for term in terms if (components := _term_components(term, names)) is not None
     ]
@@ -496,7 +496,7 @@ def _in_words(components: Sequence[str]) -> str:
 
 
 def _term_components(term: str, names: Declared) -> tuple[str, ...] | None:
-    """Components of a term of a combination, one of a number; None if the case does not tell."""
+    """Components of a term of a combination, one of a number; None if the case does not determine them."""
     if patterns_in(term):
         return None
     _, name, component = _channel_parts(split_name(term))
@@ -510,7 +510,7 @@ def _term_components(term: str, names: Declared) -> tuple[str, ...] | None:
 
 
 def single_components(name: str, names: Declared) -> tuple[str, ...] | None:
-    """Components of a channel as far as the case file tells; None of what a mesh or a number of modes decides."""
+    """Components of a channel known from the case file; None if they depend on a mesh or a number of modes."""
     if "(" in name or name.partition(".")[0] in names.meshes:
         return None
     return channel_components(name.rpartition(".")[2])

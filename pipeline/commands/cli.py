@@ -60,7 +60,7 @@ def new(
     *,
     quiet: Quiet = False,
 ) -> int:
-    """Write a commented case to begin with; without a kind, say which there are."""
+    """Write a commented example case; without a type, list the types."""
 
     def command(log: "Log") -> int:
         from heavylift.pipeline.commands.new_case import new_case, template_kinds

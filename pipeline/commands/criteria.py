@@ -1,4 +1,4 @@
-"""Criteria of a case: run what they need, evaluate them, say what they use."""
+"""Criteria of a case: run what they need, evaluate them, show their utilisation."""
 
 from __future__ import annotations
 

@@ -183,7 +183,7 @@ def _told(error: BaseException) -> int:
 
 
 def _ended(line: str, outcome: Outcome) -> int:
-    """Say how a command ended that no other says it of; returns the exit code."""
+    """Report how a command ended if nothing else does; returns the exit code."""
     _say(line)
     if "--json" in sys.argv:
         import json

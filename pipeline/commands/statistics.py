@@ -54,7 +54,7 @@ ENERGY_SHOWN = 0.999
 ENDS_ALL = frozenset(
     {Outcome.INTERRUPTED, Outcome.DISK_FULL, Outcome.LOCKED, Outcome.OUT_OF_MEMORY, Outcome.FAULT}
 )
-"""Ends of a run that say nothing of what is simulated."""
+"""Ends of a run that give no information on what is simulated."""
 
 _DPI = 110
 _INK, _GREY = "#1d2733", "#66707c"

@@ -231,7 +231,7 @@ def _tanks(case: Case) -> list[Table]:
 
 
 def _pumps(case: Case) -> list[Table]:
-    """Pumps, and what tells them how fast."""
+    """Pumps, and what commands them."""
     told = {pump: one.name for one in case.controllers for pump in one.pumps}
     rows = [
         (

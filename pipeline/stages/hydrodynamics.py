@@ -294,7 +294,7 @@ def _write(file: Path, database: HydrodynamicDatabase, digest: str, *, checked: 
 
 
 def _properties(work: Work, name: str, database: HydrodynamicDatabase) -> dict[str, Any]:
-    """What manifest and report say of a database, as plain values; its memory is fitted and stored."""
+    """Summary for manifest and report of a database, as plain values; its memory is fitted and stored."""
     section = work.case.databases[name]
     found: dict[str, Any] = {
         "source": database.source,

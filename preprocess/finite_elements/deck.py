@@ -261,7 +261,7 @@ class ElementBlock:
 
 @dataclass(frozen=True)
 class DeckMaterial:
-    """Material of a deck, in the units of the file; None where it says nothing.
+    """Material of a deck, in the units of the file; None where it gives no information.
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 Each relation sees some errors and not others:
 
 * The added mass of a coordinate is positive at most frequencies. It may be negative where water between or within hulls
-  resonates, so a single negative value tells nothing; a sign that is turned is seen.
+  resonates, so a single negative value gives no information; a sign that is turned is seen.
 * What changes from one frequency to its neighbours by the same factor in all coordinates is a factor on that frequency.
   A resonance changes the coordinates by different factors, so it is none; an error of one coordinate alone is not seen,
   nor one at the first two and the last two frequencies.
@@ -250,7 +250,7 @@ def _widest(database: HydrodynamicDatabase) -> float:
 def _check_haskind(database: HydrodynamicDatabase) -> None:
     own = np.diagonal(database.damping, axis1=1, axis2=2)
     by_waves = haskind_damping(database)
-    # a coordinate that makes hardly any waves against those of its hull says nothing, as yaw of a round one
+    # a coordinate that makes hardly any waves against those of its hull gives no information, as yaw of a round one
     scales = length_scales(database) ** 2
     largest = (own * scales).max(axis=0)
     of_hull = np.repeat(largest.reshape(-1, 6).max(axis=1), 6)

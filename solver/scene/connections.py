@@ -85,7 +85,7 @@ __all__ = [
 
 
 class Place(Enum):
-    """What a case file says of where a joint is."""
+    """What a case file gives for where a joint is."""
 
     POINT = "point"
     """A point for both sides, or one each."""
@@ -294,7 +294,7 @@ class Joint:
     WORD: ClassVar[str]
     """Its type in a case file."""
     PLACE: ClassVar[Place] = Place.POINT
-    """What a case file says of where it is."""
+    """What a case file gives for where it is."""
     ROWS: ClassVar[Rows] = ()
     """Its rows in order, if it is a list of them and needs no kernels of its own: ``("point",)``, ``p_b - p_a = 0``,
     three rows, which come first; ``("parallel", d)``, the axes d of both sides are, two rows; ``("travel", d)``,

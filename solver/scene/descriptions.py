@@ -204,9 +204,9 @@ class Family(Generic[T]):
     default
         Word of a table that says none.
     typed
-        Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
+        Whether a table gives its word, as its ``type``; if not, it is the name of the list in which it stands.
     key
-        In which a table says its word, if not as its ``type``.
+        In which a table gives its word, if not as its ``type``.
     alphabetical
         Whether its words are told in that order; if not, as they are described.
     """
@@ -504,7 +504,7 @@ def owner_coordinate(field: DescribedField) -> str:
 def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     """What a case file is checked for, of an object made otherwise: ranges of numbers, and what its keys say together.
 
-    The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
+    The ``check`` of a description sees its keys as in the case file: lists, and None for what it leaves out.
 
     Parameters
     ----------
@@ -548,7 +548,7 @@ def _spec(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
 
 
 def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
-    """Value of a key as a case file says it."""
+    """Value of a key as in the case file."""
     coordinate = owner_coordinate(field) or coordinate
     if is_described(type(value)):
         return _spec(value, f"{key}.", coordinate)

@@ -1,4 +1,4 @@
-"""What a user says of slender and thin bodies that deform at will: frames and shells of ANCF elements.
+"""Descriptions of slender and thin bodies that deform at will: frames and shells of ANCF elements.
 
 Coordinates of a node are its position and slopes of the reference shape, all in one frame that stands still:
 that of the body as it was placed. Strains are those of Green-Lagrange, so displacements and rotations

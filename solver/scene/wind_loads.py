@@ -1,4 +1,4 @@
-"""What a user says of wind and current: how the air and the water move, and what they push on. SI units, radians.
+"""Descriptions of wind and current: how the air and the water move, and what they push on. SI units, radians.
 
 A *field* is a fluid that moves, on one side of the still water; *loads* are pieces of bodies in one of the fields.
 Directions are of propagation ("going to"), from world x, anticlockwise seen from above. Loads with the same name
@@ -233,7 +233,7 @@ class CurrentProfile:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Fluctuating:
-    """What is made of a spectrum, which a case file says.
+    """What is made of a spectrum, which a case file gives.
 
     Attributes
     ----------

@@ -121,7 +121,7 @@ class CriterionResult:
 
     @property
     def utilisation(self) -> float | None:
-        """Value over limit, of a least value limit over value; None where that says nothing: limits of zero."""
+        """Value over limit, of a least value limit over value; None where that gives no information: limits of zero."""
         used = float(utilisation(np.array(self.value), self.limit, self.side))
         return used if math.isfinite(used) else None
 

@@ -87,7 +87,7 @@ def search_mesh_surfaces(
         relative_pose(placed_pose(first_placed, 0), placed_pose(second_placed, 0), motion.start)
         relative_pose(contacts.poses[a], contacts.poses[b], motion.end)
         copy_pose(motion.end, meshes.relative[pair])
-        if meshes.pairs[pair].deforms:  # its points are those of the end, so paths say nothing
+        if meshes.pairs[pair].deforms:  # its points are those of the end, so paths give no information
             copy_pose(motion.end, motion.start)
         moved = contacts.poses[a].step_shift + contacts.poses[b].step_shift
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
