@@ -227,7 +227,7 @@ def _watched(scene: Scene, integrator: str) -> WatchedRopes:
 
 
 def _pack_forces(scene: Scene, packed: PackedConnections, watched: WatchedRopes) -> None:
-    """Forces that their modules pack, one kind for each type, with their channels."""
+    """Forces that their modules pack, one kind a sort, with their channels."""
     groups: dict[str, list[tuple[PackedForce, Columns]]] = {}
     for force in scene.forces:
         if isinstance(force, PackedForce):

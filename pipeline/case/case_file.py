@@ -290,7 +290,7 @@ class Case(SceneTables, _CaseHeading):
 
     @property
     def _movable(self) -> dict[str, Any]:
-        """What can be commanded."""
+        """What can be told something."""
         frames = {name: body.frame for name, body in self.bodies.items() if hasattr(body, "frame")}
         return {
             "ropes": {rope.name: rope for rope in self.ropes},

@@ -2,7 +2,7 @@
 
 They see the document as blocks have left it, in the order of the file and of
 `BUILDERS`: what one writes, later ones may hang
-on. Errors in generated entries are reported at the key of the builder.
+on. Errors in what was written are told at the key of the builder.
 """
 
 from __future__ import annotations

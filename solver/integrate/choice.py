@@ -105,7 +105,7 @@ def _rubbing(scene: Scene) -> str:
 
 
 def _law(scene: Scene) -> str:
-    """The first component whose force jumps, as words; empty if none."""
+    """The first thing whose force jumps, as words; empty if none."""
     if scene.touches:
         first: Any = (*scene.contacts, *scene.collisions)[0]
         return f"contact {first.name!r} opens and closes"
@@ -124,7 +124,7 @@ def _law(scene: Scene) -> str:
 
 
 def _not_smooth(scene: Scene) -> str:
-    """The first component that an explicit integrator of high order cannot serve, as words; empty if none."""
+    """The first thing that an explicit integrator of high order cannot serve, as words; empty if none."""
     flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
     if flexible:
         return f"body {flexible[0]!r} is flexible"
