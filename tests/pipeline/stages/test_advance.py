@@ -113,7 +113,7 @@ def test_a_full_disk_keeps_the_earlier_segments_and_goes_on_later(
         real(descriptor)
 
     monkeypatch.setattr(os, "fsync", fsync)
-    with pytest.raises(StopError, match="goes on from there") as caught:
+    with pytest.raises(StopError, match="continues from there") as caught:
         Advancer(fake_simulation(), folder, "d", STEPS).run(StopRequest(), quiet)
     assert caught.value.outcome is Outcome.DISK_FULL
     monkeypatch.setattr(os, "fsync", real)
