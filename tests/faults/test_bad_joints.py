@@ -96,7 +96,7 @@ SPRING = (
             f"{UNIVERSAL}, second_axis=[0, 0, -3]}}",
             "joints.2.second_axis",
             "[0, 0, -3] is parallel to axis = [0, 0, 1]",
-            "square",
+            "perpendicular",
         ),
         (f"{UNIVERSAL}}}", "joints.2", "'axis' without 'second_axis'", "the axis of b"),
         (AXES % ("universal", "0, 0, 1"), "joints.2.axes", "are parallel", "perpendicular to each other"),
