@@ -122,12 +122,12 @@ class WorldDirection:
 
 @dataclass(frozen=True)
 class BodyDirection:
-    """Annotation of a direction, shape (3,), in the axes of the body that a thing is on; of two bodies the first."""
+    """Annotation of a direction, shape (3,), in the axes of the body that a component is on; of two the first."""
 
 
 @dataclass(frozen=True)
 class BodyPoint:
-    """Annotation of a point [m], shape (3,), of the body that a thing is on.
+    """Annotation of a point [m], shape (3,), of the body that a component is on.
 
     A user gives it in the coordinates of the geometry of the body, an object keeps it in its frame.
 

@@ -66,7 +66,7 @@ def distrusted(*places: Path) -> str:
     for place in (cache_root(), *places):
         try:
             status = place.stat()
-        except OSError:  # it is not there, or told where it is written
+        except OSError:  # it is not there, or reported where it is written
             continue
         if status.st_uid not in {0, os.geteuid()}:
             return (

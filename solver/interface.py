@@ -512,7 +512,7 @@ def add_totals(kinds: Bodies, work: Workspace) -> None:
 
 @optional("contact")
 def forget_accelerations(kinds: Bodies) -> None:
-    """Bodies: after an impact the differences of the last step say nothing of the next."""
+    """Bodies: after an impact the differences of the last step give no information on the next."""
 
 
 # ---- of systems of rows, in the order of a step: joints are served first, contacts ask them to respond ----

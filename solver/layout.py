@@ -87,7 +87,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     Parameters
     ----------
     scene
-        What the user said.
+        The scene.
     integrator
         Name of the integrator: only the default one takes springs as rows of its step.
     step

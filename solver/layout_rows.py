@@ -73,7 +73,7 @@ def pack_connections(
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     record
         Channels of bodies and sensors.
     integrator

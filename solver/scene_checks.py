@@ -29,7 +29,7 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        The first thing that does not fit together.
+        The first inconsistency.
     """
     if not scene.bodies:
         raise InputError("no body", source="scene", expected="at least one")

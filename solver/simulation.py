@@ -184,7 +184,7 @@ class Simulation:
                 f"{start!r} with contacts" + (" and frames or shells" if meshes else f" and {integrator!r}"),
                 source="simulation",
                 key="start",
-                expected="'check' or 'project': contacts come to rest by themselves in time",
+                expected="'check' or 'project': contacts come to rest during the run",
             )
         self._start_mode, self._scene = start, scene
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
@@ -420,7 +420,7 @@ class Simulation:
     def _straighten(self) -> None:
         """Take midpoints along straight lines.
 
-        Stiff springs make accelerations that say nothing of the next step: errors of the stiff governor are a
+        Stiff springs make accelerations that give no information on the next step: errors of the stiff governor are a
         quarter of those along arcs. Redundant loops need arcs, whose midpoints are nearer to the constraints.
         """
         for kind in self._layout.bodies:
@@ -591,7 +591,7 @@ class Simulation:
 
     @property
     def verdict(self) -> tuple[Outcome, str]:
-        """Whether a run that has come to its end is to be believed, and a message why not."""
+        """Whether the energy balance of a completed run is credible, and a message why not."""
         if not self._watch.begun:  # nothing but a start
             self._left_range(self.record()[np.newaxis])
         if self.outcome is Outcome.MODES_LEFT:
@@ -636,7 +636,7 @@ class Simulation:
         return self._lone.warning(times, self.step, self.record_every, steps_vary=self.tolerance > 0.0)
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Everything that a continuation needs, bit for bit: arrays by name, copied."""
+        """Everything that a bitwise identical continuation needs: arrays by name, copied."""
         self._start()
         arrays = {name: array.copy() for name, array in self._arrays()}
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
@@ -688,7 +688,7 @@ class Simulation:
             self._lone.state = state["extremes"]
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.sequencer.state.outcome) < 0
-        self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record
+        self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._layout.work.status.words[:] = 0.0
         self._started = True
         if self._touches:

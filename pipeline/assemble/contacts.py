@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 __all__ = ["assemble_contact", "assemble_contacts", "assemble_contours", "contour_nodes"]
 
 CIRCLE_POINTS = 48
-"""Points of a circle on a rigid body, if the case says no number."""
+"""Points of a circle on a rigid body, if the case gives no number."""
 ALONG = 1e-3
 """Sine of the angle to a curve below which a direction is not across it."""
 
@@ -161,7 +161,7 @@ def _of_tetrahedra(case: Case, section: SurfaceContourSection, count: int) -> In
         return None
     blocks = "mesh.element = 'hex8' of the body, " if body.geometry.type == "blocks" else ""
     return InputError(
-        f"a contour goes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
+        f"a contour passes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
         key="face",
         expected=f"bricks: {blocks}geometry 'blocks', or a file with bricks; or 'nodes', a matrix of "
         "nodes that lie in rows; or a body of type 'shell', which has a contour by itself",
@@ -208,7 +208,7 @@ def _fitted_to_nodes(
 ) -> NeutralContour:
     """Contour through nodes of a flexible body."""
     reduced = body.reduced
-    # places are told, and messages speak, in the coordinates of the geometry
+    # points in the case and in messages are in the coordinates of the geometry
     picked = contour_nodes(case, name, reduced.nodes + origin, folder)
     return _fit(name, section, reduced.nodes[picked], reduced.mode_shapes[:, picked])
 

@@ -69,9 +69,9 @@ def assemble(
     folder
         Of the case, for the files that it names.
     body
-        Of the thing within whose table it stands.
+        Of the component in whose table it is.
     at_rest
-        The case comes to rest before time starts, which is when it shows how far things are stretched.
+        The case comes to rest before time starts, so that elongations are known only then.
     **more
         Fields of the object that are no keys.
     """

@@ -3,7 +3,7 @@
 Finite elements, surfaces of CAD files and databases take time. What needs none of them is assembled here, part by part:
 bodies where they are at the start, joints, ropes, forces, sensors, contours of rigid bodies, contacts, waves and lines.
 What hangs on a flexible body is left out if its frame begins at a centre of mass that is computed later, unless it
-starts where it was drawn.
+starts at its initial position.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def scene_errors(case: Case) -> list[InputError]:
 
         deep = (
             case.sea is None or case.sea.depth is None
-        )  # lines on a bottom that is not there are told of the case
+        )  # lines on a missing bottom are reported with the case
         scene.parts(
             "lines",
             lambda line: None if deep and line.on_seabed else assemble_line(case, line, sides),
@@ -145,7 +145,7 @@ def _sides_of(section: Any) -> set[str]:
 
 
 def _check_points(scene: _Scene, joints: list[Any], contacts: list[Any]) -> None:
-    """Points lie on frames, shells, and on flexible bodies that are drawn as blocks."""
+    """Points lie on frames, shells, and on flexible bodies of parametric blocks."""
     case = scene.case
     for name, body in scene.bodies.items():
         section = case.bodies[name]

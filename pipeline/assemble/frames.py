@@ -75,7 +75,7 @@ def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDAr
 def start_of_frame(
     initial: RigidInitialSection, origin: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Initial state of a frame; by default the body is where its geometry was drawn."""
+    """Initial state of a frame; by default the position of its geometry."""
     orientation = np.array([1.0, 0.0, 0.0, 0.0])
     if initial.orientation is not None:
         from heavylift.numerics.rotation import quaternion_from_rotation_vector

@@ -241,7 +241,7 @@ def bem_inputs(
     Raises
     ------
     InputError
-        If a hull does not float upright, several do not head the same way, or hulls that are said to be symmetric are
+        If a hull does not float upright, several do not head the same way, or hulls declared symmetric are
         not.
     """
     assert section.compute is not None
@@ -338,7 +338,7 @@ def _panel_words(mesh: PanelMesh, size: float) -> str:
     )
     if mesh.problem:
         words += (
-            f"; WARNING: its triangles were halved instead of meshed anew ({mesh.problem}), "
+            f"; WARNING: its triangles were halved instead of remeshed ({mesh.problem}), "
             "which takes several times as many panels"
         )
     return words

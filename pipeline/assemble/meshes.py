@@ -451,7 +451,7 @@ _SHAPE_KEYS = ("elements", "nodes", "tangents", "slopes", "lengths")
 
 
 def _checked(place: Place, body: AnyMesh) -> AnyMesh:
-    """The body, if the solver takes it; what it refuses is told at the table that made it."""
+    """The body, if the solver accepts it; errors are reported at the table that made it."""
     from heavylift.solver.bodies.ancf.types import type_of
 
     try:
@@ -535,7 +535,7 @@ def _matched(
 
 
 def joints_of_edge(joint: Any, made: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
-    """Joints of its nodes, as the solver makes them; what it refuses is told by keys of the case."""
+    """Joints of its nodes, as the solver makes them; errors are reported with keys of the case."""
     try:
         return expand_edge(made, bodies)
     except InputError as error:

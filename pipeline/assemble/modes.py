@@ -147,7 +147,7 @@ def _reduce(
         chosen = [number - 1 for number in options.select] or list(range(shapes.shape[1]))
         if max(chosen) >= shapes.shape[1]:
             raise InputError(
-                f"asks for shape {max(chosen) + 1}",
+                f"requests shape {max(chosen) + 1}",
                 source=case.file,
                 key="modes.select",
                 expected=f"numbers up to {shapes.shape[1]}, the stored shapes",

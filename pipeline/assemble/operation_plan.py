@@ -89,8 +89,8 @@ class PlannedPhase:
     takes
         How long [s].
     values
-        At its end, of everything that is told to move: unstretched length of a rope [m], mass in a tank [kg], place of
-        a drive [m], [rad].
+        At its end, of everything that is commanded to move: unstretched length of a rope [m], mass in a tank [kg],
+        place of a drive [m], [rad].
     speeds
         Largest ones on the way.
     """
@@ -103,7 +103,7 @@ class PlannedPhase:
 
 @dataclass
 class _Course:
-    """Of something that moves: what a plan says since the phase began, or bounds.
+    """Of something that moves: a planned value since the phase began, or bounds.
 
     Attributes
     ----------
@@ -112,11 +112,11 @@ class _Course:
     speed, acceleration
         Then, as far as the value is known.
     rows
-        Plan; none of what stands still, or goes on with its speed.
+        Plan; none of what stands still, or continues with its speed.
     target
         Where it comes to rest.
     arrived
-        Whether it is where it was told to go.
+        Whether it is at its commanded position.
     largest
         Speed.
     leader, ratio
@@ -176,14 +176,14 @@ class _Course:
 
     @property
     def arrives(self) -> float:
-        """Time since the phase began at which it is at rest where it was told to go [s]; not a number if unknown."""
+        """Time since the phase began at which it is at rest at its commanded position [s]; not a number if unknown."""
         if self.arrived:
             return 0.0
         return math.nan if self.rows is None or self.target is None else float(self.rows["time"][-1])
 
     @property
     def fastest_left(self) -> float:
-        """Largest speed if it is told nothing."""
+        """Largest speed without a command."""
         return abs(self.speed)
 
     def at(self, time: float) -> tuple[float, float, float]:
@@ -281,7 +281,7 @@ class _Course:
 
 
 class _PathCourse(_Course):
-    """Of a transporter on its path, which goes by itself until it is told something."""
+    """Of a transporter on its path, which follows its legs until the first command."""
 
     def __init__(self, route: Route) -> None:
         super().__init__(Range(0.0, 0.0))
@@ -359,7 +359,7 @@ def plan(
     starts
         Unstretched lengths of ropes, masses in tanks, places of drives, ways of transporters at the start, by name.
     routes
-        Of the transporters that are told something, by name.
+        Of the commanded transporters, by name.
     """
     return [_plan_row(row, starts, routes or {}) for row in scenario.rows]
 
@@ -472,7 +472,7 @@ def starts_of(scene: Scene, operation: Operation) -> dict[str, float]:
 
 
 def routes_of(scene: Scene, operation: Operation) -> dict[str, Route]:
-    """Routes of the transporters that are told something, by name, without what they are in the plane."""
+    """Routes of the commanded transporters, by name, without their plane."""
     sequencer, found = operation.sequencer, {}
     vehicles = [one.name for one in scene.transporters]
     told = {one.name for one in operation.scenario.commands if one.actuates == "path"}
@@ -555,7 +555,7 @@ def _check_trolley(
 
 
 def check_hooks(case: Case, scene: Scene) -> None:
-    """Refuse a hook that is told a height above the crown of its falls, where that stays at its height.
+    """Refuse a commanded height of a hook above the crown of its falls, where the crown does not move vertically.
 
     Raises
     ------

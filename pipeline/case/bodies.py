@@ -2,7 +2,7 @@
 
 A flexible body is a geometry, a mesh and a reduction, of which stages make what the solver takes; its section stays
 one of the pipeline. So do initial states: a rotation in a case is a quaternion of an object, and what is left out is
-where the geometry was drawn.
+the position of the geometry.
 """
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
@@ -48,7 +48,7 @@ ModalValues = Annotated[
 
 
 class _FrameSection(Section):
-    """What is said of every frame."""
+    """Keys of every frame."""
 
     origin: Literal["geometry", "centre_of_mass"] = "geometry"
     """Origin of the body frame: that of the geometry, or the centre of mass."""
@@ -76,7 +76,7 @@ class RigidInitialSection(Section):
     """Initial state of the frame of a body."""
 
     position: LengthVector | None = None
-    """World position of the frame origin [m]; by default where the geometry was drawn."""
+    """World position of the frame origin [m]; by default that of the geometry."""
     orientation: AxisAngle | None = None
     """Turns the axes of the world into those of the body, and what is fixed to it with them; none by default."""
     velocity: VelocityVector | None = None

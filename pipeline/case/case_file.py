@@ -340,7 +340,7 @@ class Case(SceneTables, _CaseHeading):
         if meshes:
             reject(
                 f"{self.simulate.start!r} with {what} and {meshes[0]!r}, a frame or shell",
-                "'check' or 'project': contacts come to rest by themselves in time",
+                "'check' or 'project': contacts come to rest during the run",
                 key="simulate.start",
             )
         soft = next((i for i, collision in enumerate(self.collisions) if collision.law != "rigid"), None)
@@ -474,7 +474,7 @@ def load_case(
         the key is removed.
     further
         What else can be wrong with a case whose tables are right by themselves; asked if they do not fit together, so
-        that all is told at once.
+        that all errors are reported at once.
 
     Raises
     ------
@@ -510,7 +510,7 @@ def load_case(
         errors += case._misfits()  # noqa: SLF001
         if errors and further is not None and not equipped.errors:
             more = further(case)
-    # what is wrong with a block, a parameter or a builder is told alone: the rest would follow from it
+    # errors of a block, a parameter or a builder are reported alone: others would follow from them
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
     errors = [e for e in errors if _in_builder(e.key)] or errors
     if errors:
@@ -564,12 +564,12 @@ def read_document(file: Path) -> dict[str, Any]:
         raise InputError(
             "does not exist",
             source=file,
-            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes one to begin with",
+            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes an example",
         ) from None
     except OSError as error:
         raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"byte {error.start} is no UTF-8", source=file, expected="text in UTF-8") from None
+        raise InputError(f"byte {error.start} is not UTF-8", source=file, expected="text in UTF-8") from None
     except RecursionError:
         raise InputError(
             "is nested too deeply", source=file, expected=f"at most {DEEPEST} tables within each other"

@@ -104,7 +104,7 @@ class BetweenSection(_NamedSection):
 
 
 def section_of(described: Any, coordinate: str = "") -> type[Section]:
-    """Section of a description, with the keys of where the thing is; `coordinate` as in `make_section`."""
+    """Section of a description, with the keys of where the component is; `coordinate` as in `make_section`."""
     return _section_of(described, coordinate)
 
 
@@ -187,7 +187,7 @@ def _run_check(section: Any) -> Any:
 
 
 def checked(check: Callable[[Any], None], value: Any, key: str = "") -> None:
-    """Run a check of a description on what a case file says; `key` is that of the table, if it is not validated."""
+    """Run a check of a description on what a case file gives; `key` is that of the table, if it is not validated."""
     try:
         check(value)
     except InputError as error:
@@ -330,7 +330,7 @@ class _InItsUnit:
         self.quantity = quantity
 
     def parse(self, value: Any, info: ValidationInfo) -> Any:
-        """A value in SI; one if the exponent is wrong, which is told already."""
+        """A value in SI; one if the exponent is wrong, which is reported already."""
         exponent = self.quantity.exponent or info.data.get("exponent")
         if value is None or exponent is None:
             return None if value is None else 1.0
@@ -347,7 +347,7 @@ class _InUnitsOfTheJoint:
         self.quantities = quantities
 
     def parse(self, value: Any, info: ValidationInfo) -> Any:
-        """A value, or a list of values, in SI; zeros if the joint is not known, whose error is told already."""
+        """A value, or a list of values, in SI; zeros if the joint is not known, whose error is reported already."""
         if value is None or "joint" not in info.data:
             return [] if isinstance(value, list) else 0.0
         context = CaseContext.of(info)
@@ -356,7 +356,7 @@ class _InUnitsOfTheJoint:
         if has_both(kind) and info.data.get("coordinate") is None:
             reject(
                 f"joint {info.data['joint']!r} has an angle and a travel",
-                "'coordinate', which says which of them",
+                "'coordinate', which selects one of them",
             )
         slides = joint_coordinate(kind, info.data.get("coordinate")) == "travel"
         quantity = self.quantities.travel if slides else self.quantities.angle

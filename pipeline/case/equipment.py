@@ -88,7 +88,7 @@ class Equipped:
 
 
 class _Unknown(Exception):
-    """Something a builder refers to is missing or wrong, which is told where it stands."""
+    """Something a builder refers to is missing or wrong, which is reported with that entry."""
 
 
 def equip(document: dict[str, Any], file: Path) -> Equipped:
@@ -103,7 +103,7 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
 
     Notes
     -----
-    A builder whose own table is wrong writes nothing: its errors are told when all is validated.
+    A builder whose own table is wrong writes nothing: its errors are reported when all is validated.
     """
     found = Equipped(document)
     if not any(isinstance(document.get(key), list) and document[key] for key in BUILDERS):
@@ -175,7 +175,7 @@ def _put(found: Equipped, part: Part, key: str, file: Path) -> None:
     empty: Any = {} if by_name else []
     entries: Any = found.document.setdefault(part.table, empty)
     if not isinstance(entries, type(empty)):
-        return  # which is told when all is validated
+        return  # which is reported when all is validated
     if by_name and part.name in entries:
         before = found.built.get(f"{part.table}.{part.name}")
         other = before.key if before else f"{part.table}.{part.name}"

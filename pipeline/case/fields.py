@@ -112,7 +112,7 @@ def reject(problem: str, expected: str, *, key: str = "", kind: str = "case") ->
     key
         Dotted key below the validated table, if one key of it is to blame.
     kind
-        ``"case"``, or ``"repeated"`` for a name that occurs again: told of its last occurrence only.
+        ``"case"``, or ``"repeated"`` for a name that occurs again: reported for its last occurrence only.
     """
     raise PydanticCustomError(kind, "{problem}", {"problem": problem, "expected": expected, "key": key})
 
@@ -136,7 +136,7 @@ class AnyOf:
     second: Quantity
 
     def parse(self, value: object) -> float:
-        """SI number of an input value; one that fits neither kind is told against the first."""
+        """SI number of an input value; the error of one that fits neither quantity names the first."""
         if isinstance(value, str):
             with contextlib.suppress(InputError):
                 parse_quantity(value, KINDS[self.second.kind])

@@ -30,7 +30,7 @@ from heavylift.solver.scene.signals import Signal, Term
 __all__ = ["Known", "ScenarioSection", "key_as_given", "scenario_of"]
 
 TAUT = 1.0
-"""Tension from which on a rope counts as taut, if nothing else is said [N]."""
+"""Tension from which on a rope counts as taut by default [N]."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -121,8 +121,8 @@ NUMBER = quantity_schema()["anyOf"][1]["pattern"]
 HEAD = """# Keys of case.toml
 
 Written by `heavylift schema --tables`; do not edit. A quantity is a number in the unit given, or a string with another
-unit of the same dimension: `"95 mm"`. A vector is a list. What has no default is needed, unless "none" says that it
-may be left out.
+unit of the same dimension: `"95 mm"`. A vector is a list. A key without a default is required, unless the default is
+"none".
 """
 
 
@@ -284,7 +284,7 @@ def _choice(definition: Mapping[str, Any]) -> str:
 
 
 def _references(node: Any, suffix: str = "") -> Iterator[tuple[str, str]]:
-    """Sections that a value may be, and how their paths go on."""
+    """Sections that a value may be, and how their paths continue."""
     if isinstance(node, list):
         for entry in node:
             yield from _references(entry, suffix)

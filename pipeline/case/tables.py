@@ -61,7 +61,7 @@ Row = Mapping[str, Any]
 
 
 def _move_body(body: dict[str, Any], move: Vector) -> None:
-    """Move where a body starts; without a position that is where its geometry was drawn."""
+    """Move where a body starts; without a position that of its geometry."""
     frame, initial = body.get("frame"), body.setdefault("initial", {})
     if not isinstance(initial, dict):
         return
@@ -214,7 +214,7 @@ class Table:
     words, one
         What its entries are, at the beginning of a sentence; and one of them.
     names
-        Whether its entries have names of their own, first parts of channels that no other thing has; names of
+        Whether its entries have names of their own, first parts of channels that no other entry has; names of
         ``"bodies"``, beside whose channels stand theirs; or names that stand ``"apart"``.
     records
         Channels of an entry, or what says them of an entry as read from TOML; if absent, those of the description or

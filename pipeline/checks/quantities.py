@@ -375,7 +375,7 @@ class Quantities:
         return float(np.polyfit(times - times[0], np.log(np.abs(values)), 1)[0])
 
     def _fitted_frequency(self, name: QuantityName, values: NDArray[np.float64], *, damped: bool) -> float:
-        """Frequency [Hz] of one sinusoid about a mean; a message of the fit is told of the quantity."""
+        """Frequency [Hz] of one sinusoid about a mean; a message of the fit is reported with the quantity."""
         try:
             return fit_sinusoid(self.results.time, values, damped=damped).frequency
         except InputError as error:

@@ -83,7 +83,7 @@ def scenario_command(
 
 
 def send_command(path: Path, word: Command, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:
-    """Say a word to the run that goes on in the output folder of a case.
+    """Send a command to the run in progress in the output folder of a case.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def send_command(path: Path, word: Command, *, out: Path | None = None, override
     Raises
     ------
     InputError
-        If something is wrong with the case, it has no scenario, or no run goes on.
+        If something is wrong with the case, it has no scenario, or no run is in progress.
     """
     from heavylift.pipeline.stages.operator_commands import send
 
@@ -101,7 +101,7 @@ def send_command(path: Path, word: Command, *, out: Path | None = None, override
     if case.scenario is None:
         raise InputError("no scenario", source=case.file, key="scenario", expected="a case with one")
     send(case.output_folder if out is None else out, word)
-    return f"{word}: told; the run takes it within a second"
+    return f"{word}: sent; the run takes it within a second"
 
 
 def _document(phases: Sequence[Sequence[PlannedPhase]], starts: Mapping[str, float]) -> dict[str, Any]:
@@ -159,7 +159,7 @@ def _summary(
     if not math.isfinite(low):
         return (
             f"{words}, no least length is known from phase {where!r} on: it has no timeout, the rope is connected in"
-            " it, or its winch answers to something else"
+            " it, or its winch is controlled otherwise"
         )
     words += f", shortest {low:.3f} m in phase {where!r}"
     if low <= 0.0:

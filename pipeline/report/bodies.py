@@ -39,7 +39,7 @@ _NODAL = "At the nodes, as the mean of the elements around."
 _NOT_EIGENMODES = (
     "“Not an eigenmode”: the vector belongs to the basis but is no eigenmode of the full model (relative residual "
     f"{EIGENMODE_RESIDUAL:g} or more), as static, Krylov, component-mode and stored vectors after the Ritz step. "
-    "Its frequency is that of the reduced body, and its residual would say nothing about accuracy."
+    "Its frequency is that of the reduced body, and its residual is no measure of accuracy."
 )
 
 

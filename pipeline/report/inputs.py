@@ -174,7 +174,7 @@ def _drive(frame: Any) -> list[tuple[str, str]]:
 
 
 def initial_rows(initial: Any) -> list[tuple[str, str]]:
-    """Initial state as far as it is given; the rest is at rest where the geometry was drawn."""
+    """Initial state as far as it is given; the rest is at rest at the position of the geometry."""
     rows = [
         (f"initial {key.replace('_', ' ')}", numbers_words(value, unit))
         for key, unit in (("position", "m"), ("velocity", "m/s"), ("angular_velocity", "rad/s"))
@@ -190,4 +190,4 @@ def initial_rows(initial: Any) -> list[tuple[str, str]]:
         if values:
             full = unit.replace("m", "m kg^0.5", 1) if by_mass else unit
             rows.append((f"initial {key.replace('_', ' ')}", f"{numbers_words(values, full)}, {scaling}"))
-    return rows or [("initial state", "at rest, as drawn")]
+    return rows or [("initial state", "at rest, in its initial position")]

@@ -43,8 +43,8 @@ def recorded_motion(
     except InputError as error:
         reason = str(error)
     except KeyError as error:  # files of stages that are not those of this version
-        reason = f"what the mesh and modes stages left has no {error}; make it anew with --force"
-    return None, f"The scene can no longer be put together and is not drawn: {reason}"
+        reason = f"the output of the mesh and modes stages has no {error}; run them again with --force"
+    return None, f"The scene can no longer be assembled and is not drawn: {reason}"
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def interactive_content(
     case, stages, results
         The case, its output folder and its time histories.
     told
-        What is said of it.
+        Its caption.
     live, version_of_data
         As of `page_content`.
     """

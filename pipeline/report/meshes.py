@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 _EXTREMES = ("axial_force", "membrane_force", "bending_moment", "axial_stress", "von_mises", "strain_drift")
-"""Channels of elements whose extremes are told."""
+"""Channels of elements whose extremes are shown."""
 
 
 def mesh_sections(case: Case, results: Results | None) -> list[Section]:
@@ -53,7 +53,7 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     for region in body.regions:
         if getattr(region, "axial_strain", None) is not None:
             strain = number_words(region.axial_strain, "")
-            rows.append(("axial strain as drawn", f"{strain}; {_region(region)}"))
+            rows.append(("initial axial strain", f"{strain}; {_region(region)}"))
     if shape is not None:
         vectors = 1 + shape.vectors.shape[1]
         count = len(shape.nodes)
@@ -62,7 +62,7 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     rows.append(("elasticity", _elasticity(body)))
     for key, unit in (("axial_force", "N"), ("axial_strain", "")):
         if getattr(body, key, None) is not None:
-            rows.append((key.replace("_", " ") + " as drawn", number_words(getattr(body, key), unit)))
+            rows.append(("initial " + key.replace("_", " "), number_words(getattr(body, key), unit)))
     damping = [f"viscous {body.damping.viscous:.6g} 1/s"] if body.damping.viscous else []
     if body.damping.stiffness:
         damping.append(f"{number_words(body.damping.stiffness, 's')} times the stiffness")
@@ -114,7 +114,7 @@ def _section(section: Any) -> str:
 def _elasticity(body: Any) -> str:
     """Strain measure, and how stress enters the step."""
     words = {
-        "auto": f"carried strains, until they drift by {body.drift_tolerance:g}; then energy-momentum",
+        "auto": f"integrated strains, until they drift by {body.drift_tolerance:g}; then energy-momentum",
         "carried": "carried strains",
         "energy-momentum": "energy-momentum",
         "explicit": "explicit forces",
@@ -172,7 +172,7 @@ def _load(load: Any) -> str:
 
 
 def _places(results: Results, shape: MeshShape) -> Table:
-    """Ends of a frame, corners and middle of a shell: where they are drawn, start and end; and the farthest node."""
+    """Ends of a frame, corners and middle of a shell: initially, at start and end; and the farthest node."""
     count = len(shape.nodes)
     positions = results[f"{shape.name}.position"].reshape(len(results.time), count, 3)
     drawn = shape.world_nodes()
@@ -193,7 +193,7 @@ def _places(results: Results, shape: MeshShape) -> Table:
     ]
     largest = number_words(float(moved[record, farthest]), "m") + _when(results, int(record), " at ")
     rows.append((f"farthest from its place (node {farthest})", largest, *([""] * len(records))))
-    columns = ["drawn in the world", *records]
+    columns = ["initial position", *records]
     return short_table(("node", *(f"{column} [{unit.text}]" for column in columns)), rows)
 
 

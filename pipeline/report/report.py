@@ -225,7 +225,7 @@ def _stopped(
     if failed:
         words.append(f"Failed besides: {', '.join(failed)}")
     text = ". ".join(word.strip().rstrip(".") for word in words if word.strip())
-    # an interrupted run can go on; one that stopped by itself has failed
+    # an interrupted run can continue; one that stopped by itself has failed
     return Verdict(f"Stopped: {text}.", passed=None if outcome is Outcome.INTERRUPTED else False)
 
 

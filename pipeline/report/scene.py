@@ -60,7 +60,7 @@ def scene_sections(
     if results is None or not results.meshes or not len(results.time):
         if results is not None and len(results.time) and is_pictured(case):
             return []  # see `still_sections`
-        note = Text("No animation: there is no history of what could be drawn.", warning=True)
+        note = Text("No animation: there is no history of anything that could be drawn.", warning=True)
         return [Section("Frames and shells in motion", (note,))] if asked else []
     if renderer is None:
         return []

@@ -222,7 +222,7 @@ def _tanks(case: Case) -> list[Table]:
 
 
 def _pumps(case: Case) -> list[Table]:
-    """Pumps, and what tells them how fast."""
+    """Pumps, and what commands them."""
     told = {pump: one.name for one in case.controllers for pump in one.pumps}
     rows = [
         (
@@ -234,7 +234,7 @@ def _pumps(case: Case) -> list[Table]:
         )
         for pump in case.pumps
     ]
-    header = ("pump", "from, to", "at most [kg/s]", "lag [s]", "told by")
+    header = ("pump", "from, to", "at most [kg/s]", "lag [s]", "commanded by")
     return [short_table(header, rows)] if rows else []
 
 

@@ -39,7 +39,7 @@ def transport_section(
             (name, *(f"{math.degrees(angles[key]):.2f}" for key in ("static", "compliant")))
             for name, angles in tipping.items()
         ]
-        header = ("tips over at [degrees]", "on rigid groups", "with what they give way")
+        header = ("tips over at [degrees]", "on rigid groups", "on compliant groups")
         items.append(Table(header, tuple(rows), frozenset({1, 2})))
     for transporter in case.transporters:
         if not transporter.legs:

@@ -51,7 +51,7 @@ _COLUMNS = {
 
 @dataclass(frozen=True, eq=False)
 class MeshShape:
-    """A frame or shell as it was drawn, unloaded; points and vectors in the frame of the body.
+    """A frame or shell in its initial shape, unloaded; points and vectors in the frame of the body.
 
     Attributes
     ----------

@@ -105,7 +105,7 @@ def steps_taken(simulation: Any) -> int:
 
 
 def simulate_stage(work: Work) -> StageReport:
-    """Integrate over the whole duration, going on from what an earlier run left if it fits."""
+    """Integrate over the whole duration, continuing the results of an earlier run if they fit."""
     folder, log = work.folder, work.log
     digest = simulate_digest(work.case)
     manifest = read_json(folder.manifest("simulate")) or {}
@@ -136,14 +136,14 @@ def simulate_stage(work: Work) -> StageReport:
 
 
 def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
-    """Tilts at which transporters tip over [rad], told before they move."""
+    """Tilts at which transporters tip over [rad], reported before they move."""
     from heavylift.solver.transport.packing import vehicle_tipping
 
     found = vehicle_tipping(scene)
     for name, angles in found.items():
         log.say(
             f"simulate: {name} tips over at {math.degrees(angles.static):.4g} degrees on rigid groups, at "
-            f"{math.degrees(angles.compliant):.4g} degrees of the road with what they give way"
+            f"{math.degrees(angles.compliant):.4g} degrees of the road on compliant groups"
         )
     return {name: angles._asdict() for name, angles in found.items()}
 
@@ -269,7 +269,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
 
 def _hanging(work: Work) -> list[str]:
-    """What is to be told of how loads hang, by the results of the run."""
+    """Warnings of how loads hang, by the results of the run."""
     from heavylift.pipeline.checks.hanging import hanging_warnings
     from heavylift.pipeline.results.histories import load_results
 

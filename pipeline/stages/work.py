@@ -48,7 +48,7 @@ class Work:
     Attributes
     ----------
     case, folder, log
-        The case, where its outputs go, and who is told.
+        The case, where its outputs go, and its log.
     force
         Stages that are made again even if they are current.
     reuse

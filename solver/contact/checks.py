@@ -147,7 +147,7 @@ def _check_shape(contact: Contact, contour: Contour, body: Any) -> None:
         _refuse(
             contact,
             "shape",
-            f"a ring on {contour.name!r}, whose normal is turned round",
+            f"a ring on {contour.name!r}, whose normal is flipped",
             "a contour without 'flip', its rows of points in the opposite order",
         )
     if curve and not isinstance(shape, PointShape | SphereShape):

@@ -74,7 +74,7 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     dofs
         First velocity of each body.
 
@@ -215,7 +215,7 @@ def _control_data(one: NeutralContour) -> NDArray[np.float64]:
 
 
 def _across(contour: Contour, one: NeutralContour, body: AnyBody | None) -> NDArray[np.float64]:
-    """Two directions square to the first chord of a curve, in the world at the start."""
+    """Two directions perpendicular to the first chord of a curve, in the world at the start."""
     if len(one.spaces) == 2:
         return np.eye(3)[:2]
     chord = one.control[1] - one.control[0]

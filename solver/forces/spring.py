@@ -127,7 +127,7 @@ class Spring(Between):
     """What it records, in the order of its columns."""
 
     length: Annotated[float, Quantity("length", minimum=0.0, closed=True), AsDrawn()]
-    """Unloaded length [m]; as drawn if absent."""
+    """Unloaded length [m]; the initial geometric length if absent."""
     stiffness: Annotated[float, Quantity("stiffness", minimum=0.0, closed=True), Absent()] = 0.0
     """[N/m]."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0

@@ -84,12 +84,12 @@ def _rope(scene: Scene) -> str:
 
 
 def _rubbing(scene: Scene) -> str:
-    """The first rope with friction in a sheave or a winch that answers to its tension, as words; empty if none."""
+    """The first rope with sheave friction or a winch controlled by its tension, in words; empty if none."""
     for rope in scene.ropes:
         if rubbing_places(rope):
             return f"rope {rope.name!r} sticks and slides on its sheaves"
         if controlled(rope):
-            return f"the winch of rope {rope.name!r} answers to its tension"
+            return f"the winch of rope {rope.name!r} is controlled by its tension"
     return ""
 
 
@@ -143,7 +143,7 @@ def _floating(scene: Scene) -> str:
     if scene.sea.hulls:
         return f"{scene.sea.hulls[0].body!r} floats"
     names = [line.name for line in scene.sea.lines] + [fender.name for fender in scene.sea.fenders]
-    return f"line {names[0]!r} is soft and stiff by turns" if names else ""
+    return f"line {names[0]!r} is alternately soft and stiff" if names else ""
 
 
 def stiff_part(scene: Scene, interval: float) -> str:

@@ -191,7 +191,8 @@ def _seams(joint: EdgeJoint, a: _Edge, b: _Edge) -> list[Joint]:
             of_a, skew_a = a.turn(i, a.normal[i])
             of_b, skew_b = b.turn(i, b.normal[i])
             normal, upright = a.rotation.T @ b.normal[i], a.rotation.T @ a.normal[i]
-            # the edge itself bends into the twist of slopes that are not square to it, more on one side than the other
+            # the edge itself bends into the twist of slopes that are not perpendicular to it, more on one side than the
+            # other
             flat = abs(abs(a.normal[i] @ b.normal[i]) - 1.0) <= STRAIGHT
             same = abs(skew_a - np.sign(a.normal[i] @ b.normal[i]) * skew_b) <= 1e-3
             if (flat and same) or (abs(skew_a) <= 1e-3 and abs(skew_b) <= 1e-3):

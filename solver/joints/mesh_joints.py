@@ -1,4 +1,4 @@
-"""Joints on frames and along edges of shells, told in rows on points and slopes before a scene is packed.
+"""Joints on frames and along edges of shells, expressed as rows on points and slopes before a scene is packed.
 
 Shells carry a triad at every point, so all joints work on them as on rigid bodies. Frames have a tangent and nothing
 else: fixed joints and hinges keep it, others work where all their directions are along it.
@@ -149,7 +149,7 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, Any]) -> Joint:
                 f"the axis is {np.degrees(np.arccos(min(abs(tangent[2]), 1.0))):.4g} deg from the tangent of the frame",
                 source=joint.name,
                 key="axis",
-                expected=f"an axis along the tangent or square to it; else {BETWEEN}",
+                expected=f"an axis along the tangent or perpendicular to it; else {BETWEEN}",
             )
         normals = z[None, :]
     else:
@@ -163,7 +163,7 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, Any]) -> Joint:
 
 
 def _refuse_opposite(joint: Joint, place: JointPlace, tangent: NDArray[np.float64]) -> None:
-    """Rows on tangents vanish for opposite ones too; what the joint wants is told by its axes."""
+    """Rows on tangents vanish for opposite ones too; the intended direction follows from its axes."""
     one, other = (frame.axes @ tangent for frame in place.frames)
     if not one @ other > 0.0:
         raise InputError(
@@ -176,7 +176,7 @@ def _refuse_opposite(joint: Joint, place: JointPlace, tangent: NDArray[np.float6
 
 
 def _across(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Two unit directions square to a unit direction and to each other, as rows."""
+    """Two unit directions perpendicular to a unit direction and to each other, as rows."""
     first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(direction, first)])

@@ -1,4 +1,4 @@
-"""What a user says of bodies: how a frame moves, rigid bodies and flexible ones with modes; SI units."""
+"""Descriptions of bodies: how a frame moves, rigid bodies and flexible ones with modes; SI units."""
 
 from __future__ import annotations
 

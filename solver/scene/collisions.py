@@ -1,4 +1,4 @@
-"""What a user says of collision: surfaces of triangles on bodies, and which pairs of them may touch; SI units.
+"""Descriptions of collision: surfaces of triangles on bodies, and which pairs of them may touch; SI units.
 
 A *surface* is any set of triangles, open or closed, wound either way. A *collision* lets two surfaces touch anywhere:
 its contacts come and go with the motion, by the same laws as those of contours.

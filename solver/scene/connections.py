@@ -1,4 +1,4 @@
-"""What a user says of the things between bodies: joints, ropes, springs, drives and motors, in SI units.
+"""Descriptions of components between bodies: joints, ropes, springs, drives and motors, in SI units.
 
 Every joint has a *joint frame* on either side: a point and three axes, in the frame of the body (in
 world axes on the ground). The joint is closed when the two frames fit, each type in its own way.
@@ -90,7 +90,7 @@ __all__ = [
 
 
 class Place(Enum):
-    """What a case file says of where a joint is."""
+    """What a case file gives for where a joint is."""
 
     POINT = "point"
     """A point for both sides, or one each."""
@@ -280,7 +280,7 @@ class Limits:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Joint:
-    """What all joints have. Each sort is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
+    """What all joints have. Each type is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
 
     Attributes
     ----------
@@ -299,7 +299,7 @@ class Joint:
     WORD: ClassVar[str]
     """Its type in a case file."""
     PLACE: ClassVar[Place] = Place.POINT
-    """What a case file says of where it is."""
+    """What a case file gives for where it is."""
     ROWS: ClassVar[Rows] = ()
     """Its rows in order, if it is a list of them and needs no kernels of its own: ``("point",)``, ``p_b - p_a = 0``,
     three rows, which come first; ``("parallel", d)``, the axes d of both sides are, two rows; ``("travel", d)``,
@@ -391,7 +391,7 @@ class EdgeJoint(Joint):
 
 
 JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
-"""All sorts of joints, by their types in a case file."""
+"""All joints, by their types in a case file."""
 
 
 class Stage(Enum):
@@ -565,7 +565,7 @@ class PackedForce(ForceElement):
 FORCES: Family[Any] = Family(
     "force", "heavylift.solver.forces", "heavylift.solver.force_elements", default="point"
 )
-"""All sorts of forces on bodies, between two points and along joints, by their types in a case file; those that are
+"""All forces on bodies, between two points and along joints, by their types in a case file; those that are
 rows with a law stand among the laws."""
 
 
@@ -574,7 +574,7 @@ MEASURES: Family[Any] = Family("table", "heavylift.solver.sensors", typed=False)
 
 
 ROPES: Family[Any] = Family("rope", "heavylift.solver.force_elements", default="wire")
-"""All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
+"""All ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
 
 
 @ROPES.part

@@ -1,4 +1,4 @@
-"""What a user says of contact: contours of bodies, what touches them, and by what law; SI units.
+"""Descriptions of contact: contours of bodies, what touches them, and by what law; SI units.
 
 A *contour* is a spline surface or curve that moves with its body: a fit through nodes of a flexible body, the shape of
 a frame or shell itself, or given points of a rigid body or the ground. A *contact* lets one point, ball, ring or convex

@@ -1,14 +1,14 @@
-"""Descriptions: all there is to say of a kind of things, said once.
+"""Descriptions: the single definition of each component type.
 
-A *description* is a frozen dataclass, in the file of its kind, of what a user says of one thing: each field is
+A *description* is a frozen dataclass, in the file of its kind, of the values of one component: each field is
 annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it, what
 it records, and in ``check`` what its keys must say together. The section of the case file, the JSON schema, the tables
 of keys, the sentences of channels, the object itself and its row of the report are made from it; nothing of it stands
 anywhere else. A *part* is the description of a table within that of another one. An object that was not made from a
 case file is checked by the same words, see `check_object`.
 
-A `Family` finds the descriptions of one sort: each module of a package may bring some. A file that nobody names is not
-looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
+A `Family` finds descriptions that belong together: each module of a package may bring some. A file that nobody names is
+not looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
 with what it refers to: who reads a case does not import a compiler. When the kernels are wanted, the module is imported
 as any other, and finds its description there already.
 """
@@ -112,7 +112,7 @@ def interval_extremes(
 
 @dataclass(frozen=True)
 class ChannelKind:
-    """A channel that things of a kind record.
+    """A channel that components of a type record.
 
     Attributes
     ----------
@@ -205,7 +205,7 @@ class DescribedField(NamedTuple):
 
 
 class Family(Generic[T]):
-    """Descriptions of one sort, by the words of case files.
+    """Descriptions of one family, by the words of case files.
 
     Parameters
     ----------
@@ -218,9 +218,9 @@ class Family(Generic[T]):
     default
         Word of a table that says none.
     typed
-        Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
+        Whether a table gives its word, as its ``type``; if not, it is the name of the list in which it stands.
     key
-        In which a table says its word, if not as its ``type``.
+        In which a table gives its word, if not as its ``type``.
     alphabetical
         Whether its words are listed in that order, behind those that have an ``ORDER``; if not, as they are described.
     """
@@ -415,7 +415,7 @@ def described_fields(described: Any) -> tuple[DescribedField, ...]:
 
 
 def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind, ...]:
-    """What things of a description record.
+    """Channels of components of a description.
 
     Parameters
     ----------
@@ -439,7 +439,8 @@ def is_described(hint: Any) -> bool:
 def _find_fields(described: type) -> tuple[DescribedField, ...]:
     """Keys of a description; a field without quantity is a `TypeError`.
 
-    Fields of its bases without annotation are no keys: they say where a thing is, which a case file tells otherwise.
+    Fields of its bases without annotation are no keys: they give where a component is, in another form than a case
+    file.
     """
     hints: dict[str, Any] = {}
     for base in reversed(described.__mro__):
@@ -552,7 +553,7 @@ def owner_coordinate(field: DescribedField) -> str:
 def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     """What a case file is checked for, of an object made otherwise: ranges of numbers, and what its keys say together.
 
-    The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
+    The ``check`` of a description sees its keys as in the case file: lists, and None for what it leaves out.
 
     Parameters
     ----------
@@ -561,12 +562,12 @@ def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     coordinate
         Coordinate of the joint along which it acts, ``"angle"`` or ``"travel"``.
     source
-        Name of the thing, if it has none of its own.
+        Name of the component, if it has none of its own.
 
     Raises
     ------
     InputError
-        With the name of the thing and the key.
+        With the name of the component and the key.
     """
     if not is_described(type(thing)):
         return
@@ -578,7 +579,7 @@ def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
 
 
 def _spec(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
-    """Keys of a thing as a case file says them; checked."""
+    """Keys of a component as in a case file; checked."""
     spec = types.SimpleNamespace()
     for field in described_fields(type(thing)):
         place = f"{key}{field.name}"
@@ -596,7 +597,7 @@ def _spec(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
 
 
 def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
-    """Value of a key as a case file says it."""
+    """Value of a key as in the case file."""
     coordinate = owner_coordinate(field) or coordinate
     if is_described(type(value)):
         return _spec(value, f"{key}.", coordinate)

@@ -299,7 +299,7 @@ def arc(
     n
         Elements.
     axes
-        Two directions of any length that span the plane; the second is made square to the first, shape (2, 3).
+        Two directions of any length that span the plane; the second is made perpendicular to the first, shape (2, 3).
 
     Raises
     ------

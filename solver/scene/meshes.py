@@ -1,4 +1,4 @@
-"""What a user says of slender and thin bodies that deform at will: frames and shells of ANCF elements.
+"""Descriptions of slender and thin bodies that deform at will: frames and shells of ANCF elements.
 
 Coordinates of a node are its position and slopes of the reference shape, all in one frame that stands still:
 that of the body as it was placed. Strains are those of Green-Lagrange, so displacements and rotations
@@ -392,7 +392,7 @@ class ShellBody(MeshBody):
     ----------
     slopes
         ``r_x``, ``r_y`` and ``r_xy`` at the nodes, shape (n, 3, 3): derivatives of the position by lengths along
-        the two directions of the mesh. They need not be unit vectors or square to each other.
+        the two directions of the mesh. They need not be unit vectors or perpendicular to each other.
     elements
         Nodes of each: origin, along x, opposite, along y; shape (e, 4).
     lengths

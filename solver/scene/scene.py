@@ -1,4 +1,4 @@
-"""What a user says: bodies, forces and sensors of a scene, as frozen dataclasses in SI units."""
+"""Descriptions: bodies, forces and sensors of a scene, as frozen dataclasses in SI units."""
 
 from __future__ import annotations
 

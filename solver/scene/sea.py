@@ -1,4 +1,4 @@
-"""What a user says of the sea: water, hulls that float, hydrodynamic databases, waves, wind, lines; SI units."""
+"""Descriptions of the sea: water, hulls that float, hydrodynamic databases, waves, wind, lines; SI units."""
 
 from __future__ import annotations
 
@@ -457,7 +457,7 @@ class Sea:
     hulls, radiation, tanks
         What floats.
     pumps, controllers
-        What moves the water of tanks, and what tells pumps how fast.
+        What moves the water of tanks, and what commands pumps.
     waves
         Trains of waves, or None.
     ramp

@@ -1,4 +1,4 @@
-"""What a user says of wind and current: how the air and the water move, and what they push on. SI units, radians.
+"""Descriptions of wind and current: how the air and the water move, and what they push on. SI units, radians.
 
 A *field* is a fluid that moves, on one side of the still water; *loads* are pieces of bodies in one of the fields.
 Directions are of propagation ("going to"), from world x, anticlockwise seen from above. Loads with the same name
@@ -252,7 +252,7 @@ class CurrentProfile:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Fluctuating:
-    """What is made of a spectrum of `WIND_SPECTRA`, which a case file says.
+    """What is made of a spectrum of `WIND_SPECTRA`, which a case file gives.
 
     Attributes
     ----------
@@ -357,7 +357,7 @@ class LoadOutputs(Outputs):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FluidLoad:
-    """What all loads of wind and current have. Each sort is a subclass in a file of `heavylift.solver.water.wind`.
+    """What all loads of wind and current have. Each type is a subclass in a file of `heavylift.solver.water.wind`.
 
     Attributes
     ----------
@@ -408,6 +408,6 @@ class DragElement(FluidLoad):
 
 
 FLUID_LOADS: Family[FluidLoad] = Family("load", "heavylift.solver.water.wind")
-"""All sorts of loads of wind and current, by their types in a case file."""
+"""All loads of wind and current, by their types in a case file."""
 
 FluidField = WindField | CurrentField

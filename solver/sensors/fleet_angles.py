@@ -1,7 +1,7 @@
 """Angles of a rope against where it should point: off and side lead of falls, in and out of the plane of a lug.
 
-On body a the rope should point along an axis t, in a plane with the normal n, both of length 1 and square to each
-other, ``u = t x n``. With r from the point on a to the point on b::
+On body a the rope should point along an axis t, in a plane with the normal n, both of length 1 and perpendicular to
+each other, ``u = t x n``. With r from the point on a to the point on b::
 
     off_lead = atan2(r . u, r . t)       side_lead = asin(r . n / |r|)       angle = acos(r . t / |r|)
 
@@ -72,7 +72,7 @@ class FleetAngle(Between, PackedForce):
     """Where the rope should point, down from a crown and up from a lug, in the coordinates of the geometry of side a;
     of the ground in the world; any length."""
     normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_across)
-    """Normal of the plane of the sheaves or of the eye plate, square to `axis`, in the same coordinates; any length."""
+    """Normal of the plane of the sheaves or of the eye plate, perpendicular to `axis`, same coordinates; any length."""
 
     @staticmethod
     def check(spec: Any) -> None:
@@ -80,9 +80,9 @@ class FleetAngle(Between, PackedForce):
         axis, normal = np.array(spec.axis), np.array(spec.normal)
         if abs(axis @ normal) > SQUARE * float(np.linalg.norm(axis) * np.linalg.norm(normal)):
             raise InputError(
-                f"{normal.tolist()} is not square to axis = {axis.tolist()}",
+                f"{normal.tolist()} is not perpendicular to axis = {axis.tolist()}",
                 key="normal",
-                expected="a direction square to 'axis'",
+                expected="a direction perpendicular to 'axis'",
             )
 
 

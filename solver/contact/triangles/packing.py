@@ -87,7 +87,7 @@ def pack_collisions(
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     columns
         First record column of each collision.
     attachment, dofs, scales
@@ -381,7 +381,12 @@ def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[flo
         _refuse(collision, "between", f"{bodies[0]!r} touches itself", "surfaces of two bodies")
     check_motion(collision.name, bodies[0], bodies[1], scales)
     if isinstance(collision.law, BilateralLaw):
-        _refuse(collision, "law", "bilateral, between surfaces that come and go", "a law that lets go")
+        _refuse(
+            collision,
+            "law",
+            "bilateral, between surfaces whose contacts open and close",
+            "a law that can open",
+        )
     check_law(collision.name, collision.law, collision.friction)
     if collision.method not in METHODS:
         _refuse(collision, "method", f"{collision.method!r}", " or ".join(map(repr, METHODS)))

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 __all__ = ["check_databases", "check_rest", "weight_words"]
 
 TOLD = 0.05
-"""Difference from which on a user is told: of a volume, area or second moment, of a length against the gyradius of the
-water plane."""
+"""Difference from which on there is a warning: of a volume, area or second moment, of a length against the gyradius of
+the water plane."""
 REFUSED = 0.2
 """Difference that is refused."""
 VOLUME_REFUSED = 0.1
@@ -183,7 +183,7 @@ def _check_hull(database: HydrodynamicDatabase, row: int, body: FloatingBody) ->
 
 
 def _in_numbers(body: FloatingBody) -> bool:
-    """Whether buoyancy is given in numbers, which stand for no surface: they are told of, never refused."""
+    """Whether buoyancy is given in numbers, without a surface: differences are reported, never refused."""
     restoring = body.hull.restoring
     return isinstance(restoring, LinearRestoring) and not isinstance(restoring, RestoringOfSurface)
 
@@ -382,7 +382,7 @@ def weight_words(
     at: str = "at rest",
     scenario: Scenario | None = None,
 ) -> str:
-    """What is to be told of what a hull displaces at rest against its database; empty if they agree.
+    """Warning if a hull displaces at rest another volume than its database; empty if they agree.
 
     Parameters
     ----------

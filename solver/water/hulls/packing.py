@@ -115,7 +115,7 @@ def pack_hulls(
     notes: list[str],
     columns: Mapping[str, Columns],
 ) -> Hulls:
-    """Make the kind from what the user said.
+    """Make the kind from the scene.
 
     Parameters
     ----------
@@ -333,7 +333,7 @@ def _pack_tanks(
 def _pack_pumps(
     sea: Sea, tanks: Sequence[Tank], columns: Mapping[str, Columns]
 ) -> tuple[Records[PumpData], Records[PumpRow]]:
-    """Pumps with the rows of what they are told; one of a pump that a controller tells."""
+    """Pumps with the rows of their commands; one for a pump that a controller commands."""
     places = {tank.name: i for i, tank in enumerate(tanks)}
     told = {name for one in sea.controllers for name in one.pumps}
     rows: list[tuple[float, ...]] = []

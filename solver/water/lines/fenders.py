@@ -223,7 +223,7 @@ def fender_markers(book: MarkerBook, fenders: Sequence[Fender]) -> list[tuple[in
 def pack_fenders(
     fenders: Sequence[Fender], markers: Sequence[tuple[int, int, int]], columns: Sequence[Columns]
 ) -> Fenders:
-    """Make the kind from what the user said, markers of `fender_markers`, and the first record column of each.
+    """Make the kind from the scene, markers of `fender_markers`, and the first record column of each.
 
     Raises
     ------

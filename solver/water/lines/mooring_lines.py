@@ -202,7 +202,7 @@ class MooringState(BottomState):
 
 
 class MooringScratch(LineEnds):
-    """Lower end of a mooring line for a record, the solution that the steps go on from, and the tension last found."""
+    """Lower end of a mooring line for a record, the solution from which steps continue, and the last tension."""
 
     solution: BottomState
     tension: float
@@ -342,7 +342,7 @@ def watch_mooring_lines(kind: MooringLines, work: Workspace) -> None:
 @implement(begin_record, MooringLines)
 @kernel(internal=True)
 def begin_line_records(kind: MooringLines) -> None:
-    """Steps go on from what they found themselves: a record does not change the run, not in its last bits."""
+    """Steps continue from what they found themselves: a record does not change the run, not in its last bits."""
     for i in range(kind.lines.shape[0]):
         _copy_solution(kind.state[i], kind.scratch[i].solution)
 

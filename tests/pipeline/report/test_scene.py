@@ -138,7 +138,7 @@ def test_animation_that_cannot_be_made_is_said(case, tmp_path):
     wanted = with_report(case, animation={})
     write_report(wanted, tmp_path / "report", tmp_path / "nothing")
     text = (tmp_path / "report" / "report.md").read_text()
-    assert "No animation: there is no history of what could be drawn" in text
+    assert "No animation: there is no history of anything that could be drawn" in text
     off = with_report(case, animation={"enabled": False})
     write_report(off, tmp_path / "report", tmp_path / "nothing")
     assert "No animation" not in (tmp_path / "report" / "report.md").read_text()
