@@ -1084,25 +1084,26 @@ class _Builder:
         if self.results is None:
             return
         found: list[Arrows] = []
+        every = np.arange(len(self.results.time))
         for contact in self.scene.contacts:
-            force, point = self._values(f"{contact.name}.force"), self._values(f"{contact.name}.point")
+            force, point = (self._values(f"{contact.name}.{key}", every) for key in ("force", "point"))
             if force is not None and point is not None and force.shape[1] == 3:
-                found.append(_arrows(contact.name, point[:, np.newaxis], force[:, np.newaxis]))
+                found.append(self._arrows(contact.name, point[:, np.newaxis], force[:, np.newaxis]))
         for name in dict.fromkeys(m[1] for m in map(_CONTACT.match, self.results) if m):
             points, forces = [], []
             number = 1
             while f"{name}.contact_{number}.normal" in self.results:
                 prefix = f"{name}.contact_{number}"
-                normal, force = self._values(f"{prefix}.normal"), self._values(f"{prefix}.force")
-                point = self._values(f"{prefix}.point")
                 number += 1
+                normal, force, point = (
+                    self._values(f"{prefix}.{key}", every) for key in ("normal", "force", "point")
+                )
                 if normal is not None and force is not None and point is not None:
                     points.append(point)
                     forces.append(normal * force)
             if points:
-                found.append(
-                    _arrows(name, np.stack(points, axis=1), np.stack(forces, axis=1), collision=True)
-                )
+                place, forces_of = np.stack(points, axis=1), np.stack(forces, axis=1)
+                found.append(self._arrows(name, place, forces_of, collision=True))
         arrows = [one for one in found if one.force.shape[1]]
         most = self.detail.arrow_bytes // (12 * max(1, sum(one.force.shape[1] for one in arrows)))
         chosen = _spread(len(self.records), max(50, most))
@@ -1112,6 +1113,19 @@ class _Builder:
         for one in arrows:
             one.place, one.force = one.place[chosen], one.force[chosen]
         self.drawn.arrows = arrows
+
+    def _arrows(
+        self, name: str, place: NDArray[np.float64], force: NDArray[np.float64], *, collision: bool = False
+    ) -> Arrows:
+        """Forces at all records, of which those are kept that are ever there, at the poses."""
+        force = np.where(np.isfinite(force), force, 0.0)
+        largest = float(np.linalg.norm(force, axis=2).max(initial=0.0))
+        place, force = place[self.records], force[self.records]
+        used = np.any(force != 0.0, axis=(0, 2))
+        return Arrows(
+            name=name, role="touch", place=place[:, used], force=force[:, used], largest=largest,
+            collision=collision,
+        )  # fmt: skip
 
     # at the end
 
@@ -1220,15 +1234,6 @@ def _whole_name(element: d.Element) -> d.Element:
     """An element by the name of the joint whose part it is along an edge."""
     whole, _, number = element.name.rpartition(".")
     return d.Element(name=whole if number.isdigit() else element.name, role=element.role)
-
-
-def _arrows(
-    name: str, place: NDArray[np.float64], force: NDArray[np.float64], *, collision: bool = False
-) -> Arrows:
-    """Those that are ever there."""
-    force = np.where(np.isfinite(force), force, 0.0)
-    used = np.any(force != 0.0, axis=(0, 2))
-    return Arrows(name=name, role="touch", place=place[:, used], force=force[:, used], collision=collision)
 
 
 def _grown_box(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -229,13 +229,21 @@ class Dot(_Drawn):
 
 @dataclass(eq=False, kw_only=True)
 class Arrows(_Drawn):
-    """Forces at points of the world: [m] and [N], both of shape (k, c, 3), on the timeline `TOUCHES`.
+    """Forces at points of the world.
 
-    Of a collision, whose contacts come and go, they have no role in pictures of the whole scene.
+    Attributes
+    ----------
+    place, force
+        [m] and [N], both of shape (k, c, 3), on the timeline `TOUCHES`.
+    largest
+        Of the whole run [N].
+    collision
+        Whether its contacts come and go.
     """
 
     place: NDArray[np.float64]
     force: NDArray[np.float64]
+    largest: float
     collision: bool = False
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.pictures.meshes import Scale
     from heavylift.pipeline.results.histories import Results
 
-__all__ = ["Judged", "PageContent", "page_content", "page_html"]
+__all__ = ["Judged", "PageContent", "drawn_header", "page_content", "page_html"]
 
 _FAR_APART = 0.03  # size of the largest body beside the scene below which only labels show where bodies are
 _CHANNELS = 6  # curves that are plotted at first, at most
@@ -149,7 +149,7 @@ def page_content(
         "box": {"low": shown.view_box[0].tolist(), "high": shown.view_box[1].tolist()},
         "size": shown.view_size,
         "radius": min(2.0e-3 * shown.view_size, 0.02 * shown.largest),
-        **_scene(shown, block),
+        **drawn_header(shown, block),
         "channels": channels,
         "plotted": [list(one) for one in _plotted(case, channels, judged)],
         "limits": _limits(judged, channels),
@@ -205,7 +205,8 @@ def _unit_coil() -> NDArray[np.float64]:
     return points * np.array([8.0, 8.0, 1.0])
 
 
-def _scene(drawn: DrawnScene, block: Block) -> dict[str, Any]:
+def drawn_header(drawn: DrawnScene, block: Block) -> dict[str, Any]:
+    """What is drawn, as the script of the page has it; its numbers go into the block."""
     scale = _stress_colours(drawn)
     table = None
     if scale is not None:

@@ -67,8 +67,7 @@ class SceneView:
         pads = any(one.role == "fender" for one in scene.surfaces)
         if not (roles - {"contour"} or dots or pads or scene.touches):
             self._factor = self._exaggerated()
-        forces = [np.linalg.norm(one.force, axis=2).max(initial=0.0) for one in self._arrows]
-        self._peak = max(forces, default=0.0)
+        self._peak = max((one.largest for one in self._arrows), default=0.0)
 
     @property
     def boxes(self) -> int:

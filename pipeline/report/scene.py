@@ -150,6 +150,7 @@ def _legend(case: Case, others: SceneView) -> list[str]:
         *[f"brown: {' and '.join(ropes)}"] * bool(ropes),
         *[f"green: {' and '.join(springs)}"] * bool(springs),
         *["orange: fenders"] * bool(case.fenders),
+        *["blue balls: water in tanks"] * bool(case.tanks),
         *["grey strips: decks · brown circles: wheels"] * bool(case.transporters),
         *["violet: contours · ochre: what touches · red: force on it"] * bool(case.contacts),
         *[f"dots: {' and '.join(marked)}"] * bool(marked),
