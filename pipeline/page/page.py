@@ -86,6 +86,7 @@ def page_content(
     judged: Sequence[Judged] = (),
     phases: Sequence[tuple[str, float, float]] = (),
     events: Sequence[tuple[float, str]] = (),
+    tones: Sequence[tuple[float, float]] = (),
     notes: Sequence[str] = (),
     descriptions: Mapping[str, str] | None = None,
     labelled: bool = False,
@@ -110,6 +111,8 @@ def page_content(
         Name, begin and end [s].
     events
         Time [s] and words.
+    tones
+        Time [s] and frequency [Hz] of what is heard, if a reader turns the sound on.
     notes
         What else is to be known, warnings first.
     descriptions
@@ -156,6 +159,7 @@ def page_content(
         "checks": [_row(one, channels) for one in judged],
         "phases": [list(phase) for phase in phases],
         "events": [{"time": time, "text": text} for time, text in sorted(events, key=lambda one: one[0])],
+        "tones": [{"time": time, "tone": tone} for time, tone in sorted(tones)],
         "notes": remarks,
         "labelled": labelled or shown.largest < _FAR_APART * shown.view_size,
         "live": live,

@@ -13,7 +13,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.drawn.build import case_scene
 from heavylift.pipeline.page.page import Judged, PageContent, page_content
 from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words, used_words
-from heavylift.pipeline.report.operation import operation_log, phase_bands
+from heavylift.pipeline.report.operation import operation_log, operation_tones, phase_bands
 from heavylift.pipeline.results.model_io import open_hdf5
 from heavylift.pipeline.results.signals import scaled_unit
 
@@ -109,6 +109,7 @@ def interactive_content(
         judged=rows,
         phases=phase_bands(results),
         events=_events(results, rows),
+        tones=operation_tones(results),
         notes=notes,
         descriptions=_descriptions(results.source),
         live=live,

@@ -91,12 +91,14 @@ def _listed(sentences: Sequence[str]) -> str:
 
 
 def operation_log(operation: Operation) -> dict[str, Any]:
-    """Names of the phases, and what happened, as plain values."""
-    return {
+    """Names of the phases, what happened, and what was heard, as plain values."""
+    tones = [[line.time, line.tone] for line in operation.log if line.tone]
+    found: dict[str, Any] = {
         "phases": [phase.name for phase in operation.scenario.all_phases],
         "first_track": len(operation.scenario.phases),
         "log": [[line.time, line.phase, line.event, line.what, line.value] for line in operation.log],
     }
+    return found | {"tones": tones} if tones else found
 
 
 def steps_taken(simulation: Any) -> int:

@@ -313,6 +313,10 @@ class Action(ActionKeys):
         """What an actuator gets; by itself an action is a line in the log alone."""
         return Command()
 
+    def tone(self) -> float:
+        """Frequency [Hz] that is heard where the page of a report plays past the action; 0 is none."""
+        return 0.0
+
     def check(self, state: OperationState, key: str) -> None:
         """See that it finds what it needs, and change what is so after it.
 
