@@ -13,8 +13,8 @@ corners: `heavylift.solver.force_elements.scalar_laws`, with the same entry and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -53,6 +53,7 @@ from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
 from heavylift.solver.scene.connections import FORCES, AlongJoint, Between, TorqueOutputs
 from heavylift.solver.scene.descriptions import check_table, named, no_rows
+from heavylift.solver.scene.drawn import Element, Strut
 from heavylift.solver.scene.outputs import Outputs, channel, largest, outputs, smallest
 
 __all__ = [
@@ -128,6 +129,10 @@ class Spring(Between):
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Its table."""
         return self.elongations, self.forces
+
+    def drawn(self) -> Iterable[Element]:
+        """As between all points, coiled."""
+        return (replace(one, coiled=True) if isinstance(one, Strut) else one for one in super().drawn())
 
 
 @FORCES.describe("joint_spring")

@@ -20,10 +20,14 @@ from heavylift.numerics.quantity import (
     WorldDirection,
 )
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
+from heavylift.solver.scene.drawn import At, Element, Mark, ModalShape, Solid
+from heavylift.solver.scene.outlines import inertia_box
 from heavylift.solver.scene.outputs import Components, Outputs, Part, Parts, channel, outputs
 from heavylift.solver.scene.speed_profiles import check_speeds
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from heavylift.modal.reduced import ReducedBody
 
 __all__ = [
@@ -370,6 +374,10 @@ class Body:
         """Refuse what cannot be packed; shapes of its start values by key."""
         return {"position": (3,), "orientation": (4,), "velocity": (3,), "angular_velocity": (3,)}
 
+    def drawn(self) -> Iterable[Element]:
+        """What it looks like, see `heavylift.solver.scene.drawn`; nothing unless a class says so."""
+        return ()
+
     def contour_frame(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origin [m] and axes, as columns, of what the solver measures a contour in, in the frame of the body."""
         return np.zeros(3), np.eye(3)
@@ -492,6 +500,17 @@ class FlexibleBody(Placed):
         modal = {key: (self.mode_count,) for key in keys if np.size(getattr(self, key))}
         return {**super().start_shapes(), **modal}
 
+    def drawn(self) -> Iterable[Element]:
+        """The surface of its mesh, deformed by its modes."""
+        yield ModalShape(
+            name=self.name,
+            role="body",
+            nodes=self.reduced.nodes,
+            shapes=self.reduced.mode_shapes,
+            amplitudes=f"{self.name}.modal_position",
+            start=self.modal_position,
+        )
+
 
 @BODIES.describe("rigid")
 @dataclass(frozen=True, eq=False)
@@ -513,6 +532,12 @@ class RigidBody(Placed):
     """About the centre of mass, body axes [kg m^2]: three principal values or a symmetric 3 x 3 matrix."""
     centre_of_mass: Annotated[NDArray[np.float64], BodyPoint()] = field(default_factory=lambda: _zeros(3))
     """In the coordinates of the geometry [m]."""
+
+    def drawn(self) -> Iterable[Element]:
+        """Its centre of mass; a box of the same mass and inertia, if it has no surface."""
+        box = inertia_box(self.mass, self.inertia, self.centre_of_mass)
+        yield Solid(name=self.name, role="box", body=self.name, points=box.points, triangles=box.triangles)
+        yield Mark(name=self.name, role="centre", at=At(self.name, self.centre_of_mass))
 
     @staticmethod
     def check(spec: Any) -> None:

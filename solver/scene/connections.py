@@ -32,6 +32,7 @@ from heavylift.solver.scene.descriptions import (
     no_rows,
     upwards,
 )
+from heavylift.solver.scene.drawn import At, Axes, Element, Mark, RopeLine, Stop, Strut, Text
 from heavylift.solver.scene.outputs import (
     Components,
     Outputs,
@@ -45,7 +46,7 @@ from heavylift.solver.scene.outputs import (
 from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = [
     "FORCES",
@@ -56,6 +57,7 @@ __all__ = [
     "ROW_JOINTS",
     "ROW_WORDS",
     "AlongJoint",
+    "AlongPath",
     "AngleOutputs",
     "Between",
     "ControlOutputs",
@@ -350,6 +352,14 @@ class Joint:
         """Direction of its travel in the joint frame of a, any length, shape (3,)."""
         return np.array([0.0, 0.0, 1.0])
 
+    def drawn(self) -> Iterable[Element]:
+        """A dot at its first side, a line to the other one, and its axes."""
+        a, b = At(self.body_a, self.frame_a.point), At(self.body_b, self.frame_b.point)
+        yield Strut(name=self.name, role="joint", ends=(a, b))
+        yield Mark(name=self.name, role="joint", at=a)
+        yield Axes(name=self.name, role="axes", at=a, axes=self.frame_a.axes)
+        yield Text(name=self.name, role="joint", at=a, text=f"{self.name} ({self.WORD})")
+
 
 def _no_nodes() -> NDArray[np.int64]:
     return np.zeros(0, dtype=np.int64)
@@ -399,6 +409,10 @@ class OnBody:
     point: Annotated[NDArray[np.float64], BodyPoint()]
     """Point in the coordinates of the geometry of the body [m]."""
 
+    def drawn(self) -> Iterable[Element]:
+        """Nothing."""
+        return ()
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Between:
@@ -434,6 +448,17 @@ class Between:
                 f"both sides are {between[0]!r}", expected="two different bodies, or a body and 'ground'"
             )
 
+    @property
+    def sides(self) -> tuple[At, At]:
+        """Its two points."""
+        return At(self.body_a, self.point_a), At(self.body_b, self.point_b)
+
+    def drawn(self) -> Iterable[Element]:
+        """A line between its points; of a measure, which pulls at nothing, its name alone."""
+        if getattr(self, "FAMILY", None) is not MEASURES:
+            yield Strut(name=self.name, role="spring", ends=self.sides)
+        yield Text(name=self.name, role="spring", at=self.sides[0], text=self.name)
+
 
 def as_joint(spring: Between) -> Joint:
     """What is between two points as a joint that frees everything: its two sides and points."""
@@ -465,6 +490,10 @@ class AlongJoint:
     name: str
     joint: Annotated[str, NameOf("joint")]
     """A hinge, whose angle [rad] counts, or a slider, whose travel [m] counts."""
+
+    def drawn(self) -> Iterable[Element]:
+        """Nothing beside its joint."""
+        return ()
 
 
 class PackedForce:
@@ -538,6 +567,34 @@ class RopePoint:
                 key="friction",
                 expected="one of them: it follows from friction",
             )
+
+
+class AlongPath:
+    """Base of ropes, which run along a path or several legs.
+
+    A rope has `name`, `path`, and `legs` of its own if it is several lines.
+    """
+
+    @property
+    def legs(self: Any) -> Sequence[tuple[RopePoint, ...]]:
+        """Places of each line, from end to end."""
+        return (self.path,)
+
+    def drawn(self: Any) -> Iterable[Element]:
+        """A rope along each leg about its pulleys."""
+        several = len(self.legs) > 1
+        for number, leg in enumerate(self.legs):
+            stops = tuple(Stop(At(stop.body, stop.point), stop.radius, stop.axis) for stop in leg)
+            yield RopeLine(
+                name=self.name,
+                role="rope",
+                stops=stops,
+                tension=f"{self.name}.{'segment_tension' if several else 'tension'}",
+                component=number if several else None,
+            )
+        for k, stop in enumerate(self.legs[0]):
+            text = self.name if k == 0 else f"{self.name}, {k + 1}"
+            yield Text(name=self.name, role="rope", at=At(stop.body, stop.point), text=text)
 
 
 @ROPES.part

@@ -8,13 +8,14 @@ are unlimited: "Integrated simulation ... (2018)", sections 2.2 and 2.3.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from heavylift.solver.scene.bodies import Body, Free
+from heavylift.solver.scene.drawn import Element, Skin
 from heavylift.solver.scene.mesh_rates import highest_frame_frequency, highest_shell_frequency
 from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, outputs
 
@@ -325,6 +326,10 @@ class MeshBody(Body):
         """The mesh is one of its type."""
         self.kind_module.check_mesh(self)
         return super().start_shapes()
+
+    def drawn(self) -> Iterable[Element]:
+        """Its skin with the stresses of its elements."""
+        yield Skin(name=self.name, role="body", body=self)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

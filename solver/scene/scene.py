@@ -21,8 +21,11 @@ from heavylift.solver.scene.bodies import (
 )
 from heavylift.solver.scene.connections import OnBody
 from heavylift.solver.scene.descriptions import Family
+from heavylift.solver.scene.drawn import At, Text
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
@@ -33,6 +36,7 @@ if TYPE_CHECKING:
         PackedForce,
     )
     from heavylift.solver.scene.contacts import Contact, Contour
+    from heavylift.solver.scene.drawn import Element
     from heavylift.solver.scene.scenario import Scenario
     from heavylift.solver.scene.sea import Sea
 
@@ -81,6 +85,10 @@ class Sensor(OnBody):
         "point": "Point in the coordinates of the geometry [m]; of a flexible body, frame or shell any point of "
         "its mesh.",
     }
+
+    def drawn(self) -> Iterable[Element]:
+        """Its name."""
+        yield Text(name=self.name, role="body", at=At(self.body, self.point), text=f"{self.name} (sensor)")
 
 
 AnyBody: TypeAlias = Body

@@ -14,6 +14,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, NameOf, Positive, Quantity, Shape, Square
 from heavylift.solver.scene.bodies import RigidBody
 from heavylift.solver.scene.descriptions import XYZ, Family, check_table, no_rows
+from heavylift.solver.scene.drawn import At, Element, Filling, Solid
+from heavylift.solver.scene.outlines import surface_triangles
 from heavylift.solver.scene.outputs import Components, Outputs, channel, outputs
 
 if TYPE_CHECKING:
@@ -137,6 +139,13 @@ class Restored:
     def name(self) -> str:
         """That of its body."""
         return self.body
+
+    def drawn(self) -> Iterable[Element]:
+        """Its plating, if its body has no other surface."""
+        if self.restoring is None or isinstance(self.restoring, LinearRestoring):
+            return
+        points, triangles, _ = surface_triangles(self.restoring)
+        yield Solid(name=self.body, role="hull", body=self.body, points=points, triangles=triangles)
 
 
 def _undamped() -> NDArray[np.float64]:
@@ -357,6 +366,19 @@ class Tank:
         if self.mass is not None:
             return np.zeros(1), np.array([self.mass], dtype=np.float64)
         return self.times, self.masses
+
+    def drawn(self) -> Iterable[Element]:
+        """A ball of as much water as it holds, about the middle of the tank."""
+        middle = self.point
+        if self.size is not None and self.floor is not None:
+            middle = self.floor + np.array([0.0, 0.0, 0.5 * self.size[2]])
+        elif self.centres is not None:
+            middle = np.mean(self.centres, axis=0)
+        times, masses = self.schedule
+        yield Filling(
+            name=self.name, role="tank", at=At(self.hull, np.asarray(middle, dtype=np.float64)), times=times,
+            masses=masses, density=self.density,
+        )  # fmt: skip
 
     @property
     def start_mass(self) -> float:

@@ -9,10 +9,10 @@ import pytest
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands import cli
+from heavylift.pipeline.drawn.build import mesh_run
 from heavylift.pipeline.pictures.render import RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.report.document import Document, Figure, Section, to_html, to_markdown
 from heavylift.pipeline.report.report import write_report
-from heavylift.pipeline.report.scene import mesh_run
 from heavylift.pipeline.results.histories import FORMAT, load_results
 from heavylift.pipeline.results.mesh_results import mesh_body, mesh_shape, write_meshes
 from heavylift.pipeline.results.storage import OutputFolder
