@@ -372,7 +372,9 @@ def _without_waves(sea: Sea) -> Sea:
     fields = tuple(
         replace(one, fluctuation=None) if isinstance(one, WindField) else one for one in sea.fields
     )
-    return replace(sea, waves=None, ramp=0.0, fields=fields, radiation=())  # at rest databases give no information
+    return replace(
+        sea, waves=None, ramp=0.0, fields=fields, radiation=()
+    )  # at rest databases give no information
 
 
 def _parts(layout: Any, scene: Scene) -> list[_Part]:
