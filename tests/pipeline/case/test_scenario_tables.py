@@ -194,7 +194,7 @@ def test_what_has_arrived_is_named_by_hooks_too(tmp_path: Path) -> None:
         ('actions = [{ winch = "tag", speed = 1, ramp = 1, acceleration = 1 }]', "actions.0.acceleration", "both 'ramp'"),
         ('actions = [{ drive = "mast", speed = "1 m/s" }]', "actions.0.speed", "'1 m/s'"),
         ('actions = [{ drive = "trolley.y", speed = "1 deg/s" }]', "actions.0.speed", "'1 deg/s'"),
-        ('actions = [{ drive = ["mast", "trolley.y"], speed = 1 }]', "actions.0.speed", "drives that turn and drives"),
+        ('actions = [{ drive = ["mast", "trolley.y"], speed = 1 }]', "actions.0.speed", "rotating and translating drives"),
         ('actions = [{ drive = "arm.x", speed = 1 }]', "actions.0.drive", "'arm.x' is no drive"),
         ('actions = [{ tank = "aft", rate = 1 }]', "actions.0.tank", "'aft' is no tank"),
         ('actions = [{ tank = "aft", rate = "1 m/s" }]', "actions.0.rate", "'1 m/s'"),

@@ -570,7 +570,7 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
     [
         (told(WinchBrake("rope", on=True)), {}, "the winch of 'rope' has no brake"),
         (told(WinchBrake("rope", on=True), WinchSpeed("rope", -0.1)), {"winch": HELD}, "the brake of 'rope' is set"),
-        (told(WinchSpeed("rope", -0.1), WinchBrake("rope", on=True)), {"winch": HELD}, "while its winch goes with -0"),
+        (told(WinchSpeed("rope", -0.1), WinchBrake("rope", on=True)), {"winch": HELD}, "while its winch moves at -0"),
         (told(WinchTension("rope", 1e4, 0.1)), {}, "is not controlled by its tension"),
         (told(WinchLevel("rope", 1.0, 0.1)), {}, "is not controlled by its tension"),
         (told(WinchTension("rope", 3e6, 0.1)), {"winch": HELD}, "is a strain of 0.03"),
@@ -581,7 +581,7 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
         (told(WinchFollow("rope", "lead", 2.0)), {"winch": RATED, "ropes": [slack_rope("lead", winch=RATED)]},
          "that of 'lead' leads it with 1 m/s"),
         (told(WinchSpeed("rope", 0.3), WinchLevel("rope", 1.0, 0.3)), {"winch": BRAKED},
-         "0.3 m/s that the winch of 'rope' is told and 0.3 m/s to keep its level; expected at most 0.5 m/s together"),
+         "0.3 m/s commanded to the winch of 'rope' and 0.3 m/s to keep its level; expected at most 0.5 m/s together"),
         ((Phase("a", (WinchLevel("rope", 1.0, 0.3),), after(1.0)), Phase("b", (WinchLength("rope", 9.0, 0.3),))),
          {"winch": BRAKED}, "at most 0.5 m/s together"),
         (told(WinchFollow("rope", "rope")), {}, "follows itself"),
