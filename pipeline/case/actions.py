@@ -122,7 +122,7 @@ def _turns(drives: Iterable[str] | None, context: CaseContext | None) -> bool | 
             if fnmatchcase(name, pattern)
         }
     if len(found) == 2:
-        reject("drives that turn and drives that move along", "an action for each sort")
+        reject("rotating and translating drives", "an action for each type")
     return found.pop() if found else None
 
 
@@ -152,7 +152,7 @@ def _section() -> type[ActionTable]:
         "ActionSection",
         __base__=ActionTable,
         __module__=__name__,
-        __doc__="What happens when a phase begins: what is told to a winch, hook, drive, tank, path; release, "
+        __doc__="What happens when a phase begins: commands to a winch, hook, drive, tank, path; release,  "
         "connection, note.",
         __validators__={"unit": unit(cast("Any", classmethod(_unit_of_what_moves(kinds, moving))))},
         **own,

@@ -284,7 +284,7 @@ class Case(SceneTables, _CaseHeading):
 
     @property
     def _movable(self) -> dict[str, Any]:
-        """What can be told something."""
+        """What can be commanded."""
         frames = {name: body.frame for name, body in self.bodies.items() if body.has_frame}
         return {
             "ropes": {rope.name: rope for rope in self.ropes},

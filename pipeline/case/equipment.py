@@ -1,8 +1,8 @@
 """Builders of equipment write their bodies, joints and ropes into a document before it is checked.
 
 They see the document as blocks have left it, in the order of `BUILDERS` and of the file. What one writes, others may
-hang on: one that hangs on something that is not there yet waits for it. Errors in what was written are told at the key
-of the builder.
+hang on: one that hangs on something that is not there yet waits for it. Errors in generated entries are reported at the
+key of the builder.
 """
 
 from __future__ import annotations

@@ -187,7 +187,7 @@ class ConditionSection(_Comparison):
     time: Annotated[float, Positive("time")] | None = None
     """In place of a quantity: time since the phase began [s]."""
     arrived: Names | None = None
-    """In place of a quantity: all these are at rest where they were told to go: ropes, hooks, tanks, drives."""
+    """In place of a quantity: all these are at rest at their commanded positions: ropes, hooks, tanks, drives."""
     user: Literal["continue"] | None = None
     """In place of a quantity: someone says so while the run goes, ``heavylift scenario CASE --send continue``."""
     hold: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
@@ -283,7 +283,7 @@ class UntilSection(ConditionSection):
         if not self.all and not self.any:
             _one_condition(self)
         elif (self.all and self.any) or self.model_fields_set - {"all", "any"}:
-            reject("several sorts of conditions", "'all', 'any', or the keys of one condition")
+            reject("several types of conditions", "'all', 'any', or the keys of one condition")
         return self
 
     def conditions(self, known: Known) -> tuple[Condition, ...]:
@@ -303,7 +303,7 @@ class LimitSection(_Comparison):
     below: Value | None = None
     """It has to be below this value."""
     otherwise: Literal["stop", "warn"] = "stop"
-    """Whether the run ends where it is not so, or that is only told."""
+    """Whether the run ends where the limit is violated, or there is only a warning."""
 
     @model_validator(mode="after")
     def _has_one_end(self) -> "LimitSection":
@@ -419,7 +419,7 @@ def scenario_of(section: ScenarioSection, known: Known) -> Scenario:
 
 
 def _girder_ends(rows: Iterable[tuple[Phase, ...]], known: Known) -> list[Limit]:
-    """Limits that end a run where a trolley that is told something leaves its girder."""
+    """Limits that end a run where a commanded trolley leaves its girder."""
     commands = [action.command() for row in rows for phase in row for action in phase.actions]
     told = [one.name for one in commands if one.actuates == "drive" and one.operation in MOVES]
     found = []
@@ -434,7 +434,7 @@ def _girder_ends(rows: Iterable[tuple[Phase, ...]], known: Known) -> list[Limit]
 
 
 def _told(key: str, make: Any) -> Any:
-    """What something makes, whose errors are told at a key."""
+    """Result of a function, whose errors are reported at a key."""
     try:
         return make()
     except InputError as error:

@@ -354,7 +354,7 @@ def _add_stay(spec: Any, made: Made, along: NDArray[np.float64], on_carrier: Cal
 def _level(
     spec: Any, hook: Any, crown: NDArray[np.float64], drum: NDArray[np.float64] | None
 ) -> dict[str, Any]:
-    """Winch of a hook that moves as it is told and not with the boom; `drum` from the hinge: ahead, left, up [m].
+    """Winch of a hook that follows its commands and not the boom; `drum` from the hinge: ahead, left, up [m].
 
     The lead touches the sheave of the crown where its tangent does, wraps it to its far side, and leaves straight down.
     The other end is at the crown, beside its axis, and turns with the boom.
@@ -383,7 +383,7 @@ def _level(
 
 
 def _times(moves: Sequence[Any]) -> list[float]:
-    """Times at which the way of moves is told [s]: dense while they last."""
+    """Times at which the displacement of moves is tabulated [s]: dense during moves."""
     return list(positions_of(moves)["times"])
 
 

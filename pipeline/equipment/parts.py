@@ -3,7 +3,7 @@
 A builder is the description of one table of a case file (`heavylift.solver.scene.descriptions`), a dataclass that
 derives from `Equipment`, with a function ``build(spec, places, made)``. `spec` is its table with numbers in SI; what
 `build` adds to `made` are entries of other tables of the case file as a user would write them, in SI. They are checked,
-assembled and recorded as any other; what is wrong with one is told at the key of the builder from which it follows.
+assembled and recorded as any other; errors in one are reported at the key of the builder from which it follows.
 """
 
 from __future__ import annotations

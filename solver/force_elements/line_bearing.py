@@ -117,7 +117,7 @@ class BearingOutputs(Outputs):
         "length", "height of each end of the line over the plane, below 0 pressed", ENDS
     )
     overlap: float = channel("length", "from the border of the deck to the nearer end of the line")
-    slip_path: Components = channel("length", "way that each end of the line has slid so far", ENDS)
+    slip_path: Components = channel("length", "distance that each end of the line has slid so far", ENDS)
 
 
 @FORCES.describe("line_bearing")

@@ -1,4 +1,4 @@
-"""Ropes of a scene become one kind: checks of what the user said, markers, winch tables, start lengths."""
+"""Ropes of a scene become one kind: checks of the input, markers, winch tables, start lengths."""
 
 from __future__ import annotations
 
@@ -321,7 +321,8 @@ def _unstretched(rope: Any, path: Records[RopePlace], rows: Sequence[WinchRow], 
             f"the rope of {length:.6g} m is {drawn - length:.4g} m shorter than its path of {drawn:.6g} m:"
             f" a strain of {100.0 * (drawn / length - 1.0):.3g} %",
             "length",
-            f"at least {drawn / (1.0 + LARGEST_STRAIN):.6g} m; or another start, or no length for one as drawn",
+            f"at least {drawn / (1.0 + LARGEST_STRAIN):.6g} m; or another start, or no length for"
+            " the initial geometric length",
         )
     return length
 

@@ -135,7 +135,7 @@ class Rope(AlongPath):
     axial_stiffness: Annotated[float, Positive("force")]
     """EA [N]: modulus times area."""
     length: Annotated[float | None, Positive("length")] = None
-    """Unstretched length at the start [m]; as drawn if absent."""
+    """Unstretched length at the start [m]; the initial geometric length if absent."""
     tension: Annotated[float | None, Positive("force")] = None
     """In place of `length`: tension at the start [N], without that of the damper, from which that follows; of a search
     for equilibrium that in the place of rest."""
@@ -157,7 +157,7 @@ class Rope(AlongPath):
         given = [key for key, is_told in told.items() if is_told]
         if len(given) > 1:
             raise InputError(
-                f"both {given[0]!r} and {given[1]!r}", key=given[1], expected="one of them says its length"
+                f"both {given[0]!r} and {given[1]!r}", key=given[1], expected="one of them defines its length"
             )
         for place in (0, len(spec.path) - 1):
             if spec.path[place].radius > 0.0:
@@ -178,7 +178,7 @@ class Rope(AlongPath):
         _check_other_winch(spec)
         if controlled(spec) and rubbing_places(spec):
             raise InputError(
-                "a winch that answers to the tension, on a rope over places with an efficiency",
+                "a winch controlled by the tension, on a rope over places with an efficiency",
                 key="winch.brake" if spec.winch.brake is not None else "winch.tensions",
                 expected="a winch by 'speeds' or 'lengths', or no 'efficiency'",
             )
@@ -206,7 +206,7 @@ class Rope(AlongPath):
                 f"{self.length:.6g} m is shorter than the path of at least {path:.6g} m by "
                 f"{path - self.length:.6g} m, a strain of {100.0 * strain:.3g} % at the start",
                 key="length",
-                expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, none for a rope as drawn, or"
+                expected=f"a length of at least {path / (1.0 + LARGEST_STRAIN):.6g} m, none for the initial length, or"
                 " start 'equilibrium', which finds where it hangs",
             )
 
@@ -225,7 +225,7 @@ class SpringRope(AlongPath):
     stiffness: Annotated[float, Positive("stiffness")]
     """[N/m]."""
     length: Annotated[float, Quantity("length", minimum=0.0, closed=True), AsDrawn()]
-    """Unloaded length [m]; as drawn if absent."""
+    """Unloaded length [m]; the initial geometric length if absent."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """[N s/m], while it is taut."""
 

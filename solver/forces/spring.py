@@ -92,9 +92,9 @@ SLOWEST_RATE = 1e-9
 def _check_law(
     spec: Any, key: str, places: Sequence[float], values_key: str, values: Sequence[float]
 ) -> None:
-    """A spring has a stiffness or a table, or is a mere damper; one that is said to have none of them is no error.
+    """A spring has a stiffness or a table, or is a mere damper; one with explicit zeros is no error.
 
-    The first run of a sweep has a stiffness or damping of zero, which an object cannot tell from one that is not said.
+    The first run of a sweep has a stiffness or damping of zero, which an object cannot distinguish from a missing one.
     """
     if spec.stiffness is not None and (places or values):
         raise InputError(

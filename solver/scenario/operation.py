@@ -36,7 +36,7 @@ EVENTS = {
     TIMED_OUT: "timed out, stop",
     ROPE_USED_UP: "rope hauled in, stop",
     NOT_CONNECTED: "rope too short, stop",
-    TOLD: "told from outside",
+    TOLD: "operator command",
 }
 """Words of the events of the log."""
 
@@ -52,7 +52,7 @@ class LogLine:
     phase, event, what
         Name of the phase, what sort of thing, and words for it.
     value
-        Of the signal of a limit; of an action what it was told: speed [m/s], length [m], energy that a rope lost [J],
+        Of the signal of a limit; of an action its command: speed [m/s], length [m], energy that a rope lost [J],
         its unstretched length [m]; of a phase that is done how long it took [s].
     tone
         Frequency that is heard of an action [Hz]; 0 is none.
@@ -181,7 +181,7 @@ class Operation:
             return Outcome.COMPLETED, ""
         outcome, last = Outcome(why), self.log[-1]
         if last.event == EVENTS[TOLD]:
-            return outcome, f"stopped from outside at t = {last.time:.9g} s, phase {last.phase!r}"
+            return outcome, f"stopped by the operator at t = {last.time:.9g} s, phase {last.phase!r}"
         what = f": {last.what} is {last.value:.6g}" if last.what else f" after {last.value:.6g} s"
         return outcome, f"{outcome.text} at t = {last.time:.9g} s, phase {last.phase!r}{what}"
 

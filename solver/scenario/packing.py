@@ -76,19 +76,19 @@ from heavylift.solver.water.hulls.kind import PumpData, PumpRow, TankData, TankL
 __all__ = ["action_entry", "pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
 
 TANK_LEVELS = 3
-"""Of a tank that is told what to do, at least."""
+"""Of a commanded tank, at least."""
 
 TOLD_LINES = 1000
-"""Of the log, for what is said from outside."""
+"""Of the log, for operator commands."""
 
 
 def with_drives(scene: Any) -> Any:
-    """A scene in which frames that are told to move can do so: those that are fixed stand still until then.
+    """A scene in which commanded frames can move: those that are fixed stand still until then.
 
     Raises
     ------
     InputError
-        If something is told that is not there, or is not as it has to be.
+        If something is commanded that does not exist, or is not suitable.
     """
     tanks = () if scene.sea is None else scene.sea.tanks
     motions = {body.name: body.motion for body in scene.bodies if hasattr(body, "motion")}
@@ -130,7 +130,7 @@ def with_drives(scene: Any) -> Any:
 def reserve_tables(
     kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scene: Any, channels: Sequence[Channel]
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Kinds of bodies and joints in which what is told what to do has room for it.
+    """Kinds of bodies and joints with room for the commands of a scenario.
 
     Parameters
     ----------
@@ -350,7 +350,7 @@ class _Actuators:
 def share_profiles(
     kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scenario: Scenario
 ) -> tuple[tuple[tuple[Any, ...], tuple[Any, ...]], NDArray[np.float64]]:
-    """Kinds whose drives are told what to do keep their profiles in one array, which the scenario changes."""
+    """Kinds with commanded drives keep their profiles in one array, which the scenario changes."""
     if not _commanded(scenario, "drive"):
         return kinds, np.zeros(0)
     fields = [(0, i, "constants") for i, kind in enumerate(kinds[0]) if kind.FRAMES and kind.driven]

@@ -8,12 +8,12 @@ step is taken back and repeated up to that time, as where something hits, and th
 stay of second order. A copy of the state is kept for that, where contacts do not keep one. Phases stand in *tracks*,
 rows of their own that go on beside each other.
 
-What can be told to move is an *actuator*: the winch of a rope, a drive of a joint or of a frame, the pump of a tank, a
-transporter on its path. A move is planned once, as cubics in time (`plan_speed`, `plan_move`), and written into the
-table that the actuator reads anyway: rows of a winch, a profile, levels of a tank, pieces of a path.
+What can be commanded to move is an *actuator*: the winch of a rope, a drive of a joint or of a frame, the pump of a
+tank, a transporter on its path. A move is planned once, as cubics in time (`plan_speed`, `plan_move`), and written into
+the table that the actuator reads anyway: rows of a winch, a profile, levels of a tank, pieces of a path.
 
-Between its legs a transporter stands, since its wheels turn there. So where it is told a speed it goes to the end of
-its leg and stops there; and it brakes harder than it was told if it would not stop before.
+Between its legs a transporter stands, since its wheels turn there. So with a commanded speed it moves to the end of
+its leg and stops there; and it brakes harder than commanded if it would not stop before.
 
 A rope lets go by losing its stiffness: what the scene stores less then counts as dissipated. One that is connected gets
 the length of its path and its slack; what less than no slack stores is work of its winch. A joint lets go by becoming
@@ -126,20 +126,20 @@ __all__ = [
 ]
 
 FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
-"""Of signals, by their numbers. `arrived`: time since the last of some actuators came to rest where it was told to go;
-`told`: whether someone outside said "continue" since the phase began that waits for it."""
+"""Of signals, by their numbers. `arrived`: time since the last of some actuators came to rest at its commanded
+position; `told`: whether the operator has sent "continue" since the phase began that waits for it."""
 SUM, NORM, LARGEST, SMALLEST, ARRIVED, CONTINUED = range(6)
 BEGUN, ACTION, DONE, LIMIT_WARNING, LIMIT_STOP, TIMED_OUT, ROPE_USED_UP, NOT_CONNECTED, TOLD = range(9)
 """Events of the log."""
 WORDS = ("continue", "hold", "stop")
-"""What can be told from outside, by number."""
+"""Operator commands, by number."""
 PLAIN_ROPE, RUBBING_ROPE, HELD_ROPE, TANK, DRIVE, PATH = range(6)
 """Sorts of actuators."""
 FAILS_ACTUATOR, FAILS_PUMP, FAILS_LEVELLING = range(3)
 """What fails, or works again: an actuator, a pump that a controller tells, the levelling of a transporter."""
 
 DRIVE_BREAKS = 12
-"""Of the profile of a drive that is told what to do, at least."""
+"""Of the profile of a commanded drive, at least."""
 
 ENDED = -1
 """In place of an outcome: the last phase is done and the run ends with it."""
@@ -210,7 +210,7 @@ class TermEntry(Record):
 
 
 class Actuator(Record):
-    """What can be told to move.
+    """What can be commanded to move.
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ class Actuator(Record):
     axial_stiffness, damping
         Of a rope EA [N] and damping [N s/m] while it is connected.
     commanded
-        Whether it is told what to do.
+        Whether it is commanded.
     """
 
     sort: int
@@ -230,7 +230,7 @@ class Actuator(Record):
 
 
 class ActuatorState(Record):
-    """Number of the winch that it follows or -1, ratio to that; when it is at rest where it was told to go [s]."""
+    """Number of the winch that it follows or -1, ratio to that; when it is at rest at its commanded position [s]."""
 
     leader: int
     ratio: float
@@ -300,9 +300,9 @@ class SequencerState(Record):
     outcome
         With which the run ends, `ENDED`, or 0.
     held
-        Whether someone outside has said "hold".
+        Whether the operator has sent "hold".
     continued
-        When someone outside last said "continue" that a phase may wait for [s]; minus infinity before.
+        When the operator last sent "continue" that a phase may wait for [s]; minus infinity before.
     """
 
     due: float
@@ -319,9 +319,9 @@ class Sequencer(Arrays):
     Attributes
     ----------
     tracks, phases, conditions, limits, actions, signals, terms
-        What was said.
+        The scenario.
     actuators
-        First the wire ropes of the scene, then its tanks and drives that are told something.
+        First the wire ropes of the scene, then its commanded tanks and drives.
     ropes, rubbing, held, controlled
         The kinds of ropes, empty if there is none: with one tension, over sheaves that rub, and with a winch that
         answers to the tension, twice.
@@ -510,7 +510,7 @@ def _measure(
             kind.trial[s] = _arrived(kind, first, count, time)
             continue
         if function == CONTINUED:
-            kind.trial[s] = 0.0  # its conditions look at when it was said
+            kind.trial[s] = 0.0  # its conditions use the time of the command
             continue
         for i in range(first, first + count):
             x = kind.terms[i].weight * _recorded(kind, i)
@@ -791,7 +791,7 @@ def _move(kind: Sequencer, action: ActionEntry, time: float) -> float:
     spec = kind.actuators[actuator]
     if spec.sort == PATH:
         return _drive_path(kind, action, time)
-    if operation not in (FOLLOW, KEEP_LEVEL):  # it levels beside what it is told
+    if operation not in (FOLLOW, KEEP_LEVEL):  # it levels in addition to its commands
         kind.actuator_state[actuator].leader = -1
     if spec.sort == HELD_ROPE and (operation in MOVES or operation == BRAKE):
         control = kind.controls[spec.number]
@@ -872,7 +872,7 @@ def _fail_actuator(kind: Sequencer, actuator: int, time: float) -> None:
 
 @kernel(internal=True)
 def _fail(kind: Sequencer, action: ActionEntry, time: float) -> float:
-    """Something fails, or works again from now on: it stands until it is told something."""
+    """An actuator fails, or works again from now on: it stays at rest until its next command."""
     failed, number = action.value > 0.0, action.helper
     if action.fails == FAILS_ACTUATOR:
         if failed:
@@ -1015,7 +1015,7 @@ def _watch_ropes(kind: Sequencer, time: float, step: float) -> None:
 
 @kernel(internal=True)
 def _watch_limits(kind: Sequencer, number: int, time: float) -> None:
-    """Limits of a phase, each told once."""
+    """Limits of a phase, each reported once."""
     phase = kind.phases[number]
     for i in range(phase.first_limit, phase.first_limit + phase.limits):
         limit = kind.limits[i]

@@ -45,7 +45,7 @@ class PumpOutputs(Outputs):
     """What a pump records."""
 
     flow: float = channel(MASS_FLOW, "water that the pump moves to its target")
-    command: float = channel(MASS_FLOW, "flow that it is told")
+    command: float = channel(MASS_FLOW, "commanded flow")
     pumped: float = channel("mass", "water that it has moved since the start, less what it has moved back")
 
 
@@ -67,13 +67,13 @@ class Pump:
     reversible: bool = False
     """Whether it, or its valves, can move water from target to source as well."""
     lag: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
-    """Time constant [s] with which its flow follows what it is told."""
+    """Time constant [s] with which its flow follows the command."""
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
     """Of its plan [s], increasing; without one it stands still until a controller commands it."""
     rates: Annotated[NDArray[np.float64], Quantity(MASS_FLOW), Shape((None,))] = field(
         default_factory=no_rows
     )
-    """Flow that it is told from each time on [kg/s], nothing before the first; negative from target to source."""
+    """Commanded flow from each time on [kg/s], nothing before the first; negative from target to source."""
 
     @staticmethod
     def check(spec: Any) -> None:
@@ -151,7 +151,9 @@ class ControllerParts(Parts):
 class ControllerOutputs(Outputs):
     """What a controller records behind that."""
 
-    share: float = channel("number", "share of what it wants that the pumps can give, of the last look")
+    share: float = channel(
+        "number", "fraction of the required flow that the pumps can deliver, of the last sample"
+    )
 
 
 @AT_SEA.describe("controllers")
@@ -168,7 +170,7 @@ class Controller:
     pumps: Annotated[tuple[str, ...], NameOf("pump"), Least(1)]
     """Its pumps: all that are in its hands, each in those of one controller."""
     period: Annotated[float, Positive("time")] = 1.0
-    """Between two looks [s]; what the pumps are told stays in between. Whole steps."""
+    """Between two samples [s]; commands of the pumps are constant in between. Whole steps."""
     gain: Annotated[float, Positive("rate")]
     """Rate at which an error is to vanish [1/s]: ``exp(-gain t)``."""
     filter: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0

@@ -107,7 +107,7 @@ def _upright() -> NDArray[np.float64]:
 MOTIONS: Family[Any] = Family("frame", "heavylift.solver.scene", key="motion", alphabetical=False)
 """How a frame moves, by the motions of a case file."""
 BODIES: Family[Any] = Family("body", "heavylift.solver.scene", "heavylift.solver.bodies.*")
-"""Bodies that are said in numbers alone, by their types in a case file."""
+"""Bodies that are given by numbers alone, by their types in a case file."""
 
 ANGLE_OR_LENGTH = ByCoordinate(Quantity("angle"), Quantity("length"))
 SPEED = ByCoordinate(Quantity("angular velocity"), Quantity("velocity"))
@@ -332,7 +332,7 @@ class Body:
     def mass_properties(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
         """Mass [kg], its centre [m] and inertia about it [kg m2] in axes of the body, of the shape it was given.
 
-        None of what has no such shape to speak of: what it weighs is then told otherwise.
+        None of a body without such a shape: its weight is then given otherwise.
         """
         return None
 

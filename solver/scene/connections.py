@@ -432,7 +432,7 @@ class ForceElement:
 
     @property
     def directed(self) -> bool:
-        """Whether it takes directions of bodies: of one with modes it is told that these are those of its frame.
+        """Whether it takes directions of bodies: for one with modes a note says that these are those of its frame.
 
         One with rows is refused where modes turn such a direction.
         """
@@ -682,13 +682,13 @@ class Winch:
     dead_band: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 0.05
     """Part of the tension by which it may be off before the winch moves."""
     brake: Annotated[float | None, Positive("force")] = None
-    """Tension at which the brake slips [N]: the drum holds, or does what it is told, below it, and pays out at it."""
+    """Tension at which the brake slips [N]: the drum holds, or follows its commands, below it, and pays out at it."""
     follow: Annotated[str | None, NameOf("rope")] = None
     """Name of a rope whose winch this one copies, by length."""
     ratio: Annotated[float, Quantity("number")] = 1.0
     """Length of this rope per length of the one that it follows; negative pays out while that one hauls in."""
     fastest: Annotated[float | None, Positive("velocity")] = None
-    """What it can do [m/s]: it is not to be told, here or in a scenario, to haul in or to pay out faster; a brake that
+    """Largest speed [m/s]: it cannot be commanded, here or in a scenario, to haul in or to pay out faster; a brake that
     slips does."""
     end: Literal["first", "last", "both"] = "first"
     """End of the path with the drum: where sheaves have an efficiency, the rope runs over them from or to there. Of
@@ -709,7 +709,7 @@ class Winch:
             told = float(np.abs(_told_speeds(spec)[1]).max()) if len(spec.times) else 0.0
         if told > spec.fastest * (1.0 + 1e-12):
             raise InputError(
-                f"{told:g} m/s, and the winch can do {spec.fastest:g} m/s",
+                f"{told:g} m/s, above the largest speed of the winch, {spec.fastest:g} m/s",
                 key=key,
                 expected=f"at most {spec.fastest:g} m/s",
             )
@@ -737,7 +737,7 @@ class Winch:
 
 
 def _check_told(spec: Any) -> None:
-    """What a winch is told is a table, and one alone."""
+    """A winch has one table of commands."""
     given = [key for key in ("speeds", "lengths", "tensions") if len(getattr(spec, key))]
     if spec.follow is not None:
         if given or spec.acceleration is not None or spec.speed is not None:

@@ -33,7 +33,7 @@ AXES = ("x", "y", "z", "angle")
 
 @dataclass(frozen=True)
 class Movable:
-    """What a scene or a case has that can be told something.
+    """What a scene or a case has that can be commanded.
 
     Attributes
     ----------
@@ -80,8 +80,7 @@ def helpers_of(
     """
     told = {name for one in controllers for name in one.pumps}
     found = {
-        pump.name: "" if pump.name in told else "follows its own plan, and no controller tells it"
-        for pump in pumps
+        pump.name: "" if pump.name in told else "follows its own plan, without a controller" for pump in pumps
     }
     return found | {one.name: "" for one in transporters if one.levelling is not None}
 
@@ -94,7 +93,7 @@ def drives_of(joints: Iterable[Any], motions: Mapping[str, Any]) -> dict[str, bo
     joints
         Of a scene or a case.
     motions
-        Motions of the frames of bodies by name, of a scene or a case. One that is fixed can be told to move.
+        Motions of the frames of bodies by name, of a scene or a case. One that is fixed can be commanded to move.
     """
     found = {}
     for joint in joints:
@@ -208,15 +207,15 @@ class OperationState:
         command = action.command()
         if command.name in self.elsewhere:
             raise InputError(
-                f"{command.name!r} is told something in another track",
+                f"{command.name!r} is commanded by another sequence",
                 key=key,
-                expected="actions of one track for one thing",
+                expected="actions of one sequence for each component",
             )
         if command.operation not in {FAIL, RELEASE, CONNECT}:
             for name in (command.name, command.leader):
                 if name in self.failed:
                     raise InputError(
-                        f"what drives {name!r} has failed then",
+                        f"the actuator of {name!r} has failed then",
                         key=key,
                         expected="'restore' before, or another one",
                     )

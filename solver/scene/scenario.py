@@ -50,7 +50,7 @@ class Condition:
         if self.signal is not None and self.signal.function == "told":
             return name
         if self.signal is not None and self.signal.function == "arrived":
-            return f"{name} at rest where told to go{held}"
+            return f"{name} at rest at its commanded position{held}"
         return f"{name} {'below' if self.below else 'above'} {_value(self)}{held}"
 
 
@@ -63,7 +63,7 @@ class Limit:
     signal, value, below, weight_of
         As of a condition.
     stop
-        Whether the run ends where it is not so; else it is told.
+        Whether the run ends where the limit is violated; else there is a warning.
     """
 
     signal: Signal
@@ -277,7 +277,7 @@ def _why_never(condition: Condition, state: OperationState) -> tuple[str, str] |
     if signal.function == "arrived":
         idle = [term.channel for term in signal.terms if term.channel not in state.arriving | state.elsewhere]
         if idle:
-            return f"{idle[0]!r} has not been told to go anywhere", "an action with a place to go to before"
+            return f"{idle[0]!r} has no commanded position", "an earlier action with a position"
         return None
     owner, _, kind = signal.terms[0].channel.rpartition(".") if signal.terms else ("", "", "")
     if len(signal.terms) != 1 or owner not in state.movable.ropes or signal.terms[0].weight != 1.0:

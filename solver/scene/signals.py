@@ -35,8 +35,8 @@ class Signal:
         Of which it is made.
     function
         Sum of the terms; the norm of a vector with these components; the largest or the smallest of them. `arrived`:
-        time since the last of the things with the names of the terms came to rest where it was told to go; `told`, of
-        no terms: 1 since someone outside said "continue" in a phase, else 0.
+        time since the last actuator with a name of the terms came to rest at its commanded position; `told`, of
+        no terms: 1 since the operator sent "continue" in a phase, else 0.
     text
         Its name in messages; made from the terms if empty.
     """
@@ -49,6 +49,6 @@ class Signal:
     def name(self) -> str:
         """Words for it."""
         if self.function == "told":
-            return "'continue' from outside"
+            return "'continue' from the operator"
         names = [f"{term.channel}.{term.component}".rstrip(".") for term in self.terms]
         return self.text or (names[0] if len(names) == 1 else f"{self.function}({', '.join(names)})")

@@ -31,7 +31,7 @@ FOREVER = 1e7
 """Time behind the last row for which a drive continues at its last speed [s]."""
 
 OVERSHOOT = 1e-3
-"""Of the range of a table, by how much a smooth curve may leave two neighbours without being told."""
+"""Of the range of a table, by how much a smooth curve may leave two neighbours without a message."""
 
 
 def ramp_phases(change: float, acceleration: float, jerk: float | None) -> list[tuple[float, float, float]]:
@@ -78,9 +78,7 @@ def speed_pieces(
     """
     t, v = (np.asarray(values, dtype=np.float64) for values in (times, speeds))
     rows: list[tuple[float, float, float]] = []  # time, acceleration, jerk
-    reached: dict[
-        int, float
-    ] = {}  # rows that begin with a speed that was said, whatever rounding leaves of it
+    reached: dict[int, float] = {}  # rows that begin with a given speed, without rounding
     if acceleration is None:
         begin = float(v[0])
         slopes = np.diff(v) / np.diff(t)

@@ -189,7 +189,7 @@ def check_heading(angle: float) -> None:
     """
     if abs(angle) > FULL_TURN:
         degrees = float(np.degrees(angle))
-        if abs(degrees - round(degrees, 3)) <= 1e-9 * abs(degrees):  # said in degrees
+        if abs(degrees - round(degrees, 3)) <= 1e-9 * abs(degrees):  # given in degrees
             raise InputError(
                 f"{degrees:.9g} deg is more than a turn",
                 expected=f'-360 to 360 deg; the same way is "{degrees % 360.0:.9g} deg"',

@@ -139,7 +139,7 @@ def pack(lugs: Sequence[Lug], context: PackingContext) -> None:
     Raises
     ------
     InputError
-        If the rope is not on the body, or is there at several places and none is said.
+        If the rope is not on the body, or is there at several places and none is given.
     """
     rows, watched = [], context.watched
     for lug in lugs:

@@ -167,8 +167,8 @@ def refuse_growing_levelling(stand: SupportStatics, bogies: LevelledBogies) -> N
         longest = high / float(bogies.rate[bogies.rate > 0.0].min())
         calm = f"a time constant of {longest:.2g} s or more, or larger 'tyre_damping' and 'line_damping'"
     raise InputError(
-        f"levelling drives what it is to calm: with a time constant of {1.0 / float(bogies.rate.max()):g} s tilts grow"
-        f" by exp(t {found.real:.3g} 1/s) at {found.imag:.3g} rad/s",
+        f"levelling excites the motion to be damped: with a time constant of {1.0 / float(bogies.rate.max()):g} s tilts"
+        f" grow by exp(t {found.real:.3g} 1/s) at {found.imag:.3g} rad/s",
         source=stand.name,
         key="levelling",
         expected=f"{calm}; or 'accept_unstable'",

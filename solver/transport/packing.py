@@ -77,7 +77,7 @@ def pack(transporters: Sequence[Transporter], context: PackingContext) -> None:
     ------
     InputError
         If a wheel has no road below it at the start, or too much load; a deck is too steep for a wheel; the groups
-        cannot hold the body upright; or no load is told of a body whose weight is not known.
+        cannot hold the body upright; or no load is given for a body whose weight is not known.
     """
     scene, book, attachment = context.scene, context.book, context.attachment
     decks: Sequence[Deck] = scene.decks
@@ -467,7 +467,7 @@ def _start_loads(party: Sequence[Places], gravity: NDArray[np.float64]) -> list[
         told = even_loads(stand)
     elif told @ stand.counts > FAR_TOO_MUCH * stand.weight:
         raise InputError(
-            f"groups push with {told @ stand.counts:.6g} N in all on what weighs {stand.weight:.6g} N",
+            f"groups push with {told @ stand.counts:.6g} N in all on a weight of {stand.weight:.6g} N",
             source=name,
             key="load",
             expected="the force of a single bogie of the group, or none: then they carry the weight",

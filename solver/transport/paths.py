@@ -231,7 +231,7 @@ class Paths(Arrays):
     Attributes
     ----------
     table, plans, bogies, drives
-        What the user said.
+        The description.
     nodes, pieces, capacity
         Routes; speed and force of drives, shape (n, 2).
     legs

@@ -49,7 +49,7 @@ class Places:
                 f"{along.tolist()} points up or down at the start",
                 source=transporter.name,
                 key="direction",
-                expected="where it goes, near to the horizontal",
+                expected="its horizontal direction",
             )
         level /= np.linalg.norm(level)
         up = np.array([0.0, 0.0, 1.0])
@@ -129,7 +129,7 @@ class Places:
         low, high = np.clip(self.transporter.stops, -LONGEST, LONGEST)
         if not low <= lift <= high:
             raise InputError(
-                f"bogie {number + 1} is drawn {abs(lift):.4g} m {'below' if lift > 0.0 else 'above'} deck "
+                f"bogie {number + 1} is {abs(lift):.4g} m {'below' if lift > 0.0 else 'above'} deck "
                 f"{decks[found].name!r}, more than {'any' if self.transporter.stroke_limits is None else 'its'} stroke",
                 source=self.transporter.name,
                 key="groups",

@@ -237,7 +237,7 @@ def _leg_rows(leg: PathLeg, bogies: NDArray[np.float64]) -> NDArray[np.float64]:
         lengths = np.hypot(*np.diff(points, axis=0).T)
         if not lengths.min() > 0.0:
             raise InputError(
-                f"point {int(np.argmin(lengths)) + 1} is where the piece to it begins",
+                f"point {int(np.argmin(lengths)) + 1} coincides with the point before",
                 key="points",
                 expected="points apart from each other; the first is not the begin, which is [0, 0]",
             )

@@ -213,7 +213,7 @@ def refuse_unstable(stand: SupportStatics) -> None:
     extent = np.linalg.svd(flat, compute_uv=False)
     in_line = count > 1 and extent[-1] <= IN_LINE * extent[0]
     if count < 3:
-        reason = f"{count} group{'s' * (count > 1)} of bogies that share their oil"
+        reason = f"{count} group{'s' * (count > 1)} of bogies with shared oil"
     elif in_line:
         reason = f"{count} groups of bogies in a line"
     else:

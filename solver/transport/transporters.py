@@ -139,7 +139,7 @@ PLAIN_ROUNDS = 5
 """Rounds of the iteration of the rows after which a law is fitted by chords too: tangents alone can go to and fro."""
 
 ROUNDED = 1e-6
-"""Of a load, below which what is left of it is not told from its change."""
+"""Of a load, below which its change is rounding."""
 
 NEGLIGIBLE = 4e-15
 """Relative change of a pressure that ends its iteration: what the sum over a group is rounded by."""
@@ -599,7 +599,7 @@ class Transporters(Arrays):
     Attributes
     ----------
     decks, vehicles, groups, bogies, pumps
-        What the user said.
+        The description.
     corners, grids
         Profiles and grids of heights of all decks, see `heavylift.solver.transport.decks.corner_table`.
     deck_sides
@@ -811,7 +811,7 @@ def _settle(kind: Transporters, g: int, h: float) -> None:
 
 @kernel(internal=True)
 def _fit_group(kind: Transporters, g: int, h: float) -> tuple[float, float, float]:
-    """Loads of the bogies of a group. Those of an even one are told to them by `_settle`: sums suffice for its row.
+    """Loads of the bogies of a group. Those of an even one are set by `_settle`: sums suffice for its row.
 
     Parameters
     ----------

@@ -71,7 +71,7 @@ def pack_floating_frames(
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
 ) -> FloatingFrameBodies:
-    """Make the kind from what the user said; start velocities of driven frames are set by the integrator.
+    """Make the kind from the scene; start velocities of driven frames are set by the integrator.
 
     Parameters
     ----------

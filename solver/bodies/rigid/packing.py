@@ -36,7 +36,7 @@ def pack_rigid_bodies(
     markers: Sequence[BodyMarkers],
     sensors: Sequence[BodyMarkers],
 ) -> RigidBodies:
-    """Make the kind from what the user said."""
+    """Make the kind from the scene."""
     table = records(RigidIndex, len(bodies))
     frame = records(RigidFrame, len(bodies))
     constants: list[NDArray[np.float64]] = []

@@ -69,7 +69,7 @@ class PathGoOn(Action):
     @property
     def text(self) -> str:
         """Words for it."""
-        return f"{self.path!r} goes on along its path"
+        return f"{self.path!r} continues along its path"
 
     def command(self) -> Command:
         """The end of its path."""
@@ -85,7 +85,7 @@ def _vehicle(state: OperationState, name: str, key: str) -> Any:
     vehicle = known_thing("transporter with 'legs'", name, state.movable.vehicles, f"{key}.path")
     if vehicle.tyres is not None:
         raise InputError(
-            f"{name!r} has 'tyres', and its plan waits for what its drives can",
+            f"{name!r} has 'tyres', and its plan waits for its drives",
             key=f"{key}.path",
             expected="a transporter without 'tyres'",
         )
@@ -111,15 +111,17 @@ class PathKeys(SpeedKeys):
         if (given.speed is None) == (given.planned is None):
             problem = "both 'speed' and 'planned'" if given.planned else "a path without 'speed'"
             raise InputError(
-                problem, expected="'speed', 0 to stop, or 'planned = true' to go on", key="speed"
+                problem, expected="'speed', 0 to stop, or 'planned = true' to continue", key="speed"
             )
         if given.planned:
             odd = sorted(set(keys) - {"path", "planned"})
             if odd:
-                raise InputError(f"{odd[0]!r} beside 'planned'", expected="what the legs say", key=odd[0])
+                raise InputError(
+                    f"{odd[0]!r} beside 'planned'", expected="the values of the legs", key=odd[0]
+                )
         elif given.speed < 0.0:
             raise InputError(
-                f"{given.speed:g} m/s", expected="a speed of 0 or more: it goes along its path", key="speed"
+                f"{given.speed:g} m/s", expected="a speed of 0 or more: it moves along its path", key="speed"
             )
         cls.check_limits(given)
 

@@ -19,7 +19,7 @@ __all__ = ["Restore"]
 
 @dataclass(frozen=True)
 class Restore(Action):
-    """What has failed works again: it stands until it is told something, or its controller looks.
+    """A failed actuator works again: it stays at rest until a command, or the next sample of its controller.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class RestoreKeys(ActionKeys):
     ORDER: ClassVar[float] = 8
 
     restore: Annotated[str, NamesOf("machines", WORDS)]
-    """What has failed works again: it stands until it is told something, or its controller looks."""
+    """A failed actuator works again: it stays at rest until a command, or the next sample of its controller."""
 
     @classmethod
     def made(cls, given: Any, targets: Targets, group: int) -> tuple[Action, ...]:  # noqa: ARG003

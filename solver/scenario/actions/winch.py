@@ -163,7 +163,7 @@ class WinchHaul(Ramp):
 
 @dataclass(frozen=True)
 class WinchFollow(Action):
-    """A winch does as another one, times a ratio, from now on and whatever that is told, until it is told something."""
+    """A winch follows another one, times a ratio, whatever that is commanded, until its own next command."""
 
     rope: str
     leader: str
@@ -217,7 +217,7 @@ class WinchFollow(Action):
         commanded = abs(self.ratio) * (math.inf if leader is None else leader)
         if commanded > most * (1.0 + 1e-12):
             raise InputError(
-                f"the winch of {rope.name!r} can do {most:g} m/s, and that of {self.leader!r} leads it with "
+                f"the winch of {rope.name!r} has at most {most:g} m/s, and that of {self.leader!r} leads it with "
                 + ("any speed" if leader is None else f"{commanded:g} m/s"),
                 key=key,
                 expected=f"'fastest' of the winch of {self.leader!r}, at most {most / abs(self.ratio):g} m/s",
@@ -287,7 +287,7 @@ class WinchTension(Action):
 
 @dataclass(frozen=True)
 class WinchLevel(Action):
-    """A winch keeps its share of what a group of winches holds, beside whatever it is told.
+    """A winch keeps its share of the load of a group of winches, in addition to its commands.
 
     Attributes
     ----------
@@ -296,7 +296,7 @@ class WinchLevel(Action):
     share
         Relative to the shares of the others; 0 ends it.
     speed
-        At most, beside that which it is told [m/s].
+        At most, in addition to the commanded speed [m/s].
     dead_band
         Part of its share by which it may be off before it moves.
     group
@@ -363,9 +363,9 @@ class WinchBrake(Action):
             )
         if self.on and state.planned.get(name, 0.0):
             raise InputError(
-                f"the brake of {name!r} is set while its winch goes with {state.planned[name]:g} m/s",
+                f"the brake of {name!r} is set while its winch moves at {state.planned[name]:g} m/s",
                 key=place,
-                expected="a speed of 0 before, or a length to go to",
+                expected="a speed of 0 before, or a target length",
             )
         state.followed.pop(name, None)
         state.levels.pop(name, None)
@@ -385,7 +385,7 @@ def _controlled(name: str, word: str, state: OperationState, key: str) -> Any:
     rope = state.winch(name, f"{key}.winch")
     if not controlled(rope):
         raise InputError(
-            f"the winch of {name!r} does not answer to its tension",
+            f"the winch of {name!r} is not controlled by its tension",
             key=f"{key}.{word}",
             expected="a rope whose 'winch' has 'brake' or 'tensions'",
         )
@@ -407,13 +407,13 @@ def _check_speed(speed: float, rope: Any, key: str) -> None:
 
 
 def _check_with_level(rope: Any, state: OperationState, key: str) -> None:
-    """What a winch is told and what it does for a level are together no faster than it can be."""
+    """The commanded speed of a winch and its speed for a level do not exceed its largest speed together."""
     name = rope.name
     most = getattr(getattr(rope, "winch", None), "fastest", None)
     told, level = state.largest.get(name, (0.0, 0.0))[0], state.levels.get(name, 0.0)
     if most is not None and level > 0.0 and told + level > most * (1.0 + 1e-12):
         raise InputError(
-            f"{told:g} m/s that the winch of {name!r} is told and {level:g} m/s to keep its level",
+            f"{told:g} m/s commanded to the winch of {name!r} and {level:g} m/s to keep its level",
             key=f"{key}.speed",
             expected=f"at most {most:g} m/s together",
         )
@@ -441,7 +441,7 @@ class LevelKeys(MotionKeys):
 
     level: bool | None = None
     """Whether these winches, two or more, each with a ``brake`` or ``tensions``, keep equal parts of what they hold, of
-    hooks of the load: at most with `speed`, beside whatever they are told."""
+    hooks of the load: at most with `speed`, in addition to their commands."""
     dead_band: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 0.05
     """Part of `tension`, or of the share of `level`, by which it may be off before the winch moves."""
     brake: bool | None = None

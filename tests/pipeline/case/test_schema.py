@@ -270,7 +270,7 @@ def test_a_section_shows_what_the_docs_say_of_its_keys():
     for text in (
         'ropes, type = "wire" A wire rope through any number of points',
         "axial_stiffness force [N] > 0; needed EA [N]: modulus times area.",
-        "length length [m] > 0 Unstretched length at the start [m]; as drawn if absent.",
+        "length length [m] > 0 Unstretched length at the start [m]; the initial geometric length if absent.",
         "ropes.winch How a winch hauls in",
         "NAME.segment_tension",
     ):

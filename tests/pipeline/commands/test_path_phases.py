@@ -82,7 +82,7 @@ def test_phases_of_a_path_from_a_case(tmp_path) -> None:
     [
         ('path = "spmt", planned', 'path = "spmd", planned', r"phases\.3\.actions\.0\.path: 'spmd' is no transporter"),
         ("planned = true", "planned = false", r"phases\.3\.actions\.0\.planned"),
-        ("planned = true", "planned = true, ramp = 1", r"ramp: 'ramp' beside 'planned'; expected what the legs say"),
+        ("planned = true", "planned = true, ramp = 1", r"ramp: 'ramp' beside 'planned'; expected the values"),
         ("speed = 0 }", 'speed = "-1 m/s" }', r"phases\.0\.actions\.0\.speed: -1 m/s; expected a speed of 0 or more"),
         ("speed = 0 }", "ramp = 1 }", r"actions\.0\.speed: a path without 'speed'; expected 'speed', 0 to stop"),
         ("speed = 0 }", 'speed = "1 rad/s" }', r"actions\.0\.speed"),

@@ -206,7 +206,7 @@ def test_two_winches_and_a_yoke_in_a_case(tmp_path):
                 "256.5e6, fastest = 1.1 }\nmoves = [{ start = 0, distance = 1, speed = 0.1 }]",
             ),
             "falls.0.rope",
-            "1.2 m/s, and the winch can do 1.1 m/s",
+            "1.2 m/s, above the largest speed of the winch, 1.1 m/s",
         ),
         (
             ('"ground", point = [0, 0, 40]', '"jib", point = [0, 0, 40]'),

@@ -70,7 +70,7 @@ def test_words_are_taken_and_logged_and_taken_again(tmp_path: Path, monkeypatch:
     assert told(folder, monkeypatch, words) is Outcome.COMPLETED
     first = results(folder)
     log = first.metadata["scenario"]["log"]
-    assert [(line[0], line[3]) for line in log if line[2] == "told from outside"] == [
+    assert [(line[0], line[3]) for line in log if line[2] == "operator command"] == [
         (1.2, "hold"),
         (2.0, "continue"),
         (2.4, "continue"),
@@ -100,7 +100,7 @@ def test_stop_ends_a_run_and_old_words_are_not_for_it(
     (folder / "out").mkdir()
     (folder / "out" / WORDS_FILE).write_text("stop\n")
     assert told(folder, monkeypatch, {4: "stop"}) is Outcome.LIMIT_REACHED
-    assert "stopped from outside at t = 1.6 s" in results(folder).metadata["message"]
+    assert "stopped by the operator at t = 1.6 s" in results(folder).metadata["message"]
 
 
 def test_only_a_run_that_goes_on_is_told_something(tmp_path: Path) -> None:

@@ -502,7 +502,7 @@ def test_what_is_said_from_outside() -> None:
         one.advance(10)
         assert one.outcome is Outcome.LIMIT_REACHED
         assert "stop" in one.message
-    spec = [(line.time, line.what) for line in simulation.operation.log if line.event == "told from outside"]
+    spec = [(line.time, line.what) for line in simulation.operation.log if line.event == "operator command"]
     assert spec == [(0.5, "continue"), (1.0, "hold"), (2.0, "continue"), (2.1, "stop")]
     assert again.operation.log == simulation.operation.log
 
@@ -570,9 +570,9 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
     [
         (told(WinchBrake("rope", on=True)), {}, "the winch of 'rope' has no brake"),
         (told(WinchBrake("rope", on=True), WinchSpeed("rope", -0.1)), {"winch": HELD}, "the brake of 'rope' is set"),
-        (told(WinchSpeed("rope", -0.1), WinchBrake("rope", on=True)), {"winch": HELD}, "while its winch goes with -0"),
-        (told(WinchTension("rope", 1e4, 0.1)), {}, "does not answer to its tension"),
-        (told(WinchLevel("rope", 1.0, 0.1)), {}, "does not answer to its tension"),
+        (told(WinchSpeed("rope", -0.1), WinchBrake("rope", on=True)), {"winch": HELD}, "while its winch moves at -0"),
+        (told(WinchTension("rope", 1e4, 0.1)), {}, "is not controlled by its tension"),
+        (told(WinchLevel("rope", 1.0, 0.1)), {}, "is not controlled by its tension"),
         (told(WinchTension("rope", 3e6, 0.1)), {"winch": HELD}, "is a strain of 0.03"),
         (told(WinchTension("rope", 1.2e6, 0.1)), {"winch": HELD}, "the brake of 'rope' slips at 1e+06 N"),
         (told(WinchSpeed("rope", 0.6)), {"winch": SPEEDY, "tension": None}, "at most 0.5 m/s"),
@@ -581,7 +581,7 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
         (told(WinchFollow("rope", "lead", 2.0)), {"winch": RATED, "ropes": [slack_rope("lead", winch=RATED)]},
          "that of 'lead' leads it with 1 m/s"),
         (told(WinchSpeed("rope", 0.3), WinchLevel("rope", 1.0, 0.3)), {"winch": BRAKED},
-         "0.3 m/s that the winch of 'rope' is told and 0.3 m/s to keep its level; expected at most 0.5 m/s together"),
+         "0.3 m/s commanded to the winch of 'rope' and 0.3 m/s to keep its level; expected at most 0.5 m/s together"),
         ((Phase("a", (WinchLevel("rope", 1.0, 0.3),), after(1.0)), Phase("b", (WinchLength("rope", 9.0, 0.3),))),
          {"winch": BRAKED}, "at most 0.5 m/s together"),
         (told(WinchFollow("rope", "rope")), {}, "follows itself"),
@@ -589,7 +589,7 @@ SPEEDY = Winch(np.array([0.0]), tensions=np.array([1e4]), speed=0.5)
         (told(DriveSpeed("slide", 0.1)), {}, "'slide' is no drive"),
         (told(DriveSpeed("load.x", 0.1)), {}, "'load.x' is no drive"),
         (told(TankRate("aft", 1.0)), {}, "'aft' is no tank"),
-        ((Phase("a", until=(arrived("rope"),)), Phase("b")), {}, "'rope' has not been told to go anywhere"),
+        ((Phase("a", until=(arrived("rope"),)), Phase("b")), {}, "'rope' has no commanded position"),
         ((Phase("a", (WinchSpeed("rope", 0.1),), (Condition(Signal((Term("rope.rest_length"),)), 12.0),)), Phase("b")),
          {}, "hauls in with 0.1 m/s, and it waits for rope.rest_length above 12"),
         ((Phase("a", (Release("rope"),), (Condition(Signal((Term("rope.tension"),)), 1e3),)), Phase("b")),
@@ -642,7 +642,7 @@ def test_one_track_for_one_winch() -> None:
     both = replace(
         made, scenario=replace(made.scenario, tracks=(Track("b", (Phase("x", (Release("rope"),)),)),))
     )
-    with pytest.raises(InputError, match="'rope' is told something in another track"):
+    with pytest.raises(InputError, match="'rope' is commanded by another sequence"):
         Simulation(both, 0.01)
 
 

@@ -162,7 +162,7 @@ def test_the_plan_before_the_run_has_times_and_ways() -> None:
             {"drive": Drive(friction=0.5, speeds=np.array([0.0, 0.7]), forces=np.array([1e5, 1e5]))},
             "0.6 m/s, and the drives of 'spmt' are planned for 0.5 m/s",
         ),
-        (Phase("a", (), (ARRIVED,)), {}, "'spmt' has not been told to go anywhere"),
+        (Phase("a", (), (ARRIVED,)), {}, "'spmt' has no commanded position"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_told_is_refused(phase, more, words) -> None:

@@ -176,7 +176,7 @@ def test_places_and_loads_that_cannot_be_meant_are_refused() -> None:
         Simulation(scene(vehicle(), body=raised), step=5e-3)
     groups = tuple(replace(group, load=3.0 * LOAD) for group in groups_of(4))
     with pytest.raises(
-        InputError, match=r"groups push with 5\.09\d+e\+06 N in all on what weighs 1\.69\d+e\+06 N"
+        InputError, match=r"groups push with 5\.09\d+e\+06 N in all on a weight of 1\.69\d+e\+06 N"
     ):
         Simulation(scene(vehicle(groups=groups)), step=5e-3)
 

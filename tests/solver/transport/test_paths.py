@@ -143,7 +143,7 @@ def test_backwards_crab_and_pauses() -> None:
             {},
             "to the right",
         ),
-        ([leg([5, 0], [5, 0])], {}, "point 2 is where the piece to it begins"),
+        ([leg([5, 0], [5, 0])], {}, "point 2 coincides with the point before"),
         ([PathLeg(steering="carousel", speed=0.1)], {}, "a carousel without turn"),
         ([leg([5, 0], turn=1.0)], {}, "'turn' with steering 'all'"),
         ([leg([5, 0])], {"travel_speed": 1.0}, "'travel_speed' with 'legs'"),

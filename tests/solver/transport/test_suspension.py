@@ -317,7 +317,7 @@ def test_levelling_that_drives_its_vehicle_is_refused_with_the_rate_of_growth(ta
     assert worst.real > 1e-3
     if tau == 5.0:
         assert (worst.real, abs(worst.imag)) == pytest.approx((0.047, 3.94), abs=5e-3)
-    with pytest.raises(InputError, match="levelling drives what it is to calm") as caught:
+    with pytest.raises(InputError, match="levelling excites the motion to be damped") as caught:
         Simulation(levelled_vehicle(tau), 1e-2)
     told = re.search(r"exp\(t (\S+) 1/s\) at (\S+) rad/s", str(caught.value))
     assert float(told[1]) == pytest.approx(worst.real, rel=0.03, abs=3e-4)
