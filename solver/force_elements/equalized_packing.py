@@ -25,6 +25,7 @@ from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.outputs import Columns
@@ -102,7 +103,7 @@ def pack_equalized(
                 first=first,
                 count=count,
                 column=column,
-                parts=column.parts(EqualizedParts),
+                parts=placed(EqualizedParts, column),
                 shown=watched.first.get(rope.name, -1),
                 total=count * rope.depth,
                 compliance=rope.rope_length / (4.0 * rope.axial_stiffness),

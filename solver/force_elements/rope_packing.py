@@ -29,6 +29,7 @@ from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.markers import MarkerBook
+from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.connections import (
@@ -107,7 +108,7 @@ def pack_ropes(
                 winch=len(winches),
                 winch_rows=len(rows),
                 column=column,
-                parts=column.parts(RopeParts),
+                parts=placed(RopeParts, column),
                 shown=watched.first.get(rope.name, -1),
                 axial_stiffness=getattr(rope, "axial_stiffness", 0.0),
                 stiffness=getattr(rope, "stiffness", 0.0),
@@ -231,7 +232,7 @@ def _with_friction(
         chain = Chain.one()  # the rest is scratch
         chain.first, chain.count = len(sheaves), len(rubbing)
         chain.stride, chain.rows, chain.flow = stride, rows, flow
-        chain["parts"] = column.parts(SheaveParts)
+        chain["parts"] = placed(SheaveParts, column)
         chain.winch_last, chain.drum, chain.drum_rows = winch_last, len(drums), len(last)
         chains.append(chain)
         drums += last
