@@ -11,8 +11,9 @@ import numpy as np
 
 from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.scene.connections import GROUND, RopePoint
-from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.simulation import Simulation
 
 LOADS, STEPS, ROUNDS = 20, 20_000, 9

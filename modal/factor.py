@@ -23,9 +23,9 @@ __all__ = ["BACKENDS", "Factorisation", "NotPositiveDefiniteError", "available_b
 BACKENDS = ("multifrontal", "cholmod", "pardiso", "superlu")
 """All backends, in the order in which ``auto`` takes the first that is installed.
 
-The first one needs nothing but this package, so ``auto`` gives the same bits wherever it runs. On
+The first one needs nothing but this package, so ``auto`` gives bitwise identical numbers wherever it runs. On
 one thread, 110 000 unknowns and 30 modes, CHOLMOD takes a sixth less time if it is linked to an
-optimised BLAS, and more with the reference BLAS, which cannot be told from here. PARDISO takes half as
+optimised BLAS, and more with the reference BLAS, which cannot be detected here. PARDISO takes half as
 much again, because its solves are slow, and SuperLU twice as much; ``benchmarks/eigen.py`` measures.
 """
 

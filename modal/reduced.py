@@ -27,7 +27,7 @@ TURNED = 1e-3
 """Of the largest rotation that a mode could make: its largest displacement over the size of the body."""
 
 LARGE_DEFLECTION = 0.1
-"""Of the largest extent of a body: displacements that linear theory is told to be beyond."""
+"""Of the largest extent of a body: displacements beyond which a warning says that linear theory does not hold."""
 
 _WEIGHTLESS = 1e-9  # shape function of a node that a place does not feel
 _STILL = 1e-9  # of the largest displacement: of a node that is held

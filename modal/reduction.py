@@ -248,8 +248,9 @@ def _independent(
 
     Notes
     -----
-    How many are independent is told by the eigenvalues of the Gram matrix: with vectors taken one after the other,
-    rounding of a dependent one grows with each near dependence before it, until it looks like a vector of its own.
+    The number of independent ones follows from the eigenvalues of the Gram matrix: with vectors taken one after the
+    other, rounding of a dependent one grows with each near dependence before it, until it looks like a vector of its
+    own.
     """
     values, axes = np.linalg.eigh(gram)
     lengths = np.sqrt(np.maximum(np.diag(gram), 0.0))

@@ -182,7 +182,7 @@ def _survey(path: str, size: int, _changed: int) -> _Problem | None:
     try:
         found = json.loads(ended.stdout)
     except ValueError:  # the process could not begin, or was short of memory
-        words = (ended.stderr.strip().splitlines() or ["it says nothing"])[-1]
+        words = (ended.stderr.strip().splitlines() or ["it gives no reason"])[-1]
         return _Problem("", f"is damaged: it cannot be read: {words}")
     if "outside" in found:
         return _Problem(found["key"], found["problem"], outside=True)

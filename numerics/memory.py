@@ -38,7 +38,7 @@ def available_memory() -> float:
 def refuse_beyond_memory(
     count: float, what: str, *, bytes_each: float, seconds_each: float, source: object, key: str, remedy: str
 ) -> None:
-    """Refuse a number of things for which there is no room.
+    """Refuse a number of items for which there is not enough memory.
 
     Parameters
     ----------

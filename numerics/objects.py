@@ -1,6 +1,6 @@
 """Compiled code that belongs to no scene: object files, made once and loaded in a millisecond.
 
-A *unit* is a set of kernels with declared signatures: all that one kind of things does, or the loop of an integrator.
+A *unit* is a set of kernels with declared signatures: all operations of one kind, or the loop of an integrator.
 It is compiled as a whole, each function once, into one object file whose name holds a digest of the sources that
 its kernels import, of the compiler and of the processor. So an edit compiles what it touches, and a scene that puts
 known kinds together anew compiles nothing. Files are written beside their place and renamed; one that is not whole, or
@@ -171,7 +171,7 @@ _SPARE: list[Path] = []
 
 
 def writable_root() -> Path:
-    """Folder that new object files go to; one for this run alone if the usual one is not fit for it, told in a line."""
+    """Folder for new object files; a temporary one for this run, with a message, if the usual one cannot be used."""
     if not _SPARE:
         folder = objects_folder()
         reason = distrusted(folder)
@@ -228,7 +228,7 @@ def _write(unit: Unit, data: bytes) -> None:
         older = [(_age(other), other) for other in path.parent.glob(f"{name}-*.o") if other != path]
         for _, other in sorted(older)[:-KEPT_OBJECTS]:
             other.unlink(missing_ok=True)
-    except OSError as error:  # a full disk: this run goes on with what it has in memory
+    except OSError as error:  # a full disk: this run continues with what it has in memory
         say(f"compiled kernels cannot be kept in {path.parent}: {error.strerror}")
     finally:
         if temporary is not None:
@@ -609,7 +609,7 @@ class Entry:
 
 
 def entry(function: Callable[..., Any]) -> Entry:
-    """Declare a kernel that Python calls, with annotations that say all its types."""
+    """Declare a kernel that Python calls, with annotations of all its types."""
     return Entry(function)
 
 

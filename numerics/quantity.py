@@ -9,10 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import KINDS, Dimension, Kind, parse_quantity, with_article
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
     from pydantic_core import CoreSchema
 
@@ -23,8 +27,11 @@ __all__ = [
     "BodyPoint",
     "ByCoordinate",
     "ByExponent",
+    "InWorld",
+    "Key",
     "Least",
     "NameOf",
+    "PointsFile",
     "Positive",
     "Quantity",
     "Shape",
@@ -115,15 +122,27 @@ class WorldDirection:
 
 @dataclass(frozen=True)
 class BodyDirection:
-    """Annotation of a direction, shape (3,), in the axes of the body that a thing is on; of two bodies the first."""
+    """Annotation of a direction, shape (3,), in the axes of the body that a component is on; of two the first."""
 
 
 @dataclass(frozen=True)
 class BodyPoint:
-    """Annotation of a point [m], shape (3,), of the body that a thing is on.
+    """Annotation of a point [m], shape (3,), of the body that a component is on.
 
     A user gives it in the coordinates of the geometry of the body, an object keeps it in its frame.
+
+    Attributes
+    ----------
+    of
+        Key that names the body, in a table with several; ``body`` if empty.
     """
+
+    of: str = ""
+
+
+@dataclass(frozen=True)
+class InWorld:
+    """Annotation of a place [m] that a user gives in the world: it moves with tables that are shifted."""
 
 
 @dataclass(frozen=True)
@@ -193,6 +212,38 @@ class TableFile:
 
     headers: tuple[tuple[str, ...], ...]
     fields: tuple[str, ...]
+
+    def arrays(
+        self,
+        name: str,  # noqa: ARG002
+        header: Sequence[str],
+        columns: Sequence[Sequence[float]],
+    ) -> dict[str, Any]:
+        """Fields of the object, from the name of the file, the names of its columns and their numbers."""
+        return {
+            key: np.array(np.radians(column) if title.endswith("_deg") else column, dtype=float)
+            for key, title, column in zip(self.fields, header, columns, strict=True)
+        }
+
+
+@dataclass(frozen=True)
+class PointsFile:
+    """Annotation of the name of a file of points in the case folder, lines ``x,y,z`` [m], in place of an array.
+
+    Attributes
+    ----------
+    field
+        Of the object: what the points become, shape (n, 3).
+    """
+
+    field: str = "points"
+
+
+@dataclass(frozen=True)
+class Key:
+    """Annotation of a key that a user writes with another word than the field, as ``from``, which Python reserves."""
+
+    word: str
 
 
 @dataclass(frozen=True)

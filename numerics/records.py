@@ -1,4 +1,4 @@
-"""Rows of memory with named fields: what a kind keeps of each of its things.
+"""Rows of memory with named fields: what a kind stores for each of its components.
 
 A subclass of `Record` lists fields as a dataclass does: ``mass: float``, ``count: int``, ``slack: bool``,
 ``position: Vector``, or another record. ``twist: Annotated[NDArray[np.float64], (6,), "velocity"]`` spans the fields
@@ -684,7 +684,7 @@ _resolve_setattr = BaseContext.resolve_setattr
 
 
 def _refuse_what_does_not_fit(self: Any, target: Any, attr: str, value: Any) -> Any:
-    """A field is set to a number of its sort: a view would be written over it, a fraction cut."""
+    """A field is set to a number of its type: a view would be written over it, a fraction cut."""
     if isinstance(target, RecordType):
         field = target.record.fields_of.get(attr, (None, 0))[0]
         cut = isinstance(field, (types.Integer, types.Boolean)) and isinstance(value, types.Float)

@@ -66,7 +66,7 @@ def distrusted(*places: Path) -> str:
     for place in (cache_root(), *places):
         try:
             status = place.stat()
-        except OSError:  # it is not there, or told where it is written
+        except OSError:  # it is not there, or reported where it is written
             continue
         if status.st_uid not in {0, os.geteuid()}:
             return (
@@ -125,7 +125,12 @@ def _file(module: str) -> Path:
     if not module.startswith("heavylift."):
         return Path(str(sys.modules[module].__file__))
     path = PACKAGE.joinpath(*module.split(".")[1:])
-    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    if path.is_dir():
+        return path / "__init__.py"
+    path = path.with_suffix(".py")
+    # a folder elsewhere may be on the path of a package
+    elsewhere = None if path.is_file() else getattr(sys.modules.get(module), "__file__", None)
+    return path if elsewhere is None else Path(elsewhere)
 
 
 @cache

@@ -35,7 +35,7 @@ class VectorCode:
     context, builder
         Of the function that is written.
     lanes
-        Of a vector, where nothing else is said.
+        Of a vector, by default.
     used
         Lanes that hold something; the others are padding.
     vector
@@ -221,7 +221,7 @@ def vector_code(
     arguments
         Types of all arguments: arrays with their offsets behind them, numbers, tuples of numbers.
     places
-        Of each array how many offsets follow it, None for anything else; what comes last need not be told.
+        Of each array how many offsets follow it, None for anything else; the last need not be given.
     write
         Writes the instructions. Gets a `VectorCode`; for each array one address (at its start without an offset) or a
         list of as many as it has offsets; for each number a double or an integer; for a tuple a list. Returns

@@ -1,6 +1,6 @@
 """What a person sees while stages run: lines on a stream; progress as a bar on a terminal, else as lines.
 
-Nobody has to read what is said: a pipe that is closed, as by ``| head -1``, or a disk that is full, as under
+Output need not be read: a pipe that is closed, as by ``| head -1``, or a disk that is full, as under
 ``> log.txt``, silences the stream and never ends the run that speaks.
 """
 
@@ -59,7 +59,7 @@ def _lose(stream: TextIO, error: Exception) -> None:
     first = not _SILENCED
     _SILENCED[stream] = error
     if first and stream is not sys.stderr:
-        say_on(sys.stderr, f"output is lost: {error.strerror}; the run itself goes on")
+        say_on(sys.stderr, f"output is lost: {error.strerror}; the run itself continues")
 
 
 def flush_output() -> None:
@@ -88,7 +88,7 @@ def _silence(stream: TextIO) -> None:
 
 
 class Log:
-    """Prints messages, unless told to be quiet.
+    """Prints messages, unless `quiet`.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class Log:
         """Give a function ``update(done, note)`` that shows how far the work is.
 
         On a terminal it draws a bar; elsewhere it prints a line on standard error every `PROGRESS_SECONDS`,
-        so that a log file or a batch system shows that a long run goes on, and standard output stays clean.
+        so that a log file or a batch system shows that a long run continues, and standard output stays clean.
         """
         if self.quiet:
             yield lambda _done, _note: None

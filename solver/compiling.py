@@ -1,6 +1,6 @@
 """Compile several units at once, each process some of them.
 
-The processes are Python programs of their own, so nothing of the calling program is run twice. Each is told one
+The processes are Python programs of their own, so nothing of the calling program is run twice. Each gets one
 unit a line, and answers with one line.
 """
 
@@ -170,7 +170,7 @@ def _serve() -> None:
         begin = time.process_time()
         try:
             build_unit(unit_of(*line.rstrip("\n").split("\t")))
-        except Exception as error:  # noqa: BLE001  said in one line by whoever started this
+        except Exception as error:  # noqa: BLE001  reported in one line by the caller
             print(FAILED, str(error).replace("\n", " "), sep="\t", flush=True)  # noqa: T201
         else:
             print(DONE, f"{time.process_time() - begin:.3f}", sep="\t", flush=True)  # noqa: T201

@@ -5,7 +5,7 @@ of the ends of all steps since the last record, and each record shows them besid
 of some records is that of all their steps, in any window. An interval begins with the first step behind a record; who
 looks in between changes nothing.
 
-A force that is recorded and what it follows from, say a tension and an elongation, are two expressions of one thing.
+A force that is recorded and what it follows from, say a tension and an elongation, are two expressions of one quantity.
 How far they are from each other at most, and when, is kept likewise.
 
 What stores energy elastically tells by its changes from step to step whether it takes up a motion within a few of them.

@@ -94,7 +94,32 @@ class BodyKind(Arrays, metaclass=ABCMeta):
 
     Vectors are those of the whole scene, of which a kind reads and writes the places of its bodies. After a change of
     poses or velocities `start` completes the state.
+
+    Attributes
+    ----------
+    FRAMES
+        Whether each body has a frame with a spin, whose six velocities come first.
+    NODAL
+        Whether rows see its bodies through bases, and statics by all coordinates of their nodes.
+    FLOATS
+        Whether its bodies are hulls.
     """
+
+    FRAMES: ClassVar[bool] = False
+    NODAL: ClassVar[bool] = False
+    FLOATS: ClassVar[bool] = False
+
+    @abstractmethod
+    def lengths(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Masses of the bodies [kg], and how far they reach, or extend [m]."""
+
+    def straighten(self) -> None:
+        """Take midpoints along straight lines, if they lie on arcs otherwise."""
+
+    @property
+    def hidden_coordinates(self) -> int:
+        """How many coordinates can move without being seen by a velocity in the workspace."""
+        return 0
 
     @abstractmethod
     def survey(
@@ -487,7 +512,7 @@ def add_totals(kinds: Bodies, work: Workspace) -> None:
 
 @optional("contact")
 def forget_accelerations(kinds: Bodies) -> None:
-    """Bodies: after an impact the differences of the last step say nothing of the next."""
+    """Bodies: after an impact the differences of the last step give no information on the next."""
 
 
 # ---- of systems of rows, in the order of a step: joints are served first, contacts ask them to respond ----

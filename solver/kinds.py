@@ -1,6 +1,6 @@
 """Operations, and tables of the kinds that know them: a scene is data.
 
-A *kind* is a class of `Arrays` for all things of one sort. An *operation* is a function of which every kind brings
+A *kind* is a class of `Arrays` for all components of one type. An *operation* is a function of which every kind brings
 its own version (`implement`). What a kind does is compiled once, into an object file of its own. A scene is a
 `Table`: for each operation a list of pairs, the address of a compiled function and that of the arrays that it
 serves. A call of an operation on a table is a loop over such a list, so a scene executes only what it contains, and
@@ -72,7 +72,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 WORD_BYTES = 8
 
 STEP = "step"
-"""Group of the operations that scenes of all sorts need."""
+"""Group of the operations that all scenes need."""
 
 
 class Table(Sequence[Any]):
@@ -461,7 +461,7 @@ def method(group: str) -> Callable[[F], F]:
     Returns
     -------
     callable
-        Takes a kernel with annotations that say all types, the first of them the class of the kind or a base of some.
+        Takes a kernel with annotations of all types, the first of them the class of the kind or a base of some.
     """
     return lambda function: cast("Any", Method(function, group))
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.solver.coordinates import attachments, first_dofs, mode_count, velocity_count
+from heavylift.solver.body_places import BodyPlaces, SeaPlaces
+from heavylift.solver.coordinates import attachments, first_dofs, velocity_count
 from heavylift.solver.interface import (
     Bodies,
     Forces,
@@ -19,7 +18,7 @@ from heavylift.solver.interface import (
     Workspace,
 )
 from heavylift.solver.kinds import STEP
-from heavylift.solver.layout_rows import pack_connections, point_forces
+from heavylift.solver.layout_rows import pack_connections
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.channels import (
     Channel,
@@ -29,16 +28,10 @@ from heavylift.solver.scene.channels import (
     PhaseOutputs,
     TrackOutputs,
 )
-from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scene import (
-    AnyBody,
     Driven,
-    Fixed,
-    FlexibleBody,
-    Gravity,
     Profile,
-    RigidBody,
     Scene,
 )
 from heavylift.solver.scene.speed_profiles import overshoot, speed_pieces
@@ -94,7 +87,7 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     Parameters
     ----------
     scene
-        What the user said.
+        The scene.
     integrator
         Name of the integrator: only the default one takes springs as rows of its step.
     step
@@ -114,15 +107,14 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.layout_sea import float_bodies
 
         scene = float_bodies(scene)
-    ordered = [body for group, _ in _groups(scene) for body in group]
-    gravity = [force for force in scene.forces if isinstance(force, Gravity)]
-    points = point_forces(scene)
+    groups_of_bodies = _kind_groups(scene)
+    ordered = [body for group in groups_of_bodies for body in group]
 
     record = ChannelBook()
     places: dict[str, Columns] = {}
     for body in ordered:
         recorded = (*body.CHANNELS, *body.motion.CHANNELS)
-        places[body.name] = record.add(body.name, recorded, _chosen(body))
+        places[body.name] = record.add(body.name, recorded, body.components)
     sensors: dict[str, list[tuple[int, Any]]] = {body.name: [] for body in ordered}
     for sensor in scene.sensors:
         columns = record.add(sensor.name, sensor.CHANNELS)
@@ -147,39 +139,31 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
     notes += [*made.notes, *_overshoots(scene)]
     bodies: list[Any] = []
     number = 0
-    for group, pack in _groups(scene):
+    afloat: SeaPlaces | None = None
+    if scene.sea is not None and made.sea is not None:
+        afloat = SeaPlaces(
+            scene.sea,
+            made.sea.tangents,
+            made.sea.rate_tangents,
+            made.sea.line_ends,
+            of_ballast,
+            0.0 if scene.touches else step,
+            notes,
+        )
+    for group in groups_of_bodies:
         names = [body.name for body in group]
-        place: Any = dofs[names[0]]
-        pack_group = pack
-        if isinstance(group[0], MeshBody):
-            place = [dofs[name] for name in names]  # bodies without bases have no velocities
-            pack_group = partial(pack, moving=[made.moving.get(name, 0) for name in names])
-        elif made.sea is not None and _floats(group[0]):
-            ends = made.sea.line_ends
-            pack_group = partial(
-                pack,
-                sea=scene.sea,
-                tangents=made.sea.tangents,
-                rate_tangents=made.sea.rate_tangents,
-                line_ends=ends,
-                step=0.0 if scene.touches else step,
-                notes=notes,
-                columns=of_ballast,
-            )
-        of_sensors = _of_sensors(sensors, group)
-        in_record = [places[name] for name in names]
-        bodies.append(pack_group(group, number, place, in_record, book.of(names), of_sensors))
+        where = BodyPlaces(
+            number,
+            [dofs[name] for name in names],
+            [places[name] for name in names],
+            book.of(names),
+            _of_sensors(sensors, group),
+            [made.moving.get(name, 0) for name in names],
+            afloat,
+        )
+        bodies.append(group[0].kind_module.pack(group, where))
         number += len(group)
-    forces: list[Any] = []
-    if gravity:
-        from heavylift.solver.forces.gravity import pack_gravity
-
-        forces.append(pack_gravity(gravity))
-    if points:
-        from heavylift.solver.forces.point import pack_point_forces
-
-        forces.append(pack_point_forces(points, made.first_markers))
-    forces += made.forces
+    forces: list[Any] = list(made.forces)
     if made.sea is not None:
         forces += made.sea.forces
     velocities = sum(velocity_count(body, made.bases) for body in ordered)
@@ -226,8 +210,8 @@ def pack_scene(scene: Scene, integrator: str = "dele2", step: float = 0.0) -> La
         from heavylift.solver.scenario.interface import SCENARIO
         from heavylift.solver.water.hulls.controllers import pack_controllers
 
-        names = [body.name for body in ordered if _floats(body)]
-        hulls = next(kind for kind in kinds[0] if "hulls" in kind._fields)
+        names = [body.name for body in ordered if body.FLOATS]
+        hulls = next(kind for kind in kinds[0] if kind.FLOATS)
         controllers = pack_controllers(scene.sea, hulls, names, of_ballast, step)
         forces.append(controllers)
         groups |= {SCENARIO}
@@ -259,47 +243,12 @@ def _moving(scene: Scene) -> dict[str, int]:
     return count_moving(scene)
 
 
-def _groups(scene: Scene) -> list[tuple[list[Any], Callable[..., Any]]]:
-    """Bodies by kind with the function that packs them; only kinds with members are imported."""
-    flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
-    flexible.sort(key=lambda body: isinstance(body.motion, Fixed))
-    rigid = [body for body in scene.bodies if isinstance(body, RigidBody) and not _floats(body)]
-    hulls = [body for body in scene.bodies if _floats(body)]
-    groups: list[tuple[list[Any], Callable[..., Any]]] = []
-    if flexible:
-        from heavylift.solver.bodies.floating_frame.packing import pack_floating_frames
-
-        groups.append((flexible, pack_floating_frames))
-    if rigid:
-        from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
-
-        groups.append((rigid, pack_rigid_bodies))
-    if hulls:
-        from heavylift.solver.water.hulls.packing import pack_hulls
-
-        groups.append((hulls, pack_hulls))
-    for of_type in (FrameBody, ShellBody):
-        meshes = [body for body in scene.bodies if isinstance(body, of_type)]
-        if meshes:
-            from heavylift.solver.bodies.ancf.packing import pack_meshes
-
-            groups.append((meshes, pack_meshes))
-    return groups
-
-
-def _chosen(body: AnyBody) -> dict[str, tuple[str, ...]]:
-    """Components of the channels that have as many as a body has modes, nodes or elements."""
-    if isinstance(body, MeshBody):
-        from heavylift.solver.bodies.ancf.packing import mesh_columns
-
-        return mesh_columns(body)
-    modes = tuple(str(i + 1) for i in range(mode_count(body)))
-    return {"modal_position": modes, "modal_velocity": modes}
-
-
-def _floats(body: AnyBody) -> bool:
-    """Whether a body is a hull."""
-    return hasattr(body, "hull")
+def _kind_groups(scene: Scene) -> list[list[Any]]:
+    """Bodies by kind, in the order of the kinds; only modules of those that a scene has are imported."""
+    groups: dict[tuple[int, str], list[Any]] = {}
+    for body in scene.bodies:
+        groups.setdefault((body.ORDER, body.KIND_MODULE), []).append(body)
+    return [sorted(groups[key], key=lambda body: body.place_in_kind) for key in sorted(groups)]
 
 
 def _of_sensors(sensors: dict[str, list[tuple[int, Any]]], bodies: list[Any]) -> list[BodyMarkers]:
@@ -346,8 +295,7 @@ def scene_corners(scene: Scene) -> NDArray[np.float64]:
     ]
     times += [time for pump in pumps for time in pump.times]
     for body in scene.bodies:
-        if isinstance(body, MeshBody):
-            times += [time for load in body.loads for time in np.ravel(load.times)]
+        times += body.times
     if scene.sea is not None:
         times += [time for tank in scene.sea.tanks for time in tank.schedule[0]]
         times += [time for pump in scene.sea.pumps for time in pump.times]

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.bodies import Free, RigidBody
+from heavylift.solver.scene.bodies import Free
 from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.meshes import MeshBody
 from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 from heavylift.solver.scene.sea import FloatingBody, Hull, Sea, Tank
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
@@ -88,7 +87,8 @@ def float_bodies(scene: Scene) -> Scene:
 
 def floating_hulls(scene: Scene) -> list[FloatingBody]:
     """Hulls of a scene as they start, see `float_bodies`."""
-    return [body for body in float_bodies(scene).bodies if isinstance(body, FloatingBody)]
+    found: list[Any] = [body for body in float_bodies(scene).bodies if body.FLOATS]
+    return found
 
 
 def _refuse_outside(tank: Tank, surface: Any) -> None:
@@ -119,7 +119,7 @@ def _floating_bodies(bodies: tuple[AnyBody, ...], sea: Sea) -> dict[str, Floatin
     hulls: dict[str, Hull] = {}
     for hull in sea.hulls:
         body = by_name.get(hull.body)
-        if not isinstance(body, RigidBody) or hull.body in hulls:
+        if body is None or body.DEFORMS or hull.body in hulls:
             problem = "floats already" if hull.body in hulls else "is no rigid body"
             raise InputError(
                 f"{hull.body!r} {problem}", source="hulls", key="body", expected="a rigid body, once"
@@ -164,7 +164,7 @@ def _floating_bodies(bodies: tuple[AnyBody, ...], sea: Sea) -> dict[str, Floatin
 def _check_direct(scene: Scene, sea: Sea) -> None:
     """Convolution has weights for one step: nothing may halve it."""
     direct = [radiation for radiation in sea.radiation if radiation.memory == "direct"]
-    iterated = scene.touches or scene.ropes or any(isinstance(body, MeshBody) for body in scene.bodies)
+    iterated = scene.touches or scene.ropes or any(body.ITERATES for body in scene.bodies)
     stops = [joint.name for joint in scene.joints if any(joint_stops(joint)) or any(joint_friction(joint))]
     if direct and (iterated or stops):
         raise InputError(
@@ -197,7 +197,7 @@ def pack_sea(scene: Scene, book: MarkerBook, record: ChannelBook) -> PackedSea:
         return packed
     if sea.fields or sea.loads:
         _pack_fluids(sea, packed, book, record)
-    afloat = {body.name for body in scene.bodies if isinstance(body, FloatingBody)}
+    afloat = {body.name for body in scene.bodies if body.FLOATS}
     packed.tangents = np.zeros((len(sea.lines) + len(sea.fenders), 9))
     packed.rate_tangents = np.zeros_like(packed.tangents)
     if sea.lines:

@@ -1,4 +1,4 @@
-"""Records of a run, as kernels write them: outputs of a thing are a record that lies in its columns.
+"""Records of a run, as kernels write them: outputs of a component are a record in its columns.
 
 ``rope_outputs = outputs_at(RopeOutputs)`` is a function for kernels: ``rope_outputs(row, column).tension = tension``.
 It is the place in the row that is written; nothing is copied, and columns follow from the fields, see
@@ -65,7 +65,7 @@ def zeros_of(declared: type[O]) -> O:
 
 
 def outputs_at(outputs: type[O]) -> Callable[[NDArray[np.float64], int], O]:
-    """Function for kernels that sees the outputs of a thing in a row, from its column on."""
+    """Function for kernels that accesses the outputs of a component in a row, from its column on."""
     made: Any = record_at(outputs.record())
     return made
 

@@ -51,7 +51,7 @@ def steady_rate(mean: float, growth: float, end: float) -> float:
     mean
         Of the step.
     growth
-        What it grows by in half a step, as far as the mean rates of this step and the one before tell.
+        What it grows by in half a step, as far as the mean rates of this step and the one before determine.
     end
         Rate by the velocities at the end.
     """

@@ -7,17 +7,15 @@ from typing import Any
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.bodies import Body
 from heavylift.solver.scene.connections import (
     GROUND,
     AlongJoint,
-    Between,
+    ForceElement,
     Joint,
-    OnBody,
-    PackedForce,
 )
 from heavylift.solver.scene.descriptions import check_object
-from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import AnyBody, FlexibleBody, Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import AnyBody, Gravity, Scene
 
 __all__ = ["check_scene"]
 
@@ -31,13 +29,13 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        The first thing that does not fit together.
+        The first inconsistency.
     """
     if not scene.bodies:
         raise InputError("no body", source="scene", expected="at least one")
     kinds = (
-        (scene.bodies, (FlexibleBody, RigidBody, MeshBody), "bodies"),
-        (scene.forces, (Gravity, OnBody, Between, AlongJoint, PackedForce), "forces"),
+        (scene.bodies, Body, "bodies"),
+        (scene.forces, (ForceElement,), "forces"),
         (scene.joints, (Joint,), "joints"),
     )
     for parts, types, what in kinds:
@@ -156,17 +154,7 @@ def _check_joint(joint: Joint) -> None:
 
 def _check_body(body: AnyBody) -> None:
     """Refuse start values of the wrong length or not finite: no later check would see a lost position."""
-    shapes: dict[str, tuple[int, ...]] = {"position": (3,), "orientation": (4,)}
-    shapes |= {"velocity": (3,), "angular_velocity": (3,)}
-    if isinstance(body, MeshBody):
-        from heavylift.solver.bodies.ancf.packing import check_mesh
-
-        check_mesh(body)
-    elif isinstance(body, FlexibleBody):
-        for key in ("modal_position", "modal_velocity", "damping_ratio"):
-            if np.size(getattr(body, key)):
-                shapes[key] = (body.reduced.mode_count,)
-    for key, shape in shapes.items():
+    for key, shape in body.start_shapes().items():
         value = np.asarray(getattr(body, key), dtype=np.float64)
         if value.shape != shape or not np.all(np.isfinite(value)):
             raise InputError(

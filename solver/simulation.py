@@ -27,7 +27,7 @@ from heavylift.solver.interface import Systems
 from heavylift.solver.layout import Channel, pack_scene
 from heavylift.solver.recording import check_written, unwritten
 from heavylift.solver.scene.contacts import RigidLaw
-from heavylift.solver.scene.scene import FlexibleBody, Gravity, Scene, Start
+from heavylift.solver.scene.scene import Scene, Start
 from heavylift.solver.stop_message import (
     contact_warning,
     drive_warning,
@@ -178,13 +178,13 @@ class Simulation:
                 key="start",
                 expected="law 'rigid' of collisions, compliant contacts with contours, or 'check'",
             )
-        meshes = any("strain" in kind._fields for kind in self._layout.bodies)
+        meshes = any(kind.NODAL for kind in self._layout.bodies)
         if self._touches and start in AT_REST and (meshes or integrator != "dele2"):
             raise InputError(
                 f"{start!r} with contacts" + (" and frames or shells" if meshes else f" and {integrator!r}"),
                 source="simulation",
                 key="start",
-                expected="'check' or 'project': contacts come to rest by themselves in time",
+                expected="'check' or 'project': contacts come to rest during the run",
             )
         self._start_mode, self._scene = start, scene
         self._fits_tensions = start in AT_REST and any(getattr(rope, "tension", 0.0) for rope in scene.ropes)
@@ -220,10 +220,11 @@ class Simulation:
             mass=sum(float(mass.sum()) for mass, _ in self._bodies()),
         )
         self._range: ModalRange | None = None
-        if any(isinstance(body, FlexibleBody) for body in scene.bodies):
+        modal = [body for body in scene.bodies if body.mode_count]
+        if modal:
             from heavylift.solver.bodies.floating_frame.modal_range import ModalRange
 
-            self._range = ModalRange(scene.bodies, self.channels, scene.joints)
+            self._range = ModalRange(modal, self.channels, scene.joints)
         self._lone = None if self.operation is None else LoneExtremes(self.channels)
         self._warm = False
         self._started = False
@@ -397,7 +398,8 @@ class Simulation:
             start_contacts(layout, self.step, settled=bool(self.start_text))
 
         def search(rows: Any) -> ContactRest:
-            found = settle_contacts(rows, self._arrays, advance, meet, weight, _gravity(scene), rubs=rubs)
+            gravity = float(np.linalg.norm(scene.gravity))
+            found = settle_contacts(rows, self._arrays, advance, meet, weight, gravity, rubs=rubs)
             self._unsettled = found.warning
             return found
 
@@ -418,14 +420,11 @@ class Simulation:
     def _straighten(self) -> None:
         """Take midpoints along straight lines.
 
-        Stiff springs make accelerations that say nothing of the next step: errors of the stiff governor are a
+        Stiff springs make accelerations that give no information on the next step: errors of the stiff governor are a
         quarter of those along arcs. Redundant loops need arcs, whose midpoints are nearer to the constraints.
         """
-        from heavylift.solver.bodies.rigid.kind import RigidBodies
-
         for kind in self._layout.bodies:
-            if isinstance(kind, RigidBodies):
-                kind.frame["arc"] = 0.0
+            kind.straighten()
 
     def _probe(self) -> None:
         """Reactions at the start, and forces of what is in contact there, from one step that is taken back.
@@ -592,7 +591,7 @@ class Simulation:
 
     @property
     def verdict(self) -> tuple[Outcome, str]:
-        """Whether a run that has come to its end is to be believed, and a message why not."""
+        """Whether the energy balance of a completed run is credible, and a message why not."""
         if not self._watch.begun:  # nothing but a start
             self._left_range(self.record()[np.newaxis])
         if self.outcome is Outcome.MODES_LEFT:
@@ -623,7 +622,7 @@ class Simulation:
             from heavylift.solver.integrate.integration import stiffness_seen
 
             if stiffness_seen(self._layout.systems[-1]):
-                meshes = any("strain" in kind._fields for kind in self._layout.bodies)
+                meshes = any(kind.NODAL for kind in self._layout.bodies)
                 where = "faster where coarse results are enough" if meshes else "faster"
                 found = [f"stability, not accuracy, limited the steps: integrator 'dele2' will be {where}"]
         return "; ".join([*found, *self._layout.notes])
@@ -637,7 +636,7 @@ class Simulation:
         return self._lone.warning(times, self.step, self.record_every, steps_vary=self.tolerance > 0.0)
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Everything that a continuation needs, bit for bit: arrays by name, copied."""
+        """Everything that a bitwise identical continuation needs: arrays by name, copied."""
         self._start()
         arrays = {name: array.copy() for name, array in self._arrays()}
         arrays["step_index"] = np.array(self.step_index, dtype=np.int64)
@@ -689,7 +688,7 @@ class Simulation:
             self._lone.state = state["extremes"]
         self.outcome, self.message = Outcome.COMPLETED, ""
         ended = self.operation is not None and int(self.operation.sequencer.state.outcome) < 0
-        self.ended = ended and self.step_index % self.record_every == 0  # it goes on to its next record
+        self.ended = ended and self.step_index % self.record_every == 0  # it continues to its next record
         self._layout.work.status.words[:] = 0.0
         self._started = True
         if self._touches:
@@ -700,10 +699,7 @@ class Simulation:
     def _bodies(self) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Masses [kg] and lengths [m] of the bodies of each kind: reach of a frame, extension of a mesh."""
         for kind in self._layout.bodies:
-            if "frame" in kind._fields:
-                yield kind.frame["mass"], kind.frame["reach"]
-            elif "strain" in kind._fields:
-                yield kind.body["mass"], kind.body["size"]
+            yield kind.lengths()
 
     def _size(self) -> float:
         """Length of the largest body [m]."""
@@ -711,7 +707,9 @@ class Simulation:
 
     def _weight(self, scene: Scene) -> float:
         """Weights of all bodies, each times its length [J]."""
-        return _gravity(scene) * sum(float(mass @ length) for mass, length in self._bodies())
+        return float(np.linalg.norm(scene.gravity)) * sum(
+            float(mass @ length) for mass, length in self._bodies()
+        )
 
     def _digest(self) -> NDArray[np.uint8]:
         """Digest of what the bodies were packed into: equal shapes do not make equal bodies.
@@ -737,12 +735,6 @@ class Simulation:
 def _check_positive(key: str, value: float, expected: str) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{key} {value!r}", source="simulation", key=key, expected=expected)
-
-
-def _gravity(scene: Scene) -> float:
-    """[m/s2]."""
-    gravity = sum((force.acceleration for force in scene.forces if isinstance(force, Gravity)), np.zeros(3))
-    return float(np.linalg.norm(gravity))
 
 
 def _relax(rows: Any) -> Any:

@@ -69,7 +69,7 @@ def stop_message(layout: Layout, when: str) -> str:
     if outcome is Outcome.OFF_ROAD:
         vehicle, reason = _where_off_road(layout)
         if "tipped over" in reason:
-            remedy = "groups farther apart, a lower load, or a gentler way"
+            remedy = "groups farther apart, a lower load, or a smoother path"
     thrown, jolt = _jolt(layout) if outcome is Outcome.STEP_TOO_LARGE else ("", "")
     if jolt:
         part, reason, vehicle = "transporter", jolt, thrown
@@ -109,11 +109,11 @@ def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
                     return (
                         "line bearing",
                         reason,
-                        "a longer body or deck, or what holds its sides at their distance",
+                        "a longer body or deck, or something that holds its sides at their distance",
                     )
                 names = states.dtype.names or ()
                 word, unit = ("rope", " m") if {"rest", "depth"} & set(names) else ("law of", "")
-                reason = f": positions have left the elongation that makes its force, by {state['drift']:.3g}{unit}"
+                reason = f": positions have left the integrated elongation of its force, by {state['drift']:.3g}{unit}"
                 return word, reason, "a smaller step: a third of a period of what hangs on it is too long"
     return "", "", ""
 
@@ -231,21 +231,21 @@ def _softer(layout: Layout) -> str:
 
 
 def _contact_remedy(layout: Layout, contact: int) -> tuple[str, str]:
-    """Why a contact ended the run, if that is not said elsewhere, and what may help."""
+    """Why a contact ended the run, if no other message says so, and what may help."""
     from heavylift.solver.contact.kind import NO_END, NO_IMPULSES, PRESSED_IN, RIGID
 
     (contacts,) = _contacts(layout)
     why = int(contacts.control.failure)
     if why == NO_END:
-        return ": it and laws of ropes and stops move each other without end", "softer stops and ropes"
+        return ": it and the laws of ropes and stops do not converge together", "softer stops and ropes"
     if why == NO_IMPULSES:
-        reason = ": no impulses obey the laws of this and all others that touch, in shorter steps neither"
+        reason = ": no impulses satisfy the laws of this and all other contacts, nor in shorter steps"
         return reason, COMPLIANT_LAW if _has_rigid(layout) else "a smaller step, or less friction"
     if why == PRESSED_IN:
         stiffer = "" if contacts.table[contact].law == RIGID else " a stiffer law"
         deeper = "it is deeper inside its contour than its rounding"
         return "", f"a smaller step,{stiffer} or a larger radius: {deeper}"
-    return "", "a smaller step, or a contour whose control points are not crowded"
+    return "", "a smaller step, or a contour with more evenly spaced control points"
 
 
 LARGEST_MISS = 0.01
@@ -262,14 +262,14 @@ def force_warning(layout: Layout) -> str:
             if found["miss"] > LARGEST_MISS * found["largest"]:
                 parts.append(
                     f"{layout.block_names[entry.block]!r} has a recorded force of {found['force']:.6g} at"
-                    f" t = {found['time']:.6g} s where its elongation and the rates of the steps say"
+                    f" t = {found['time']:.6g} s where its elongation and the rates of the steps give"
                     f" {found['expected']:.6g}: take a smaller step"
                 )
     return "; ".join(parts)
 
 
 BEYOND = 1.0 + 1e-6
-"""Share of what wheels, drives and brakes can do from which on it is told that they could not."""
+"""Utilisation of wheels, drives and brakes from which on there is a warning."""
 
 
 def drive_warning(layout: Layout) -> str:
@@ -305,7 +305,7 @@ def drive_warning(layout: Layout) -> str:
 
 
 AT_LIMIT = 1.0 - 1e-9
-"""Share of what tyres, motors and brakes can do from which on it is told that they were at their end."""
+"""Utilisation of tyres, motors and brakes from which on there is a warning."""
 
 
 def _tyres_at_their_limit(layout: Layout, kind: Any) -> list[str]:
@@ -315,12 +315,12 @@ def _tyres_at_their_limit(layout: Layout, kind: Any) -> list[str]:
         name = layout.block_names[int(path.block)]
         if state.most_traction.value > AT_LIMIT:
             parts.append(
-                f"{name!r} slides: some of its wheels have all the friction that there is (first at t = "
+                f"{name!r} slides: some of its wheels use all their friction (first at t = "
                 f"{state.most_traction.time:.6g} s)"
             )
         if state.wait > 0.0:
             parts.append(
-                f"{name!r} is slower than its plan, by {state.wait:.4g} s in all: motors or friction had no more"
+                f"{name!r} is slower than its plan, by {state.wait:.4g} s in all: motors or friction at their limit"
             )
     return parts
 
@@ -334,10 +334,10 @@ of a search for its rest."""
 
 
 TOLD_DRIFT = 0.1
-"""Of the drift at which strains are not carried any more, from which it is told: as a rule 1e-4, 20 MPa in steel."""
+"""Of the drift at which integrated strains are abandoned, from which to warn: as a rule 1e-4, 20 MPa in steel."""
 
 TOLD_SHARE = 0.02
-"""Of the largest strain, from which a drift is told."""
+"""Of the largest strain, from which a drift is reported."""
 
 
 def mesh_warning(layout: Layout) -> str:
@@ -368,7 +368,7 @@ def mesh_warning(layout: Layout) -> str:
             if numbers.changed_over:
                 parts.append(
                     f"{name!r} changed over to the energy-momentum scheme at t = {numbers.change_time:.6g} s,"
-                    f" where its carried strains had drifted by {numbers.largest_drift:.3g}, which is"
+                    f" where its integrated strains had drifted by {numbers.largest_drift:.3g}, which is"
                     f" {numbers.largest_share:.1%} of the largest strain"
                 )
             elif (
@@ -380,7 +380,7 @@ def mesh_warning(layout: Layout) -> str:
                 > 1.0
             ):
                 parts.append(
-                    f"the carried strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
+                    f"the integrated strains of {name!r} drifted by up to {numbers.largest_drift:.3g} from those of its"
                     f" shape, up to {numbers.largest_share:.1%} of the largest strain: its stresses are wrong by as"
                     " much times the modulus; take a smaller step, or elasticity 'energy-momentum'"
                 )
@@ -388,7 +388,7 @@ def mesh_warning(layout: Layout) -> str:
 
 
 LARGEST_TILT = math.radians(20.0)
-"""Of a hull, beyond which it is told what its database leaves out: potential theory is one of small motions."""
+"""Of a hull, beyond which a warning lists what its database neglects: potential theory is one of small motions."""
 
 
 def hull_warning(layout: Layout) -> str:

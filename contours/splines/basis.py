@@ -3,7 +3,7 @@
 "Deformable bodies with complex geometries ... sliding contacts" (2014), section 3.2.1.
 
 Piegl & Tiller, The NURBS Book, algorithms A2.1 to A2.3, arranged so that nothing but the result is stored: values of
-degree ``p - 2`` are differenced twice, those of degree ``p - 1`` once, and the same values go on to degree p.
+degree ``p - 2`` are differenced twice, those of degree ``p - 1`` once, and the same values continue to degree p.
 """
 
 from __future__ import annotations

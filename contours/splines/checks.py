@@ -1,6 +1,6 @@
 """What a contour must be for something to touch it: smooth, unfolded, with its normal out of the material.
 
-On which side of a surface the material is, is told from the other nodes of the body.
+The side of a surface on which the material is follows from the other nodes of the body.
 """
 
 from __future__ import annotations
@@ -92,7 +92,8 @@ def check_degree(contour: NeutralContour, source: str = "contour") -> None:
     for axis, space in enumerate(contour.spaces):
         if space.degree < SMALLEST_DEGREE:
             raise InputError(
-                f"degree {space.degree}{_direction(contour, axis)}: what slides along it is hit at every knot",
+                f"degree {space.degree}{_direction(contour, axis)}: a body that slides along it gets an impulse at"
+                " every knot",
                 source=source,
                 key="degree",
                 expected=f"at least {SMALLEST_DEGREE} for a contact contour",

@@ -130,7 +130,7 @@ def face_grid(
     members
         Indices of the nodes of the face.
     outward
-        Direction out of the material, shape (3,); told from the other nodes of the body if absent.
+        Direction out of the material, shape (3,); found from the other nodes of the body if absent.
     tolerance
         Of coordinates [m]; a millionth of the body if absent.
     source
@@ -258,7 +258,7 @@ def line_nodes(
     Raises
     ------
     InputError
-        Both points in one place, or fewer than two nodes on the line (the nearest line of nodes is told).
+        Both points in one place, or fewer than two nodes on the line (the nearest line of nodes is named).
     """
     near = _tolerance(nodes, tolerance)
     start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)

@@ -79,7 +79,7 @@ def _rows(path: Path | str, source: str) -> list[list[int]]:
     if text.startswith("[") != text.endswith("]"):
         raise InputError("has one bracket", source=source, expected=EXPECTED)
     text = text.removeprefix("[").removesuffix("]").strip()
-    # a row goes on after a comma at the end of a line; a semicolon there ends it once
+    # a row continues after a comma at the end of a line; a semicolon there ends it once
     text = re.sub(r",\s*\n\s*", ",", text)
     text = re.sub(r"\s*;?\s*\n\s*", ";", text).removesuffix(";")
     if not text.strip():

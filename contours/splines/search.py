@@ -93,7 +93,7 @@ def closest_on_surface(
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
-    """Go on with the search for the closest point of a surface.
+    """Continue with the search for the closest point of a surface.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def closest_on_curve(
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
-    """Go on with the search for the closest point of a curve; as `closest_on_surface` with ``v = 0``."""
+    """Continue with the search for the closest point of a curve; as `closest_on_surface` with ``v = 0``."""
     x, y, z = point
     while True:
         if leaves_window(contour, knots, result):

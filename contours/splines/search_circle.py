@@ -173,7 +173,7 @@ def ring_on_surface(
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
-    """Go on with the search for a local minimum of the gap of a ring to a surface.
+    """Continue with the search for a local minimum of the gap of a ring to a surface.
 
     Parameters
     ----------

@@ -96,7 +96,7 @@ def closest_shape_on_surface(
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
-    """Go on with the search for the point of a surface that is closest to, or deepest in, a primitive.
+    """Continue with the search for the point of a surface that is closest to, or deepest in, a primitive.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def closest_shape_on_curve(
     scratch: NDArray,
     result: ContourSearch,
 ) -> int:
-    """Go on with the search for the point of a curve that is closest to, or deepest in, a primitive.
+    """Continue with the search for the point of a curve that is closest to, or deepest in, a primitive.
 
     As `closest_shape_on_surface` with ``v = 0``. Of a ring it is the closest distance of two curves.
     """

@@ -46,7 +46,7 @@ __all__ = [
 
 CONVERGED, NEED_SPAN, NOT_CONVERGED, NOT_FINITE = range(4)
 """How a search returns: at a local minimum; control points of the spans `span_u`, `span_v` are to be formed before the
-search goes on; after too many evaluations; a value is not finite."""
+search continues; after too many evaluations; a value is not finite."""
 
 EVALUATE = -1
 """Of `step_search`: the next place to evaluate is (`trial_u`, `trial_v`)."""
@@ -110,7 +110,7 @@ class SampleStarts(Record):
     nearest
         Number of the nearest sample.
     next
-        Number of the sample from which to go on; -1 before the first, above all when none is left.
+        Number of the sample from which to continue; -1 before the first, above all when none is left.
     count
         Searches so far.
     """
@@ -147,7 +147,7 @@ class ContourSearch(Evaluation):
     iterations
         Evaluations so far.
     span_u, span_v
-        Knot spans whose control points are formed, or are to be formed before the search goes on; -1 if all are.
+        Knot spans whose control points are formed, or are to be formed before the search continues; -1 if all are.
     separation
         Given by the caller: a second minimum that is farther by less than this [m] is reported by TWIN.
     other_u, other_v, other_distance

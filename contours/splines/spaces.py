@@ -25,7 +25,7 @@ class SplineSpace:
 
     An open space has ``count`` functions; its knots are clamped: the first and the last ``degree + 1`` are equal. A
     closed one has ``count + degree`` functions on ``count`` control points, function i belonging to point
-    ``i % count``; its knots go on periodically beyond both ends of the domain.
+    ``i % count``; its knots continue periodically beyond both ends of the domain.
 
     Attributes
     ----------

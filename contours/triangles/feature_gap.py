@@ -66,7 +66,7 @@ EDGE_VERTEX = 4
 VERTEX_VERTEX = 5
 
 PARALLEL = 1e-6
-"""Sine of the angle between two edges below which their common normal says nothing."""
+"""Sine of the angle between two edges below which their common normal gives no information."""
 
 
 class FeatureTouch(Record):

@@ -117,8 +117,8 @@ class Meeting(NamedTuple):
     far
         Distance [m] up to which a pair counts as near at the end.
     rounding
-        Distance [m] at the start below which the sign of the distance says nothing; gaps that differ by less are the
-        same.
+        Distance [m] at the start below which the sign of the distance gives no information; gaps that differ by less
+        are the same.
     method
         `SWEPT` or `POSITION_DIFFERENCE`.
     judged

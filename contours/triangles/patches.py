@@ -1,7 +1,7 @@
 """Patches: contacts that lie together and push the same way share one stiffness, whatever the mesh makes of them.
 
-How many features of two meshes touch says nothing of how stiff bodies are, so a stiffness belongs to a patch: it is
-divided over its members, or given to those few that span it.
+How many features of two meshes touch gives no information on how stiff bodies are, so a stiffness belongs to a patch:
+it is divided over its members, or given to those few that span it.
 """
 
 from __future__ import annotations

@@ -21,8 +21,8 @@ are exact for translations only. The method is not used for simulation, because 
   none of a vertex on a face of body 1, 7 % of a face on a vertex of body 1, and 2 % of edges;
 * invents contacts for the same reason: in the world 1.6 to 3.7 for each true one of vertex and face and 0.8 to 2.2 of
   edges, in the axes of body 1 up to 0.4;
-* says nothing of the time, sees no face that moves in its own plane (a prism without volume), and decides what lies
-  on an edge by rounding.
+* gives no information on the time, sees no face that moves in its own plane (a prism without volume), and decides
+  by rounding what lies on an edge.
 
 `swept` has the tests that are used instead.
 """

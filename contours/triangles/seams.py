@@ -1,9 +1,9 @@
 """Seams: triangles that meet without being joined, as the plates of CAD models do.
 
-What may push from an edge or a vertex is told by the triangles that it joins (`feature_judge`). Plates that abut,
-overlap or meet in T-junctions join nothing: each of their borders would be an edge in the open, and what slides over
-the seam would be stopped by it. So the triangles that a border *lies in* become its neighbours too, found once from
-where things are:
+Directions in which an edge or a vertex may push follow from the triangles that it joins (`feature_judge`). Plates that
+abut, overlap or meet in T-junctions join nothing: each of their borders would be an edge in the open, and what slides
+over the seam would be stopped by it. So the triangles that a border *lies in* become its neighbours too, found once
+from positions:
 
 - a vertex of a border has the corners of every triangle that it touches as neighbours;
 - an edge of a border has a neighbour on a side if triangles that contain it cover it on that side from end to end.
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Seams", "find_seams"]
 
 TOLERANCE, MOST = 1e-5, 1e-4
-"""Distance at which things touch, over the extension of the surfaces, and at most [m]: CAD files have six digits, and
+"""Distance at which parts touch, over the extension of the surfaces, and at most [m]: CAD files have six digits, and
 plates that lie on each other are thicker."""
 
 CHUNK = 2_000_000

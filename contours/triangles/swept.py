@@ -16,11 +16,11 @@ simulation ... ships and offshore structures (2018)", section 2.6.1; its method 
 **Roots** of a cubic in [0, 1] are certified against rounding, one after another from the left.
 The cubic is held by its Bernstein coefficients: if all have one sign there is no root, if their signs change
 once there is exactly one (Descartes' rule in the Bernstein basis). Each coefficient carries a bound of its
-rounding error; a sign counts only beyond the bound, and where signs stay unknown the caller is told so.
+rounding error; a sign counts only beyond the bound, and where signs stay unknown the result says so.
 
 **Advancement** to where a separating plane is reached tells when two moving features first touch.
 At a time, the closest points give a plane between the features. Corners move linearly, so the time for which
-the plane goes on separating them follows from one division a corner; no contact can occur before it
+the plane keeps separating them follows from one division a corner; no contact can occur before it
 (conservative advancement, Mirtich 1996, with the bound along the separating axis instead of along the fastest
 point). Where a turning edge would make such steps ever shorter, the plane turns with it. This holds whatever
 the accuracy of the plane, needs no polynomial of coplanarity, and is not troubled by motion within a plane,

@@ -101,14 +101,18 @@ def _axes(joint: Any, a: Side, b: Side) -> tuple[NDArray[np.float64], NDArray[np
     if joint.DESCRIBED.PLACE is Place.CROSS:
         if np.linalg.norm(np.cross(z_a, z_b)) <= 1e-9 * np.linalg.norm(z_a) * np.linalg.norm(z_b):
             raise InputError(
-                "the axes of its two sides are parallel", key="axes", expected="axes square to each other"
+                "the axes of its two sides are parallel",
+                key="axes",
+                expected="axes perpendicular to each other",
             )
         return axes_a, c.axes_about(z_b, source=joint.name)
     try:
         return axes_a, c.axes_about(z_b, axes_a[:, 0], source=joint.name)
     except InputError:
         raise InputError(
-            "the axes of its two sides are square to each other", key="axes", expected="axes that agree"
+            "the axes of its two sides are perpendicular to each other",
+            key="axes",
+            expected="axes that agree",
         ) from None
 
 

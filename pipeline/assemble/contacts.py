@@ -13,13 +13,11 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.described import assemble, spec_of
-from heavylift.pipeline.assemble.meshes import read_points
+from heavylift.pipeline.case.columns import read_points
 from heavylift.pipeline.case.contours import BandContourSection, SurfaceContourSection
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.model_io import read_model
 from heavylift.solver.scene import contacts as c
-from heavylift.solver.scene.meshes import FrameBody
-from heavylift.solver.scene.scene import FlexibleBody
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -38,12 +36,12 @@ if TYPE_CHECKING:
         SurfaceSplineSection,
     )
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.solver.scene.scene import AnyBody
+    from heavylift.solver.scene.scene import AnyBody, FlexibleBody
 
 __all__ = ["assemble_contact", "assemble_contacts", "assemble_contours", "contour_nodes"]
 
 CIRCLE_POINTS = 48
-"""Points of a circle on a rigid body, if the case says no number."""
+"""Points of a circle on a rigid body, if the case gives no number."""
 ALONG = 1e-3
 """Sine of the angle to a curve below which a direction is not across it."""
 
@@ -73,7 +71,7 @@ def assemble_contours(
     """
     from heavylift.contours.splines.checks import check_contour
 
-    flexible = {body.name: body for body in bodies if isinstance(body, FlexibleBody)}
+    flexible: dict[str, Any] = {body.name: body for body in bodies if body.MODAL}
     found = []
     for name, section in case.contours.items():
         with _told(case, name):
@@ -116,8 +114,7 @@ def _director(
     assert section.normal is not None
     normal = np.array(section.normal)
     if neutral is None:
-        frame = next(body for body in bodies if body.name == section.body)
-        assert isinstance(frame, FrameBody)
+        frame: Any = next(body for body in bodies if body.name == section.body)
         tangent = frame.tangents[0]
     else:
         from heavylift.contours.splines.derivatives import evaluate_contour
@@ -164,7 +161,7 @@ def _of_tetrahedra(case: Case, section: SurfaceContourSection, count: int) -> In
         return None
     blocks = "mesh.element = 'hex8' of the body, " if body.geometry.type == "blocks" else ""
     return InputError(
-        f"a contour goes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
+        f"a contour passes through rows and columns of nodes, and the {count} nodes of this face belong to tetrahedra",
         key="face",
         expected=f"bricks: {blocks}geometry 'blocks', or a file with bricks; or 'nodes', a matrix of "
         "nodes that lie in rows; or a body of type 'shell', which has a contour by itself",
@@ -211,7 +208,7 @@ def _fitted_to_nodes(
 ) -> NeutralContour:
     """Contour through nodes of a flexible body."""
     reduced = body.reduced
-    # places are told, and messages speak, in the coordinates of the geometry
+    # points in the case and in messages are in the coordinates of the geometry
     picked = contour_nodes(case, name, reduced.nodes + origin, folder)
     return _fit(name, section, reduced.nodes[picked], reduced.mode_shapes[:, picked])
 

@@ -7,8 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.quantity import Absent, AsDrawn, BodyDirection, BodyPoint, Shape, Square, TableFile
-from heavylift.pipeline.case.columns import read_table
+from heavylift.numerics.quantity import (
+    Absent,
+    AsDrawn,
+    BodyDirection,
+    BodyPoint,
+    PointsFile,
+    Shape,
+    Square,
+    TableFile,
+)
+from heavylift.pipeline.case.columns import read_points, read_table
 from heavylift.pipeline.case.fields import Section
 from heavylift.pipeline.case.places import located
 from heavylift.solver.scene.connections import Between
@@ -17,8 +26,6 @@ from heavylift.solver.scene.descriptions import described_fields
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
-
-    from numpy.typing import NDArray
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
@@ -62,9 +69,9 @@ def assemble(
     folder
         Of the case, for the files that it names.
     body
-        Of the thing within whose table it stands.
+        Of the component in whose table it is.
     at_rest
-        The case comes to rest before time starts, which is when it shows how far things are stretched.
+        The case comes to rest before time starts, so that elongations are known only then.
     **more
         Fields of the object that are no keys.
     """
@@ -89,22 +96,17 @@ def assemble(
             elif field.default is MISSING:
                 given[field.name] = field.mark(Absent).value
         elif isinstance(field.quantity, TableFile):
-            given |= {} if value is None else _columns(folder / value, field.quantity)
+            if value is not None:
+                given |= field.quantity.arrays(value, *read_table(folder / value, field.quantity))
+        elif isinstance(field.quantity, PointsFile):
+            if value is not None:
+                given[field.quantity.field] = read_points(folder / value)
         else:
             given.setdefault(field.name, _value(value, field, sides, folder, body))
     made = described(**given)
     if hasattr(made, "check_start"):
         made.check_start(world, at_rest=at_rest)
     return made
-
-
-def _columns(file: Path, wanted: TableFile) -> dict[str, NDArray[np.float64]]:
-    """Arrays of an object from the columns of a file."""
-    header, columns = read_table(file, wanted)
-    return {
-        key: np.array(np.radians(column) if name.endswith("_deg") else column, dtype=float)
-        for key, name, column in zip(wanted.fields, header, columns, strict=True)
-    }
 
 
 def _value(value: Any, field: DescribedField, sides: Mapping[str, Side], folder: Path, body: str) -> Any:

@@ -3,28 +3,23 @@
 Finite elements, surfaces of CAD files and databases take time. What needs none of them is assembled here, part by part:
 bodies where they are at the start, joints, ropes, forces, sensors, contours of rigid bodies, contacts, waves and lines.
 What hangs on a flexible body is left out if its frame begins at a centre of mass that is computed later, unless it
-starts where it was drawn.
+starts at its initial position.
 """
 
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from heavylift.numerics.outcome import InputError, InputErrors
 from heavylift.pipeline.assemble.connections import assemble_joint
 from heavylift.pipeline.assemble.described import assemble
-from heavylift.pipeline.assemble.frames import assemble_rigid, motion_of, start_of_frame
 from heavylift.pipeline.assemble.scene import (
     MEASURED,
     gravity_of,
     points_on,
 )
 from heavylift.pipeline.assemble.sides import start_sides
-from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.fields import GROUND
 from heavylift.pipeline.case.places import in_case, located
 from heavylift.pipeline.results.storage import OutputFolder
@@ -34,7 +29,8 @@ from heavylift.solver.scene.scene import Scene
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from numpy.typing import ArrayLike, NDArray
+    import numpy as np
+    from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
 
@@ -56,16 +52,6 @@ DESCRIBED = (
 """Lists of tables that `heavylift.pipeline.assemble.described.assemble` takes as they are."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Started:
-    """A flexible body as far as it is known before it has a mesh: where its frame is at the start."""
-
-    name: str
-    motion: Any
-    position: NDArray[np.float64]
-    orientation: NDArray[np.float64]
-
-
 class _Scene:
     """What of a scene is known so far, and the errors that were found on the way."""
 
@@ -76,7 +62,8 @@ class _Scene:
         self.origins: dict[str, NDArray[np.float64]] = {}
         for name in case.bodies:
             with self.part(f"bodies.{name}"):
-                started = _started(case, name)
+                section = case.bodies[name]
+                started = section.assembly.start_body(case, name, section)
                 if started is not None:
                     self.bodies[name], self.origins[name] = started
         self.sides = start_sides(list(self.bodies.values()), self.origins)
@@ -105,7 +92,8 @@ class _Scene:
 
     def is_solid(self, body: str) -> bool:
         """Whether a body has a finite element model."""
-        return isinstance(self.case.bodies.get(body), FlexibleBodySection)
+        section = self.case.bodies.get(body)
+        return section is not None and section.BODY.MODAL
 
 
 def scene_errors(case: Case) -> list[InputError]:
@@ -128,7 +116,7 @@ def scene_errors(case: Case) -> list[InputError]:
 
         deep = (
             case.sea is None or case.sea.depth is None
-        )  # lines on a bottom that is not there are told of the case
+        )  # lines on a missing bottom are reported with the case
         scene.parts(
             "lines",
             lambda line: None if deep and line.on_seabed else assemble_line(case, line, sides),
@@ -146,48 +134,6 @@ def scene_errors(case: Case) -> list[InputError]:
     return list({str(error): error for error in scene.errors}.values())
 
 
-def _started(case: Case, name: str) -> tuple[Any, NDArray[np.float64]] | None:
-    """A body at the start, and the origin of its frame in coordinates of its geometry [m]; None if not yet known."""
-    body = case.bodies[name]
-    if body.type == "rigid":
-        return assemble_rigid(name, body)
-    origin = np.zeros(3)
-    if not isinstance(body, FlexibleBodySection):
-        from heavylift.pipeline.assemble.meshes import assemble_frame, assemble_shell
-
-        start = start_of_frame(body.initial, origin)
-        if body.type == "frame":
-            return assemble_frame(case, name, body, start), origin
-        return assemble_shell(case, name, body, start), origin
-    _check_numbers_of_modes(body)
-    computed = getattr(body.frame, "origin", "geometry") == "centre_of_mass"
-    if computed and (body.initial.position is not None or body.initial.orientation is not None):
-        return None
-    start = start_of_frame(body.initial, origin)
-    return _Started(name, motion_of(body.frame), start["position"], start["orientation"]), origin
-
-
-def _check_numbers_of_modes(body: FlexibleBodySection) -> None:
-    """Damping and initial motion of modes have no more entries than the basis has vectors."""
-    count = body.modes.vector_count
-    if count is None:
-        return
-    if len(body.modes.damping_ratio) not in {1, count}:
-        raise InputError(
-            f"{len(body.modes.damping_ratio)} values",
-            key="modes.damping_ratio",
-            expected=f"1 or {count}, one a vector of the basis",
-        )
-    for key in ("modal_position", "modal_velocity"):
-        values = getattr(body.initial, key)
-        if len(values) > count:
-            raise InputError(
-                f"{len(values)} values",
-                key=f"initial.{key}",
-                expected=f"at most {count}, one a vector of the basis",
-            )
-
-
 def _sides_of(section: Any) -> set[str]:
     """Bodies that an entry refers to; of contacts the second one is a contour."""
     if hasattr(section, "path"):
@@ -199,46 +145,15 @@ def _sides_of(section: Any) -> set[str]:
 
 
 def _check_points(scene: _Scene, joints: list[Any], contacts: list[Any]) -> None:
-    """Points lie on frames, shells, and on flexible bodies that are drawn as blocks."""
+    """Points lie on frames, shells, and on flexible bodies of parametric blocks."""
     case = scene.case
     for name, body in scene.bodies.items():
         section = case.bodies[name]
-        if section.type == "rigid" or (section.type == "flexible" and section.geometry.type != "blocks"):
-            continue
-        for key, point in points_on(case, joints, contacts, name, scene.origins[name]):
-            with scene.part(key):
-                if section.type == "flexible":
-                    _check_on_blocks(case, section, point, key)
-                else:
-                    from heavylift.pipeline.assemble.meshes import check_on_mesh
-
-                    check_on_mesh(body, point, case.file, key)
-        if section.type == "frame":
-            from heavylift.pipeline.assemble.meshes import check_pulleys
-
-            with scene.part(f"bodies.{name}"):
-                check_pulleys(case, body)
-
-
-def _check_on_blocks(case: Case, body: FlexibleBodySection, point: ArrayLike, key: str) -> None:
-    """Refuse a point farther from all blocks than from a mesh of them."""
-    from heavylift.preprocess.finite_elements.mesh import BESIDE
-
-    geometry = body.geometry
-    assert geometry.type == "blocks"
-    place = np.asarray(point, dtype=np.float64)
-    low, high = (np.array([getattr(block, side) for block in geometry.add]) for side in ("lower", "upper"))
-    distance = np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=1).min()
-    extent = float((high.max(axis=0) - low.min(axis=0)).max())
-    if distance > BESIDE * extent:
-        words = ", ".join(f"{1e3 * value:.6g}" for value in place)
-        raise InputError(
-            f"point ({words}) mm is not on the body: it is {1e3 * distance:.6g} mm away from its blocks",
-            source=case.file,
-            key=key,
-            expected=f"a point on the body, to {BESIDE:.0%} of its largest extent of {1e3 * extent:.6g} mm, in the "
-            "coordinates of the geometry (are the units right?)",
-        )
+        points = points_on(case, joints, contacts, name, scene.origins[name])
+        with scene.part(f"bodies.{name}"):
+            for key, error in section.assembly.check_drawn_points(case, section, body, points):
+                with scene.part(key):
+                    raise error
 
 
 def _check_edges(scene: _Scene, joints: list[Any]) -> None:
@@ -269,7 +184,7 @@ def _check_contours(scene: _Scene) -> None:
 def _takes_time(case: Case) -> bool:
     """Whether there is much to compute before the solver sees the scene."""
     return (
-        any(isinstance(body, FlexibleBodySection) for body in case.bodies.values())
+        any(body.BODY.MODAL for body in case.bodies.values())
         or any(database.compute is not None for database in case.databases.values())
         or any(surface.file is not None for surface in case.surfaces)
     )

@@ -161,7 +161,7 @@ def _refuse_single_layer(mesh: Mesh) -> None:
     for axis, label in enumerate("xyz"):
         if np.ptp(mesh.nodes[mesh.elements, axis], axis=1).min() >= 0.999 * np.ptp(mesh.nodes[:, axis]):
             raise InputError(
-                f"one brick with reduced integration through the body along {label} sees no bending",
+                f"one brick with reduced integration through the body along {label} has no bending stiffness",
                 source=mesh.name,
                 key=f"divisions.{label}",
                 expected="2 or more bricks (4 for bending within 7 %), or formulation 'incompatible'",

@@ -12,12 +12,55 @@ from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.assemble.sides import Side
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Sequence
 
+    from numpy.typing import ArrayLike, NDArray
+
+    from heavylift.numerics.outcome import InputError
     from heavylift.pipeline.case.bodies import RigidBodySection, RigidInitialSection
+    from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene import scene as s
+    from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["assemble_rigid", "motion_of", "start_of_frame"]
+__all__ = [
+    "assemble_body",
+    "assemble_rigid",
+    "check_drawn_points",
+    "check_points",
+    "motion_of",
+    "start_body",
+    "start_of_frame",
+]
+
+
+def assemble_body(
+    case: Case, name: str, body: Any, _folder: OutputFolder
+) -> tuple[AnyBody, NDArray[np.float64]]:
+    """Body of a case that is given in numbers alone, and the origin of its frame in the coordinates of its geometry."""
+    return start_body(case, name, body)
+
+
+def start_body(_case: Case, name: str, body: Any) -> tuple[AnyBody, NDArray[np.float64]]:
+    """The same: nothing of it waits for a stage."""
+    if body.has_frame:
+        return assemble_rigid(name, body)
+    origin = np.zeros(3)
+    given = {"name": name, **start_of_frame(body.initial, origin)}
+    return assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given), origin
+
+
+def check_points(
+    _case: Case, _body: AnyBody, _origin: NDArray[np.float64], _points: Sequence[tuple[str, ArrayLike]]
+) -> None:
+    """Any point is one of a rigid body."""
+
+
+def check_drawn_points(
+    _case: Case, _section: Any, _body: AnyBody, _points: Sequence[tuple[str, ArrayLike]]
+) -> list[tuple[str, InputError]]:
+    """Any point is one of a rigid body."""
+    return []
 
 
 def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDArray[np.float64]]:
@@ -32,7 +75,7 @@ def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDAr
 def start_of_frame(
     initial: RigidInitialSection, origin: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Initial state of a frame; by default the body is where its geometry was drawn."""
+    """Initial state of a frame; by default the position of its geometry."""
     orientation = np.array([1.0, 0.0, 0.0, 0.0])
     if initial.orientation is not None:
         from heavylift.numerics.rotation import quaternion_from_rotation_vector

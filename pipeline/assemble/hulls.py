@@ -93,7 +93,6 @@ def _open_deck(section: Any, origin: NDArray[np.float64]) -> float | None:
 def frame_origin(case: Case, name: str) -> NDArray[np.float64]:
     """Origin of the frame of a rigid body in the coordinates of its geometry [m]."""
     body = case.bodies[name]
-    assert body.type == "rigid"
     return np.array(body.centre_of_mass) if body.frame.origin == "centre_of_mass" else np.zeros(3)
 
 
@@ -242,7 +241,7 @@ def bem_inputs(
     Raises
     ------
     InputError
-        If a hull does not float upright, several do not head the same way, or hulls that are said to be symmetric are
+        If a hull does not float upright, several do not head the same way, or hulls declared symmetric are
         not.
     """
     assert section.compute is not None
@@ -294,7 +293,6 @@ def _place(case: Case, name: str) -> tuple[NDArray[np.float64], float]:
     from heavylift.numerics.rotation import rotation_matrix
 
     body = case.bodies[name]
-    assert body.type == "rigid"
     rigid, _ = assemble_rigid(name, body)
     R = rotation_matrix(rigid.orientation)
     return rigid.position[:2], math.atan2(R[1, 0], R[0, 0])
@@ -340,7 +338,7 @@ def _panel_words(mesh: PanelMesh, size: float) -> str:
     )
     if mesh.problem:
         words += (
-            f"; WARNING: its triangles were halved instead of meshed anew ({mesh.problem}), "
+            f"; WARNING: its triangles were halved instead of remeshed ({mesh.problem}), "
             "which takes several times as many panels"
         )
     return words

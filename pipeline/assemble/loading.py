@@ -19,7 +19,7 @@ from heavylift.solver.force_elements.line_bearing import LineBearing
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.scene.connections import GROUND, MEASURES, as_joint
 from heavylift.solver.scene.connectivity import connected_bodies, shared_bodies
-from heavylift.solver.scene.scene import FlexibleBody, Free, RigidBody
+from heavylift.solver.scene.scene import Free, RigidBody
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -90,8 +90,7 @@ def scene_loading(scene: Scene, hulls: Iterable[str], name: str) -> Loading:
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints]
     group, beyond = connected_bodies(name, free, pairs, set(hulls))
     shared = shared_bodies(name, free, pairs, list(hulls))
-    hull = next(body for body in scene.bodies if body.name == name)
-    assert isinstance(hull, RigidBody)
+    hull: Any = next(body for body in scene.bodies if body.name == name)
     joints = [_Tie(pair, _place(joint, scene)) for pair, joint in zip(pairs, scene.joints, strict=True)]
     resting = (force for force in scene.forces if isinstance(force, LineBearing))
     bearings = [_Tie((one.body_a, one.body_b), _place(as_joint(one), scene)) for one in resting]
@@ -153,7 +152,6 @@ def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
     """The same before there is a scene, as databases need it: flexible bodies from meshes, with what hangs on it."""
     group, beyond = connected_to_hull(case, name)
     section = case.bodies[name]
-    assert section.type == "rigid"
     hull, _ = assemble_rigid(name, section)
     lying = {force.between[1] for force in case.forces if force.type == "line_bearing"}
     loads = [_of_section(case, other, folder) for other in case.bodies if other in group | lying]
@@ -180,11 +178,11 @@ def _drawn(case: Case, tie: Any) -> NDArray[np.float64] | None:
         return np.array(tie.at, dtype=np.float64)
     section = case.bodies.get(tie.between[1])
     if getattr(tie, "points", None) is None or (
-        tie.between[1] != GROUND and (section is None or section.type != "rigid")
+        tie.between[1] != GROUND and (section is None or section.BODY.DEFORMS)
     ):
         return None
     point = np.array(tie.points[1], dtype=np.float64)
-    if section is None or section.type != "rigid":
+    if section is None or section.BODY.DEFORMS:
         return point
     body, origin = assemble_rigid(tie.between[1], section)
     return body.position + rotation_matrix(body.orientation) @ (point - origin)
@@ -218,27 +216,18 @@ def _sum(
     return Loading(total, moment / total, tuple(sorted(counted)), tuple(left), parts)
 
 
-MESHES = "frame or shell"
-
-
 def _of_body(body: Any) -> _Load:
-    if isinstance(body, RigidBody):
-        mass, centre = body.mass, np.asarray(body.centre_of_mass, dtype=np.float64)
-    elif isinstance(body, FlexibleBody):
-        integrals = body.reduced.integrals
-        mass = float(integrals.mass)
-        centre = np.asarray(integrals.first_moment, dtype=np.float64) / mass
-    else:
-        return _Load(body.name, None, np.zeros(3), MESHES)
+    known = body.mass_properties
+    if known is None:
+        return _Load(body.name, None, np.zeros(3), body.NOUN)
+    mass, centre = known[0], np.asarray(known[1], dtype=np.float64)
     return _Load(body.name, mass, body.position + rotation_matrix(body.orientation) @ centre)
 
 
 def _of_section(case: Case, name: str, folder: OutputFolder) -> _Load:
     section = case.bodies[name]
-    if section.type == "rigid":
-        return _of_body(assemble_rigid(name, section)[0])
-    if section.type != "flexible":
-        return _Load(name, None, np.zeros(3), MESHES)
+    if not section.BODY.MODAL:
+        return _of_body(section.assembly.start_body(case, name, section)[0])
     if not folder.model(name).is_file():
         return _Load(name, None, np.zeros(3), "flexible, without a mesh in this folder")
     from heavylift.pipeline.results.model_io import read_model

@@ -10,14 +10,14 @@ import numpy as np
 
 from heavylift.numerics.memory import refuse_beyond_memory
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.case.meshes import CORNERS, EDGES, counts_of
+from heavylift.pipeline.assemble.described import assemble
+from heavylift.pipeline.assemble.frames import start_of_frame
+from heavylift.pipeline.case.meshes import CORNERS, EDGES
 from heavylift.solver.joints.edges import expand_edge
-from heavylift.solver.scene import mesh_shapes
 from heavylift.solver.scene import meshes as m
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -26,32 +26,33 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.geometry import BoxGroup
     from heavylift.pipeline.case.meshes import (
         FrameBodySection,
-        FrameGeometry,
         FrameLoad,
         FrameSectionTable,
-        MeshFiles,
         RegionSection,
         ShellBodySection,
-        ShellGeometry,
         ShellLoad,
         ShellSectionTable,
         ShellSupportSection,
     )
+    from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.connections import EdgeJoint, Joint
     from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh
     from heavylift.solver.scene.scene import AnyBody
 
 __all__ = [
     "Place",
+    "assemble_body",
     "assemble_edge",
     "assemble_frame",
     "assemble_shell",
+    "check_drawn_points",
     "check_on_mesh",
+    "check_points",
     "check_pulleys",
     "frame_mesh",
     "joints_of_edge",
-    "read_points",
     "shell_mesh",
+    "start_body",
 ]
 
 
@@ -87,44 +88,20 @@ def _refuse_beyond_memory(place: Place, count: float, bytes_each: float, seconds
     )
 
 
-def frame_mesh(place: Place, geometry: FrameGeometry) -> FrameMesh:
-    """Mesh of a line, arc or spline."""
-    _refuse_beyond_memory(place, geometry.elements or 1, FRAME_BYTES, FRAME_SECONDS)
-    if geometry.type == "line":
-        return mesh_shapes.line(geometry.start, geometry.end, geometry.elements)
-    if geometry.type == "arc":
-        normal: NDArray[np.float64] = np.array(geometry.normal) / np.linalg.norm(geometry.normal)
-        reference = np.array(geometry.reference)
-        first = reference - (normal @ reference) * normal
-        return mesh_shapes.arc(
-            geometry.centre,
-            geometry.radius,
-            geometry.first,
-            geometry.last,
-            geometry.elements,
-            axes=(first, np.cross(normal, first)),
-        )
+def frame_mesh(place: Place, geometry: Any) -> FrameMesh:
+    """Mesh of the geometry of a frame."""
+    _refuse_beyond_memory(place, geometry.DESCRIBED.count(geometry), FRAME_BYTES, FRAME_SECONDS)
     with _told(place):
-        return mesh_shapes.spline(_points(place, geometry), geometry.elements)
+        made: FrameMesh = assemble(geometry, {}, place.case.folder).mesh()
+        return made
 
 
-def shell_mesh(place: Place, geometry: ShellGeometry) -> ShellMesh:
-    """Mesh of a rectangle, quadrilateral or grid."""
-    nx, ny = counts_of(geometry.elements)
-    _refuse_beyond_memory(place, float(nx) * float(ny), SHELL_BYTES, SHELL_SECONDS)
+def shell_mesh(place: Place, geometry: Any) -> ShellMesh:
+    """Mesh of the geometry of a shell."""
+    _refuse_beyond_memory(place, geometry.DESCRIBED.count(geometry), SHELL_BYTES, SHELL_SECONDS)
     with _told(place):
-        if geometry.type == "rectangle":
-            return mesh_shapes.rectangle(*geometry.size, nx, ny)
-        if geometry.type == "quadrilateral":
-            return mesh_shapes.quadrilateral(geometry.corners, nx, ny)
-        points = _points(place, geometry)
-        if len(points) != (nx + 1) * (ny + 1):
-            raise InputError(
-                f"{len(points)} points for {nx} x {ny} elements",
-                key="file",
-                expected=f"{(nx + 1) * (ny + 1)}, one more than elements in each direction",
-            )
-        return mesh_shapes.grid(points.reshape(ny + 1, nx + 1, 3).swapaxes(0, 1))
+        made: ShellMesh = assemble(geometry, {}, place.case.folder).mesh()
+        return made
 
 
 @contextlib.contextmanager
@@ -136,42 +113,8 @@ def _told(place: Place) -> Iterator[None]:
         if error.source:
             raise
         geometry = place.case.meshes[place.name].geometry
-        key = "corners" if geometry.type == "quadrilateral" and error.key == "points" else error.key
+        key = "file" if error.key == "points" and getattr(geometry, "file", None) else error.key
         raise place.error(f"geometry.{key}", error.problem, error.expected) from None
-
-
-def _points(place: Place, geometry: MeshFiles) -> NDArray[np.float64]:
-    """Points of a geometry, from its table or its file, shape (n, 3)."""
-    if geometry.file is None:
-        return np.array(geometry.points)
-    return read_points(place.case.folder / geometry.file)
-
-
-def read_points(file: Path) -> NDArray[np.float64]:
-    """Points of a file of lines ``x,y,z`` [m], shape (n, 3); ``#`` begins a comment.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or a line is not three finite numbers.
-    """
-    rows = []
-    try:
-        lines = file.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(error), source=file, expected="a readable text file") from None
-    for number, line in enumerate(lines, start=1):
-        text = line.partition("#")[0].strip()
-        if not text:
-            continue
-        try:
-            row = [float(entry) for entry in text.split(",")]
-        except ValueError:
-            row = []
-        if len(row) != 3 or not np.all(np.isfinite(row)):
-            raise InputError(f"{line!r}", source=file, key=f"line {number}", expected="x,y,z in m")
-        rows.append(row)
-    return np.array(rows).reshape(-1, 3)
 
 
 AnyMesh = TypeVar("AnyMesh", m.FrameBody, m.ShellBody)
@@ -181,6 +124,43 @@ NEAR = 1e-6
 are meant to be at one place, relative to the length of an edge."""
 SQUARE = 1e-9
 """Deviation from one of the component of a normal along the axis it belongs to."""
+
+
+def assemble_body(
+    case: Case, name: str, body: Any, _folder: OutputFolder
+) -> tuple[m.MeshBody, NDArray[np.float64]]:
+    """Frame or shell of a case, and the origin of its axes in the coordinates of its geometry: zero."""
+    return start_body(case, name, body)
+
+
+def start_body(case: Case, name: str, body: Any) -> tuple[m.MeshBody, NDArray[np.float64]]:
+    """The same: nothing of it waits for a stage."""
+    origin = np.zeros(3)
+    make: Any = {"curve": assemble_frame, "surface": assemble_shell}[body.BODY.SHAPE]
+    return make(case, name, body, start_of_frame(body.initial, origin)), origin
+
+
+def check_points(
+    case: Case, body: Any, _origin: NDArray[np.float64], points: Sequence[tuple[str, ArrayLike]]
+) -> None:
+    """Points that it carries lie on the mesh, and pulleys turn about its tangent."""
+    for key, point in points:
+        check_on_mesh(body, point, case.file, key)
+    if body.SHAPE == "curve":
+        check_pulleys(case, body)
+
+
+def check_drawn_points(
+    case: Case, _section: Any, body: Any, points: Sequence[tuple[str, ArrayLike]]
+) -> Iterator[tuple[str, InputError]]:
+    """The same, as errors with their keys."""
+    for key, point in points:
+        try:
+            check_on_mesh(body, point, case.file, key)
+        except InputError as error:
+            yield key, error
+    if body.SHAPE == "curve":
+        check_pulleys(case, body)
 
 
 def assemble_frame(
@@ -471,7 +451,7 @@ _SHAPE_KEYS = ("elements", "nodes", "tangents", "slopes", "lengths")
 
 
 def _checked(place: Place, body: AnyMesh) -> AnyMesh:
-    """The body, if the solver takes it; what it refuses is told at the table that made it."""
+    """The body, if the solver accepts it; errors are reported at the table that made it."""
     from heavylift.solver.bodies.ancf.types import type_of
 
     try:
@@ -505,8 +485,7 @@ def assemble_edge(case: Case, joint: Any, sides: Mapping[str, Side]) -> EdgeJoin
     names = joint.edges or ((joint.edge,) if joint.edge else ())
     for number in range(len(names) or len(joint.node_lists)):
         body = joint.between[number]
-        table = case.meshes[body]
-        assert table.type == "shell"
+        table: Any = case.meshes[body]
         mesh = shell_mesh(Place(case, body), table.geometry)
         nodes = mesh.edges[names[number]] if names else np.array(joint.node_lists[number], dtype=np.int64)
         if nodes.max() >= len(mesh.nodes):
@@ -556,7 +535,7 @@ def _matched(
 
 
 def joints_of_edge(joint: Any, made: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
-    """Joints of its nodes, as the solver makes them; what it refuses is told by keys of the case."""
+    """Joints of its nodes, as the solver makes them; errors are reported with keys of the case."""
     try:
         return expand_edge(made, bodies)
     except InputError as error:

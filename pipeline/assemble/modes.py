@@ -147,7 +147,7 @@ def _reduce(
         chosen = [number - 1 for number in options.select] or list(range(shapes.shape[1]))
         if max(chosen) >= shapes.shape[1]:
             raise InputError(
-                f"asks for shape {max(chosen) + 1}",
+                f"requests shape {max(chosen) + 1}",
                 source=case.file,
                 key="modes.select",
                 expected=f"numbers up to {shapes.shape[1]}, the stored shapes",
@@ -306,7 +306,7 @@ def contour_loads(
     from heavylift.pipeline.assemble.contacts import contour_nodes
     from heavylift.pipeline.case.contours import SurfaceContourSection
 
-    directions = case.bodies[body].modes.attach_directions  # type: ignore[union-attr]
+    directions = case.bodies[body].modes.attach_directions
     loads = []
     for name, contour in case.contours.items():
         if contour.body != body:

@@ -18,30 +18,23 @@ from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.solver.drive import pack_profile, profile_value
-from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move, plan_speed
+from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_command, plan_leg
+from heavylift.solver.scenario.packing import action_entry
 from heavylift.solver.scenario.sequencer import PATH
 from heavylift.solver.scene.bodies import Driven, Fixed
-from heavylift.solver.scene.scenario import (
-    AXES,
-    MOVERS,
-    Connect,
-    DriveSpeed,
-    DriveTo,
-    Fail,
-    Note,
-    PathGoOn,
-    PathSpeed,
-    Release,
-    ReleaseJoint,
-    Restore,
-    TankRate,
-    WinchBrake,
-    WinchFollow,
-    WinchHaul,
-    WinchLength,
-    WinchSpeed,
-    WinchTension,
-    acted_on,
+from heavylift.solver.scene.operation_state import AXES
+from heavylift.solver.scene.operations import (
+    BRAKE,
+    CONNECT,
+    FAIL,
+    FOLLOW,
+    GO_BY,
+    GO_TO,
+    KEEP,
+    KEEP_LEVEL,
+    MOVES,
+    RELEASE,
+    SPEED,
 )
 from heavylift.solver.transport.routes import Route
 
@@ -50,7 +43,8 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.solver.scenario.operation import Operation
-    from heavylift.solver.scene.scenario import Action, Phase, Scenario
+    from heavylift.solver.scene.actions import Command
+    from heavylift.solver.scene.scenario import Phase, Scenario
     from heavylift.solver.scene.scene import Scene
 
 __all__ = ["PlannedPhase", "Range", "check_hooks", "check_plan", "plan", "routes_of", "starts_of"]
@@ -80,6 +74,8 @@ class Range:
 
 
 ANYTHING = Range(-math.inf, math.inf)
+ACTUATORS = frozenset({"winch", "drive", "tank", "path"})
+"""What moves by a plan."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +89,8 @@ class PlannedPhase:
     takes
         How long [s].
     values
-        At its end, of everything that is told to move: unstretched length of a rope [m], mass in a tank [kg], place of
-        a drive [m], [rad].
+        At its end, of everything that is commanded to move: unstretched length of a rope [m], mass in a tank [kg],
+        place of a drive [m], [rad].
     speeds
         Largest ones on the way.
     """
@@ -107,7 +103,7 @@ class PlannedPhase:
 
 @dataclass
 class _Course:
-    """Of something that moves: what a plan says since the phase began, or bounds.
+    """Of something that moves: a planned value since the phase began, or bounds.
 
     Attributes
     ----------
@@ -116,11 +112,11 @@ class _Course:
     speed, acceleration
         Then, as far as the value is known.
     rows
-        Plan; none of what stands still, or goes on with its speed.
+        Plan; none of what stands still, or continues with its speed.
     target
         Where it comes to rest.
     arrived
-        Whether it is where it was told to go.
+        Whether it is at its commanded position.
     largest
         Speed.
     leader, ratio
@@ -137,41 +133,57 @@ class _Course:
     leader: str = ""
     ratio: float = 1.0
 
-    def go_on(self, speed: float, ramp: float, acceleration: float, jerk: float) -> None:
-        """Come to a speed."""
-        limit = abs(speed - self.speed) / ramp if ramp > 0.0 else acceleration
-        rows = records(MoveRow, MOVE_ROWS)
-        count = plan_speed(0.0, self.speed, self.acceleration, speed, limit, jerk, rows)
-        self.rows, self.target, self.arrived = rows[:count], None, False
-        self.largest = max(abs(speed), abs(self.speed))
+    def obey(self, command: Command) -> None:
+        """Do as the run does, as far as it is known where it is; a winch makes its rope shorter as it hauls in."""
+        operation = command.operation
+        if operation == KEEP_LEVEL:  # beside what it does
+            return
+        self.leader = ""
+        if operation == FOLLOW:
+            self.leader, self.ratio = command.leader, command.ratio
+        elif operation == KEEP or command.signal is not None:
+            self.value, self.largest, self.rows, self.target = ANYTHING, command.speed, None, None
+            self.speed = 0.0 if operation == KEEP else self.speed
+        elif operation != BRAKE or command.value:
+            self._plan(command)
 
-    def go_to(self, target: float, most: float, ramp: float, acceleration: float, jerk: float) -> None:
-        """Come to rest at a place."""
-        if self.value.known:
-            self.go_by(target - self.value.low, most, ramp, acceleration, jerk)
-        else:  # the time that it takes is not known
-            self.rows, self.largest, self.arrived = None, most, False
-        self.target = Range(target, target)
-
-    def go_by(self, way: float, most: float, ramp: float, acceleration: float, jerk: float) -> None:
-        """Come to rest after a way."""
-        limit = most / ramp if ramp > 0.0 else acceleration
+    def _plan(self, command: Command) -> None:
+        """Moves by the kernel of the run; bounds of what goes to a place from an unknown one."""
+        sense = -1.0 if command.actuates == "winch" else 1.0
+        empties = command.actuates == "tank" and command.operation == SPEED and command.value < 0.0
+        to, most = (0.0, -command.value) if empties else (command.value, command.speed)
+        goes = empties or command.operation == GO_TO
+        if goes and not self.value.known:
+            self.rows, self.largest, self.arrived, self.target = None, most, False, Range(to, to)
+            return
+        begin = sense * self.value.low if self.value.known else 0.0
+        target = begin + to if command.operation == GO_BY else sense * to
         rows = records(MoveRow, MOVE_ROWS)
-        count = plan_move(0.0, self.speed, self.acceleration, way, most, limit, jerk, rows)
-        self.rows, self.arrived = rows[:count], False
-        self.target = Range(self.value.low + way, self.value.high + way)
-        self.largest = float(np.abs(self.rows["speed"]).max())
+        entry, speed, acceleration = action_entry(command), sense * self.speed, sense * self.acceleration
+        count = plan_command(entry, empties, begin, speed, acceleration, target, rows)
+        rows = rows[:count]
+        rows["value"] -= begin
+        for key in ("value", "speed", "acceleration", "jerk"):
+            rows[key] *= sense
+        before = 0.0 if goes or command.operation == GO_BY else abs(self.speed)
+        self.largest = max(before, float(np.abs(rows["speed"]).max()))
+        self.rows, self.arrived, self.target = rows, False, None
+        if goes:
+            self.target = Range(to, to)
+        elif command.operation in MOVES and rows["speed"][-1] == 0.0:
+            way = float(rows["value"][-1])
+            self.target = Range(self.value.low + way, self.value.high + way)
 
     @property
     def arrives(self) -> float:
-        """Time since the phase began at which it is at rest where it was told to go [s]; not a number if unknown."""
+        """Time since the phase began at which it is at rest at its commanded position [s]; not a number if unknown."""
         if self.arrived:
             return 0.0
         return math.nan if self.rows is None or self.target is None else float(self.rows["time"][-1])
 
     @property
     def fastest_left(self) -> float:
-        """Largest speed if it is told nothing."""
+        """Largest speed without a command."""
         return abs(self.speed)
 
     def at(self, time: float) -> tuple[float, float, float]:
@@ -269,7 +281,7 @@ class _Course:
 
 
 class _PathCourse(_Course):
-    """Of a transporter on its path, which goes by itself until it is told something."""
+    """Of a transporter on its path, which follows its legs until the first command."""
 
     def __init__(self, route: Route) -> None:
         super().__init__(Range(0.0, 0.0))
@@ -283,41 +295,39 @@ class _PathCourse(_Course):
         """Of what is planned."""
         return abs(self.speed) if self.rows is None else float(np.abs(self.rows["speed"]).max())
 
-    def drive(self, action: PathSpeed | PathGoOn) -> None:
-        """Stop, go to the end of the leg, or on as planned."""
-        legs, before = self.route.legs, self.speed
+    def obey(self, command: Command) -> None:
+        """Stop, go to the end of the leg, or on as planned, by the kernel of the run."""
+        legs, before, commanded = self.route.legs, self.speed, command.operation == SPEED
         first, last = (
             min(int(np.searchsorted(legs[:, 0] * (1.0 - 1e-9), way, side="right")), len(legs) - 1)
             for way in (max(self.value.low, 0.0), min(self.value.high, float(legs[-1, 0])))
         )
         end, planned, gentle, _ = map(float, legs[first])
-        speed = action.speed if isinstance(action, PathSpeed) else planned
-        limit = (action.acceleration if isinstance(action, PathSpeed) else 0.0) or gentle
-        if isinstance(action, PathSpeed) and action.ramp > 0.0:
-            limit = max(speed, before) / action.ramp
+        speed = command.value if commanded else planned
+        whole = Range(*[float(legs[-1, 0])] * 2)
         if not self.value.known:
-            target = Range(self.value.low, float(legs[-1, 0]))
-            if isinstance(action, PathGoOn):
-                target = Range(*[float(legs[-1, 0])] * 2)
+            target = Range(self.value.low, whole.high)
+            if not commanded:
+                target = whole
             elif speed > 0.0 and first == last:
                 target = Range(end, end)
             self.rows, self.largest, self.arrived, self.target = None, max(speed, before), False, target
             return
         way = self.value.low
-        if way + 0.5 * before * before / limit > end:
-            limit = 0.5 * before * before / max(end - way, 1e-9 * end)
+        rows = records(MoveRow, MOVE_ROWS)
+        count = plan_leg(action_entry(command), way, before, end, planned, gentle, rows)
+        self.rows, self.arrived = rows[:count], False
+        self.rows["value"] -= way
+        self.largest = max(before if speed == 0.0 else 0.0, float(np.abs(self.rows["speed"]).max()))
+        self.target = Range(end, end)
         if speed == 0.0:
-            self.go_on(0.0, 0.0, limit, 0.0)
             self.target = Range(*[way + float(self.rows["value"][-1])] * 2)
-            return
-        self.go_to(end, speed, 0.0, limit, 0.0)
-        if isinstance(action, PathGoOn) and first + 1 < len(legs):
+        elif not commanded and first + 1 < len(legs):
             begin = int(legs[first + 1, 3])
             later = _rows(self.route.pieces[begin:])
             later["time"] += self.rows["time"][-1] - self.route.pieces[begin - 1, 0]
             later["value"] -= way
-            self.rows = _joined(self.rows, later)
-            self.target = Range(*[float(legs[-1, 0])] * 2)
+            self.rows, self.target = _joined(self.rows, later), whole
             self.largest = max(self.largest, float(legs[first:, 1].max()))
 
 
@@ -349,7 +359,7 @@ def plan(
     starts
         Unstretched lengths of ropes, masses in tanks, places of drives, ways of transporters at the start, by name.
     routes
-        Of the transporters that are told something, by name.
+        Of the commanded transporters, by name.
     """
     return [_plan_row(row, starts, routes or {}) for row in scenario.rows]
 
@@ -357,13 +367,9 @@ def plan(
 def _plan_row(
     phases: Sequence[Phase], starts: Mapping[str, float], routes: Mapping[str, Route]
 ) -> list[PlannedPhase]:
-    told = [action for phase in phases for action in phase.actions]
-    names = dict.fromkeys(
-        acted_on(a)
-        for a in told
-        if not isinstance(a, (Note, Release, ReleaseJoint, Connect, WinchBrake))
-        and not (isinstance(a, (Fail, Restore)) and a.sort not in MOVERS)
-    )
+    commands = [action.command() for phase in phases for action in phase.actions]
+    moved = [one for one in commands if one.actuates in ACTUATORS and one.operation != BRAKE]
+    names = dict.fromkeys(one.name for one in moved)
     courses = {
         name: _PathCourse(routes[name]) if name in routes else _Course(Range(starts[name], starts[name]))
         for name in names
@@ -373,9 +379,9 @@ def _plan_row(
         for course in courses.values():
             course.largest = course.fastest_left
         for action in phase.actions:
-            name = acted_on(action)
-            if name in courses:
-                _tell(courses, name, action)
+            command = action.command()
+            if command.name in courses:
+                _obey(courses[command.name], command)
         takes = _takes(phase, courses)
         leaders = {name: course.at(takes.low)[0] for name, course in courses.items() if not course.leader}
         values = {}
@@ -418,50 +424,12 @@ def _as_waited(phase: Phase, name: str, value: Range) -> Range:
     return value
 
 
-def _tell(courses: Mapping[str, _Course], name: str, action: Action) -> None:
-    """Let one of them do something; ropes become shorter as they are hauled in."""
-    course = courses[name]
-    if isinstance(action, Connect):
+def _obey(course: _Course, command: Command) -> None:
+    """Let one of them do something."""
+    if command.operation == CONNECT:
         course.value = ANYTHING  # that of its path then
-        return
-    if isinstance(action, (Release, WinchBrake, Restore, Note)):
-        return
-    if isinstance(action, (PathSpeed, PathGoOn)):
-        assert isinstance(course, _PathCourse)
-        course.drive(action)
-        return
-    course.leader = ""
-    if isinstance(action, Fail):
-        course.go_on(0.0, 0.0, 0.0, 0.0)
-        return
-    limits = (
-        getattr(action, "ramp", 0.0),
-        getattr(action, "acceleration", 0.0),
-        getattr(action, "jerk", 0.0),
-    )
-    if isinstance(action, WinchSpeed):
-        course.go_on(-action.speed, *limits)
-    elif isinstance(action, DriveSpeed):
-        course.go_on(action.speed, *limits)
-    elif isinstance(action, TankRate):
-        if action.mass is None and action.rate >= 0.0:
-            course.go_on(action.rate, *limits)
-        else:
-            course.go_to(action.mass or 0.0, abs(action.rate), *limits)
-    elif isinstance(action, WinchLength):
-        course.go_to(action.length, action.speed, *limits)
-    elif isinstance(action, DriveTo) and not action.by:
-        course.go_to(action.place, action.speed, *limits)
-    elif isinstance(action, (DriveTo, WinchHaul)) and getattr(action, "signal", None) is None:
-        way = action.place if isinstance(action, DriveTo) else -action.length
-        course.go_by(way, action.speed, *limits)
-    elif isinstance(action, WinchFollow):
-        course.leader, course.ratio = action.leader, action.ratio
-    elif isinstance(action, WinchHaul):
-        course.value, course.largest, course.rows, course.target = ANYTHING, action.speed, None, None
-    elif isinstance(action, WinchTension):
-        course.value, course.largest, course.rows, course.target = ANYTHING, action.speed, None, None
-        course.speed = 0.0
+    elif command.operation != RELEASE and (command.operation != FAIL or command.value):
+        course.obey(command)
 
 
 def _takes(phase: Phase, courses: Mapping[str, _Course]) -> Range:
@@ -504,10 +472,10 @@ def starts_of(scene: Scene, operation: Operation) -> dict[str, float]:
 
 
 def routes_of(scene: Scene, operation: Operation) -> dict[str, Route]:
-    """Routes of the transporters that are told something, by name, without what they are in the plane."""
+    """Routes of the commanded transporters, by name, without their plane."""
     sequencer, found = operation.sequencer, {}
     vehicles = [one.name for one in scene.transporters]
-    told = {a.path for a in operation.scenario.actions if isinstance(a, (PathSpeed, PathGoOn))}
+    told = {one.name for one in operation.scenario.commands if one.actuates == "path"}
     actuators = [int(actuator.number) for actuator in sequencer.actuators if int(actuator.sort) == PATH]
     for name, number in zip([name for name in vehicles if name in told], actuators, strict=True):
         path = sequencer.paths[number]
@@ -587,7 +555,7 @@ def _check_trolley(
 
 
 def check_hooks(case: Case, scene: Scene) -> None:
-    """Refuse a hook that is told a height above the crown of its falls, where that stays at its height.
+    """Refuse a commanded height of a hook above the crown of its falls, where the crown does not move vertically.
 
     Raises
     ------
@@ -597,7 +565,7 @@ def check_hooks(case: Case, scene: Scene) -> None:
     scenario = scene.scenario
     assert scenario is not None
     bodies = {body.name: body for body in scene.bodies}
-    told = {action.drive for action in scenario.actions if isinstance(action, (DriveSpeed, DriveTo))}
+    told = {one.name for one in scenario.commands if one.actuates == "drive" and one.operation in MOVES}
     tops = {}
     for falls in case.falls:
         carrier, block = bodies.get(falls.crown.body), bodies[f"{falls.name}_block"]
@@ -606,13 +574,14 @@ def check_hooks(case: Case, scene: Scene) -> None:
             tops[f"{falls.name}_rope"] = falls, crown - 2.0 * falls.sheave_radius
     for number, phase in enumerate(scenario.all_phases):
         for action in phase.actions:
-            if not isinstance(action, WinchHaul) or action.signal is None or action.rope not in tops:
+            command = action.command()
+            if command.signal is None or command.name not in tops:
                 continue
-            falls, top = tops[action.rope]
-            if action.length >= top:
+            falls, top = tops[command.name]
+            if command.value >= top:
                 depth = falls.block.hook_depth
                 raise InputError(
-                    f"phase {phase.name!r} hoists {falls.name!r} to {action.length - depth:.6g} m, and its crown stops "
+                    f"phase {phase.name!r} hoists {falls.name!r} to {command.value - depth:.6g} m, and its crown stops "
                     f"it at {top - depth:.6g} m",
                     source=case.file,
                     key=_key_of_phase(scenario, number),

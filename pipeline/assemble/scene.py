@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.connections import assemble_joints
 from heavylift.pipeline.assemble.described import assemble_list
-from heavylift.pipeline.assemble.frames import assemble_rigid, motion_of, start_of_frame
 from heavylift.pipeline.assemble.sides import Side, start_sides
 from heavylift.pipeline.assemble.water import has_sea
-from heavylift.pipeline.case.bodies import FlexibleBodySection
 from heavylift.pipeline.case.places import located
-from heavylift.pipeline.results.model_io import read_header, read_reduced
 from heavylift.solver.scene import scene as s
 from heavylift.solver.scene.connections import EdgeJoint
-from heavylift.solver.scene.meshes import FrameBody, ShellBody
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.modal.reduced import ReducedBody
-    from heavylift.pipeline.case.bodies import (
-        InitialSection,
-    )
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
@@ -41,7 +31,6 @@ __all__ = [
     "MEASURED",
     "assemble_scene",
     "gravity_of",
-    "modal_coordinates",
     "points_on",
 ]
 
@@ -57,47 +46,11 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     InputError
         If something does not fit: shapes, points, or a database and its hull.
     """
-    bodies: list[s.FlexibleBody | s.RigidBody | FrameBody | ShellBody] = []
+    bodies: list[AnyBody] = []
     origins: dict[str, NDArray[np.float64]] = {}
     for name, body in case.bodies.items():
-        if body.type == "rigid":
-            rigid, origins[name] = assemble_rigid(name, body)
-            bodies.append(rigid)
-            continue
-        if not isinstance(body, FlexibleBodySection):
-            origins[name] = np.zeros(3)
-            from heavylift.pipeline.assemble.meshes import assemble_frame, assemble_shell
-
-            start = start_of_frame(body.initial, origins[name])
-            bodies.append(
-                assemble_frame(case, name, body, start)
-                if body.type == "frame"
-                else assemble_shell(case, name, body, start)
-            )
-            continue
-        path = folder.reduced(name)
-        reduced = read_reduced(path)
-        origins[name] = np.array(json.loads(read_header(path)["frame_origin"]))
-        ratios = np.array(body.modes.damping_ratio)
-        if len(ratios) not in {1, reduced.mode_count}:
-            raise InputError(
-                f"{len(ratios)} values",
-                source=case.file,
-                key=case.place(f"bodies.{name}.modes.damping_ratio"),
-                expected=f"1 or {reduced.mode_count}, one a vector of the basis",
-            )
-        frequencies = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
-        bodies.append(
-            s.FlexibleBody(
-                name=name,
-                reduced=reduced,
-                motion=motion_of(body.frame),
-                modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
-                modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
-                damping_ratio=ratios + 0.5 * body.modes.stiffness_damping * frequencies,
-                **start_of_frame(body.initial, origins[name]),
-            )
-        )
+        made, origins[name] = body.assembly.assemble_body(case, name, body, folder)
+        bodies.append(made)
     sides = start_sides(bodies, origins)
     forces: list[Any] = [*gravity_of(case), *assemble_list(case, "forces", sides)]
     for key in MEASURED:
@@ -105,21 +58,13 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
     joints, contacts = assemble_joints(case, sides), _contacts(case, sides)
     edges = _edges(case, joints, bodies)
     for made in bodies:
-        if isinstance(made, s.FlexibleBody):
-            points = points_on(case, joints, contacts, made.name, origins[made.name])
-            points += [
-                (place, part.frame_b.point + origins[made.name])
-                for place, part in edges
-                if part.body_b == made.name
-            ]
-            _check_points(case, points, made.reduced, origins[made.name])
-        elif isinstance(made, (FrameBody, ShellBody)):
-            from heavylift.pipeline.assemble.meshes import check_on_mesh, check_pulleys
-
-            for key, point in points_on(case, joints, contacts, made.name, origins[made.name]):
-                check_on_mesh(made, point, case.file, key)
-            if isinstance(made, FrameBody):
-                check_pulleys(case, made)
+        points = points_on(case, joints, contacts, made.name, origins[made.name])
+        points += [
+            (place, part.frame_b.point + origins[made.name])
+            for place, part in edges
+            if part.body_b == made.name and not made.SEEN_AT_POINTS
+        ]
+        case.bodies[made.name].assembly.check_points(case, made, origins[made.name], points)
     scene = s.Scene(
         tuple(bodies),
         tuple(forces),
@@ -254,36 +199,3 @@ def points_on(
         key = "point" if case.contacts[i].at is None else "at"
         found.append((f"contacts.{i}.{key}", contact.body, contact.point + origin))
     return [(case.place(key), point) for key, owner, point in found if owner == name]
-
-
-def _check_points(
-    case: Case, points: Sequence[tuple[str, ArrayLike]], reduced: ReducedBody, origin: NDArray[np.float64]
-) -> None:
-    """Points that a flexible body carries must lie on it; they and the origin in coordinates of the geometry [m]."""
-    for key, point in points:
-        reduced.locate(np.asarray(point) - origin, source=case.file, key=key, origin=origin)
-
-
-def modal_coordinates(
-    case: Case, name: str, reduced: ReducedBody, initial: InitialSection, key: str
-) -> NDArray[np.float64]:
-    """Initial modal coordinates or speeds for mass-normalised shapes, shape (nf,).
-
-    With scaling ``unit_max`` the case gives the motion of the largest component of each shape; that
-    component of the mass-normalised shape, sign included, converts it.
-    """
-    given: Sequence[float] = getattr(initial, key)
-    if len(given) > reduced.mode_count:
-        raise InputError(
-            f"{len(given)} values",
-            source=case.file,
-            key=case.place(f"bodies.{name}.initial.{key}"),
-            expected=f"at most {reduced.mode_count}, one a vector of the basis",
-        )
-    values = np.zeros(reduced.mode_count)
-    values[: len(given)] = given
-    if initial.modal_scaling == "unit_max":
-        flat = reduced.mode_shapes.reshape(reduced.mode_count, -1)
-        largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=1)[:, np.newaxis], axis=1)[:, 0]
-        values /= largest
-    return values

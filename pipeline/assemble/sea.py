@@ -6,29 +6,24 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from heavylift.pipeline.assemble.described import assemble, assemble_list
 from heavylift.pipeline.assemble.lines import assemble_lines
 from heavylift.pipeline.assemble.water import has_sea, water_of
-from heavylift.pipeline.case.columns import read_columns
 from heavylift.pipeline.case.places import located
-from heavylift.pipeline.case.waves import ELEVATION_COLUMNS, SPECTRUM_COLUMNS
 from heavylift.solver.scene import sea as seas
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.waves import JonswapWaves, PiersonMoskowitzWaves, SpectrumWaves, Waves
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene.wind_loads import (
         CurrentField,
         FluctuationRecord,
         WindField,
     )
-    from heavylift.solver.water.waves.spectra import WaveSpectrum
     from heavylift.solver.water.waves.wave_trains import WaveTrains
 
 __all__ = ["assemble_sea", "make_waves", "sea_provenance"]
@@ -98,51 +93,8 @@ def make_waves(case: Case) -> WaveTrains | None:
     for index, section in enumerate(case.sea.waves):
         key = "sea.waves" if len(case.sea.waves) == 1 else f"sea.waves.{index}"
         with located(case, key):
-            trains.append(_train(case, section, water))
+            trains.append(assemble(section, {}, case.folder).trains(water.depth, water.gravity))
     return superposition(trains)
-
-
-def _train(case: Case, section: Waves, water: seas.Water) -> WaveTrains:
-    """Components of one table."""
-    from heavylift.solver.water.waves import wave_trains as w
-
-    common: dict[str, Any] = {"direction": section.direction, "depth": water.depth, "gravity": water.gravity}
-    if section.type == "regular":
-        return w.regular_wave(section.height, section.period, phase=section.phase, **common)
-    if section.type == "elevation":
-        times, values = read_columns(case.folder / section.file, ELEVATION_COLUMNS).values
-        return w.measured_waves(
-            times,
-            values,
-            place=section.place,
-            frequency_range=section.frequency_range,
-            name=section.file,
-            **common,
-        )
-    spreading = section.spreading
-    return w.irregular_waves(
-        _spectrum(case, section),
-        seed=section.seed,
-        count=section.count,
-        bins=section.bins,
-        amplitudes=section.amplitudes,
-        spreading=None if spreading is None else spreading.exponent,
-        directions=1 if spreading is None else spreading.directions,
-        frequency_range=section.frequency_range,
-        **common,
-    )
-
-
-def _spectrum(case: Case, section: JonswapWaves | PiersonMoskowitzWaves | SpectrumWaves) -> WaveSpectrum:
-    from heavylift.solver.water.waves.spectra import jonswap, pierson_moskowitz, tabulated_spectrum
-
-    if section.type == "jonswap":
-        return jonswap(section.significant_height, section.peak_period, section.gamma)
-    if section.type == "pierson-moskowitz":
-        return pierson_moskowitz(section.significant_height, section.peak_period)
-    header, (first, density) = read_columns(case.folder / section.file, SPECTRUM_COLUMNS)
-    turn = 2.0 * math.pi if header[0] == "frequency" else 1.0
-    return tabulated_spectrum(turn * np.array(first), np.array(density) / turn, name=section.file)
 
 
 def _fields(case: Case, duration: float) -> tuple[WindField | CurrentField, ...]:
@@ -153,25 +105,22 @@ def _fields(case: Case, duration: float) -> tuple[WindField | CurrentField, ...]
     for index, wind in enumerate(case.sea.wind):
         key = "sea.wind" if len(case.sea.wind) == 1 else f"sea.wind.{index}"
         with located(case, key):
-            found.append(assemble(wind, {}, case.folder, fluctuation=_fluctuation(wind, duration)))
+            found.append(
+                assemble(wind, {}, case.folder, fluctuation=_fluctuation(wind, duration, case.folder))
+            )
     return (*found, *(assemble(current, {}, case.folder) for current in case.sea.current))
 
 
-def _fluctuation(wind: Any, duration: float) -> FluctuationRecord | None:
+def _fluctuation(wind: Any, duration: float, folder: Path) -> FluctuationRecord | None:
     """Turbulence over the whole simulation."""
     if wind.spectrum is None or not duration:
         return None
-    from heavylift.solver.scene.wind_loads import fluctuation_record
     from heavylift.solver.water.wind.spectrum import hourly_mean
 
-    return fluctuation_record(
-        hourly_mean(wind.speed, wind.averaging_time),
-        duration,
-        seed=wind.spectrum.seed,
-        height=wind.spectrum.height,
-        step=wind.spectrum.step,
-        count=wind.spectrum.count,
+    record: FluctuationRecord = assemble(wind.spectrum, {}, folder).record(
+        hourly_mean(wind.speed, wind.averaging_time), duration
     )
+    return record
 
 
 def sea_provenance(sea: seas.Sea | None) -> dict[str, Any]:

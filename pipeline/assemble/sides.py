@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.solver.scene.meshes import MeshBody
-
 __all__ = ["Side", "start_sides"]
 
 
@@ -54,9 +52,7 @@ class Side:
         return self.position + self.rotation @ point
 
 
-def start_sides(
-    bodies: Sequence[s.FlexibleBody | s.RigidBody | MeshBody], origins: Mapping[str, NDArray[np.float64]]
-) -> dict[str, Side]:
+def start_sides(bodies: Sequence[s.AnyBody], origins: Mapping[str, NDArray[np.float64]]) -> dict[str, Side]:
     """The bodies and the world where they are at time 0, by name; driven frames as far as they are driven then."""
     sides = {GROUND: Side(np.zeros(3), np.eye(3), np.zeros(3))}
     for body in bodies:

@@ -15,6 +15,7 @@ import numpy as np
 
 from heavylift.numerics.hdf5_files import reported_of_file
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.assemble.described import assemble
 from heavylift.pipeline.case.places import located
 from heavylift.pipeline.results.provenance import surface_digest
 from heavylift.pipeline.results.storage import replacing
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.surfaces import SurfaceSection, SurfaceShape
+    from heavylift.pipeline.case.surfaces import SurfaceSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
@@ -99,10 +100,9 @@ def make_surface(case: Case, index: int) -> StoredSurface:
                 raw = read_triangles(case.folder / section.file, scale=scale, size=section.size)
                 made, dropped = clean(raw.points, raw.triangles, radius=section.radius, name=section.name)
         else:
-            assert section.shape is not None
-            made = _shaped(section, section.shape)
+            made = assemble(section.shape, {}, case.folder).surface(section.radius, section.name)
         whole = placed(made, turned(section.turned), section.at)
-        kept = _kept(section, whole)
+        kept = _kept(section, whole, case.folder)
     stored = StoredSurface(whole, kept, {}, surface_digest(case, section))
     about = report_surface(stored.surface, dropped)
     report: dict[str, Any] = {key: getattr(about, key) for key in _COUNTS}
@@ -173,34 +173,11 @@ def turned(turn: Any) -> NDArray[np.float64]:
     return np.eye(3) if turn is None else turn.DESCRIBED(turn.axis, turn.angle).matrix
 
 
-def _shaped(section: SurfaceSection, shape: SurfaceShape) -> TriangleSurface:
-    """Triangles of a simple shape about its own origin."""
-    from heavylift.preprocess.surfaces import primitives as p
-    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
-
-    name, radius = section.name, section.radius
-    if shape.type == "plane":
-        plane = p.plane_surface(shape.size, name=name)
-        return TriangleSurface(plane.points, plane.triangles, radius, name)
-    if shape.type == "box":
-        return p.box_surface(shape.size, radius, name=name)
-    if shape.type == "sphere":
-        return p.sphere_surface(shape.radius, name=name)
-    if shape.type == "capsule":
-        return p.capsule_surface(shape.radius, shape.length, shape.axis, name=name)
-    return p.cylinder_surface(
-        shape.radius, shape.length, shape.axis, sides=shape.sides, rounding=radius, name=name
-    )
-
-
-def _kept(section: SurfaceSection, whole: TriangleSurface) -> NDArray[np.bool_]:
+def _kept(section: SurfaceSection, whole: TriangleSurface, folder: Path) -> NDArray[np.bool_]:
     """Which triangles take part."""
-    from heavylift.preprocess.surfaces.exclusion import ExclusionBox, exclude
+    from heavylift.preprocess.surfaces.exclusion import exclude
 
-    boxes = [
-        ExclusionBox(np.array(box.centre), np.array(box.size), turned(box.turned), box.keep == "outside")
-        for box in section.exclude
-    ]
+    boxes = [assemble(box, {}, folder).box for box in section.exclude]
     try:
         _, excluded = exclude(whole, boxes)
     except InputError as error:
@@ -230,7 +207,7 @@ def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[s
     found: dict[str, None] = {}
     for section in case.surfaces:
         body = case.bodies.get(section.body)
-        if section.name in surfaces and body is not None and body.type == "rigid":
+        if section.name in surfaces and body is not None and not body.BODY.DEFORMS:
             inertia = np.asarray(body.inertia, dtype=np.float64)
             moments = inertia if inertia.ndim == 1 else np.diagonal(inertia)
             gyration = math.sqrt(max(float(moments.max()), 0.0) / body.mass)

@@ -2,11 +2,12 @@
 
 A flexible body is a geometry, a mesh and a reduction, of which stages make what the solver takes; its section stays
 one of the pipeline. So do initial states: a rotation in a case is a quaternion of an object, and what is left out is
-where the geometry was drawn.
+the position of the geometry.
 """
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
+import importlib
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -27,15 +28,17 @@ from heavylift.pipeline.case.fields import (
 from heavylift.pipeline.case.geometry import Geometry, MaterialSection, MeshSection
 from heavylift.pipeline.case.modes import ModesSection
 from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection
-from heavylift.solver.scene.bodies import MOTIONS, FlexibleBody, RigidBody
+from heavylift.solver.scene.bodies import MOTIONS, Body, FlexibleBody, Placed, RigidBody
 
 __all__ = [
     "AxisAngle",
+    "BodySection",
     "FlexibleBodySection",
     "Frame",
     "InitialSection",
     "RigidBodySection",
     "RigidInitialSection",
+    "body_section",
 ]
 
 ModalValues = Annotated[
@@ -45,7 +48,7 @@ ModalValues = Annotated[
 
 
 class _FrameSection(Section):
-    """What is said of every frame."""
+    """Keys of every frame."""
 
     origin: Literal["geometry", "centre_of_mass"] = "geometry"
     """Origin of the body frame: that of the geometry, or the centre of mass."""
@@ -73,7 +76,7 @@ class RigidInitialSection(Section):
     """Initial state of the frame of a body."""
 
     position: LengthVector | None = None
-    """World position of the frame origin [m]; by default where the geometry was drawn."""
+    """World position of the frame origin [m]; by default that of the geometry."""
     orientation: AxisAngle | None = None
     """Turns the axes of the world into those of the body, and what is fixed to it with them; none by default."""
     velocity: VelocityVector | None = None
@@ -105,9 +108,43 @@ class InitialSection(RigidInitialSection):
         return parse_list(Quantity(kind), values)
 
 
-class FlexibleBodySection(Section):
+class BodySection(Section):
+    """What a case asks of a body, whatever it is.
+
+    Attributes
+    ----------
+    BODY
+        Class of the body of a scene, which answers for it.
+    ASSEMBLED_BY
+        Module with ``assemble_body``, ``start_body``, ``check_points`` and ``check_drawn_points``, as
+        `heavylift.pipeline.assemble.frames` has them.
+    """
+
+    BODY: ClassVar[type[Body]]
+    ASSEMBLED_BY: ClassVar[str] = "heavylift.pipeline.assemble.frames"
+
+    @property
+    def assembly(self) -> Any:
+        """The module that makes the body of a scene from it."""
+        return importlib.import_module(self.ASSEMBLED_BY)
+
+    @property
+    def has_frame(self) -> bool:
+        """Whether it has a frame, which may be held or driven, as its key ``frame`` says."""
+        return "frame" in type(self).model_fields
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it moves by the equations of motion."""
+        frame = getattr(self, "frame", None)
+        return frame is None or bool(frame.motion == "free")
+
+
+class FlexibleBodySection(BodySection):
     """A body with a finite-element model that deforms."""
 
+    BODY: ClassVar = FlexibleBody
+    ASSEMBLED_BY: ClassVar = "heavylift.pipeline.assemble.flexible"
     CHANNELS: ClassVar = FlexibleBody.CHANNELS
 
     type: Literal["flexible"]
@@ -197,14 +234,16 @@ class FlexibleBodySection(Section):
 
 if TYPE_CHECKING:
 
-    class _Numbers(Section):
+    class _Numbers(BodySection):
         def __getattr__(self, key: str) -> Any: ...
 else:
-    _Numbers = make_section(RigidBody, Section)
+    _Numbers = make_section(RigidBody, BodySection)
 
 
 class RigidBodySection(_Numbers):
     """A body that does not deform."""
+
+    BODY: ClassVar = RigidBody
 
     type: Literal["rigid"]
     frame: Frame
@@ -224,3 +263,37 @@ def _check_initial(frame: Any, initial: RigidInitialSection) -> None:
         for key in ("velocity", "angular_velocity"):
             if getattr(initial, key) is not None:
                 reject(f"with a {frame.motion} frame", "frame motion 'free'", key=f"initial.{key}")
+
+
+class _StartedSection(BodySection):
+    """A body without a frame of its own."""
+
+    initial: RigidInitialSection = Field(default_factory=RigidInitialSection)
+    """Initial state: place of the body, and its motion as a rigid body."""
+
+
+class _PlacedSection(BodySection):
+    """A body with a frame."""
+
+    frame: Frame
+    """How the body frame moves."""
+    initial: RigidInitialSection = Field(default_factory=RigidInitialSection)
+    """Initial state."""
+
+    @model_validator(mode="after")
+    def _starts(self) -> "_PlacedSection":
+        _check_initial(self.frame, self.initial)
+        return self
+
+
+@cache
+def body_section(described: Any) -> type[BodySection]:
+    """Section of a body that is given in numbers alone."""
+    if described is RigidBody:
+        found: Any = RigidBodySection
+        return found
+    base = _PlacedSection if issubclass(described, Placed) else _StartedSection
+    made: Any = make_section(described, base)
+    made.BODY = described
+    section: type[BodySection] = made
+    return section

@@ -23,7 +23,7 @@ from heavylift.pipeline.case.criteria_table import Criteria
 from heavylift.pipeline.case.equipment import Equipped, equip
 from heavylift.pipeline.case.errors import group_errors, input_errors
 from heavylift.pipeline.case.fields import CaseContext, Section, reject
-from heavylift.pipeline.case.meshes import Body, FrameBodySection, MeshBodySection, ShellBodySection
+from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
 from heavylift.pipeline.case.quantity_names import (
     ACROSS,
@@ -34,19 +34,14 @@ from heavylift.pipeline.case.quantity_names import (
 from heavylift.pipeline.case.reference import ReferenceSection, read_reference
 from heavylift.pipeline.case.repeat import Expansion, Parameters, RepeatSection, expand
 from heavylift.pipeline.case.report import ReportSection
-from heavylift.pipeline.case.scenario import Hook, Known, key_as_given, scenario_of
+from heavylift.pipeline.case.scenario import Known, key_as_given, scenario_of
 from heavylift.pipeline.case.sea import check_sea
 from heavylift.pipeline.case.simulate import SimulateSection, multiple
 from heavylift.pipeline.case.tables import TABLES, SceneTables, declared
 from heavylift.pipeline.equipment.builders import BUILDERS
-from heavylift.solver.scene.scenario import (
-    Movable,
-    Scenario,
-    check_scenario,
-    drives_of,
-    helpers_of,
-    releases_of,
-)
+from heavylift.solver.scene.actions import Hook
+from heavylift.solver.scene.operation_state import Movable, drives_of, helpers_of, releases_of
+from heavylift.solver.scene.scenario import Scenario, check_scenario
 
 __all__ = ["CASE_FILE", "Case", "load_case"]
 
@@ -58,7 +53,6 @@ ASKING = {"check", "converge", "criteria", "reference", "report", "scenario"}
 GAP = re.compile(r"([^\s.,()]+)\.gap(?:_min)?(?!\w)")
 """Owner, or pattern of owners, of a gap in the name of a quantity or channel, or in a combination of them."""
 _NO_ELEMENTS = "elements and a material, and the four files of {!r} hold matrices alone"
-_KINDS = {"rigid": "rigid body", "frame": "frame", "shell": "shell"}
 
 
 class _CaseHeading(Section):
@@ -191,9 +185,9 @@ class Case(SceneTables, _CaseHeading):
     def _has_axes(self, index: int) -> None:
         """A rotation is seen of what has three axes."""
         for name in self.relative_motions[index].between:
-            if name in self.bodies and self.bodies[name].type == "frame":
+            if name in self.bodies and not self.bodies[name].BODY.HAS_AXES:
                 reject(
-                    f"{name!r} is a frame, which has a tangent and no torsion",
+                    f"{name!r} is a {self.bodies[name].BODY.NOUN}, which has a tangent and no torsion",
                     "bodies with three axes; sensors, and differences of their positions, on a frame",
                     key=f"relative_motions.{index}.between",
                 )
@@ -291,7 +285,7 @@ class Case(SceneTables, _CaseHeading):
     @property
     def _movable(self) -> dict[str, Any]:
         """What can be told something."""
-        frames = {name: body.frame for name, body in self.bodies.items() if hasattr(body, "frame")}
+        frames = {name: body.frame for name, body in self.bodies.items() if body.has_frame}
         return {
             "ropes": {rope.name: rope for rope in self.ropes},
             "tanks": frozenset(tank.name for tank in self.tanks),
@@ -321,33 +315,32 @@ class Case(SceneTables, _CaseHeading):
                 together |= {one: tuple(other for other in every if other != one) for one in every}
             together[f"{parts[0]}.x"] = tuple(f"{part}.x" for part in parts[1:])
             girders |= dict.fromkeys(parts[1:], (parts[0], 0.5 * crane.span))
-        drives, vehicles = tuple(movable["drives"]), tuple(movable["vehicles"])
         return Known(
-            self._names,
-            tuple(wire),
-            tanks,
-            drives,
-            hooks,
-            others,
-            together,
-            vehicles,
-            girders,
-            tuple(movable["releases"]),
-            {
+            names=self._names,
+            ropes=tuple(wire),
+            tanks=tanks,
+            drives=tuple(movable["drives"]),
+            hooks=hooks,
+            other_ropes=others,
+            together=together,
+            paths=tuple(movable["vehicles"]),
+            girders=girders,
+            joints=tuple(movable["releases"]),
+            helpers={
                 **{pump.name: "pump" for pump in self.pumps},
                 **{one.name: "levelling" for one in self.transporters if one.levelling is not None},
             },
-            {one.name: tuple(one.pumps) for one in self.controllers},
+            controllers={one.name: tuple(one.pumps) for one in self.controllers},
         )
 
     def _rests_with_contacts(self, what: str) -> None:
         """Contacts of bodies with frames come to rest before time starts, if no surfaces of triangles cross there."""
         assert self.simulate is not None
-        meshes = [name for name, body in self.bodies.items() if body.type in {"frame", "shell"}]
+        meshes = list(self.meshes)
         if meshes:
             reject(
                 f"{self.simulate.start!r} with {what} and {meshes[0]!r}, a frame or shell",
-                "'check' or 'project': contacts come to rest by themselves in time",
+                "'check' or 'project': contacts come to rest during the run",
                 key="simulate.start",
             )
         soft = next((i for i, collision in enumerate(self.collisions) if collision.law != "rigid"), None)
@@ -366,8 +359,8 @@ class Case(SceneTables, _CaseHeading):
             body = self.bodies.get(quantity.owner)
             if body is None:
                 return f"a flexible body, and {quantity.owner!r} is no body"
-            if body.type != "flexible":
-                return f"a flexible body, and {quantity.owner!r} is a {_KINDS[body.type]}"
+            if not body.BODY.MODAL:
+                return f"a flexible body, and {quantity.owner!r} is a {body.BODY.NOUN}"
             if quantity.family == "static":
                 asked = quantity.component.partition(".")[0]
                 if body.geometry.type == "four_files" and asked in {"stress", "von_mises"}:
@@ -381,7 +374,7 @@ class Case(SceneTables, _CaseHeading):
         if quantity.family == "stress":
             owner = next((one.body for one in self.sensors if one.name == quantity.owner), quantity.owner)
             body = self.bodies[owner]
-            if body.type == "flexible" and body.geometry.type == "four_files":
+            if body.BODY.MODAL and body.geometry.type == "four_files":
                 return _NO_ELEMENTS.format(owner)
         if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
             return f"a hull with a surface, and {quantity.owner!r} has none"
@@ -398,11 +391,7 @@ class Case(SceneTables, _CaseHeading):
     @property
     def meshes(self) -> dict[str, FrameBodySection | ShellBodySection]:
         """Frames and shells by name."""
-        return {
-            name: body
-            for name, body in self.bodies.items()
-            if isinstance(body, (FrameBodySection, ShellBodySection))
-        }
+        return {name: body for name, body in self.bodies.items() if body.BODY.SHAPE}
 
     @cached_property
     def collided(self) -> dict[str, tuple[int, tuple[str, str]]]:
@@ -465,7 +454,7 @@ class Case(SceneTables, _CaseHeading):
 
 def _yields(body: Body) -> bool:
     """Whether a body gives way to a force."""
-    return isinstance(body, MeshBodySection) or body.frame.motion == "free"
+    return bool(body.is_free)
 
 
 def load_case(
@@ -485,7 +474,7 @@ def load_case(
         the key is removed.
     further
         What else can be wrong with a case whose tables are right by themselves; asked if they do not fit together, so
-        that all is told at once.
+        that all errors are reported at once.
 
     Raises
     ------
@@ -521,7 +510,7 @@ def load_case(
         errors += case._misfits()  # noqa: SLF001
         if errors and further is not None and not equipped.errors:
             more = further(case)
-    # what is wrong with a block, a parameter or a builder is told alone: the rest would follow from it
+    # errors of a block, a parameter or a builder are reported alone: others would follow from them
     errors = [*expansion.errors, *(e for e in errors if _in_block(e.key))] or errors
     errors = [e for e in errors if _in_builder(e.key)] or errors
     if errors:
@@ -575,12 +564,12 @@ def read_document(file: Path) -> dict[str, Any]:
         raise InputError(
             "does not exist",
             source=file,
-            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes one to begin with",
+            expected=f"a case folder with a {CASE_FILE}; `heavylift new` writes an example",
         ) from None
     except OSError as error:
         raise InputError(str(error.strerror), source=file, expected=f"a readable {CASE_FILE}") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"byte {error.start} is no UTF-8", source=file, expected="text in UTF-8") from None
+        raise InputError(f"byte {error.start} is not UTF-8", source=file, expected="text in UTF-8") from None
     except RecursionError:
         raise InputError(
             "is nested too deeply", source=file, expected=f"at most {DEEPEST} tables within each other"

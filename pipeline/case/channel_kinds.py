@@ -80,9 +80,9 @@ def channel_components(kind: str) -> tuple[str, ...] | None:
 
 
 def joint_coordinate(joint_type: str, spec: object = None) -> str:
-    """The scalar on which springs and motors of a sort of joints act, ``"angle"`` or ``"travel"``; empty if none.
+    """The scalar on which springs and motors of a type of joints act, ``"angle"`` or ``"travel"``; empty if none.
 
-    What is `said` counts for joints that have both.
+    For joints that have both, the `spec` decides.
     """
     described = JOINTS.get(joint_type)
     if described is None:
@@ -93,14 +93,14 @@ def joint_coordinate(joint_type: str, spec: object = None) -> str:
 
 
 def has_both(joint_type: str) -> bool:
-    """Whether joints of a sort turn and slide, and neither by the other."""
+    """Whether joints of a type turn and slide independently."""
     described = JOINTS.get(joint_type)
     names = {channel.name for channel in described.CHANNELS} if described is not None else set()
     return described is not None and not described.COORDINATE and {"angle", "travel"} <= names
 
 
 def lies_along_edge(joint_type: str) -> bool:
-    """Whether the channels of a sort of joints are those of each node along an edge: ``NAME.0.reaction_force``."""
+    """Whether the channels of a type of joints are those of each node along an edge: ``NAME.0.reaction_force``."""
     described = JOINTS.get(joint_type)
     return described is not None and described.PLACE is Place.EDGE
 

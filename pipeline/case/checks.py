@@ -40,7 +40,7 @@ __all__ = [
 
 def _not_blank(text: str) -> str:
     if not text.strip():
-        reject(f"{text!r} says nothing", "where the reference comes from")
+        reject(f"{text!r} has no meaning", "where the reference comes from")
     return text
 
 
@@ -225,7 +225,7 @@ class CheckSection(Section):
         if isinstance(value, QuantityReference):
             count = len(_members(value.quantity, info))
             if count:
-                reject(f"{value.quantity!r} is of {count} things", "one number", key="quantity")
+                reject(f"{value.quantity!r} is of {count} items", "one number", key="quantity")
         return value
 
 
@@ -272,7 +272,7 @@ class ConvergeSection(Section):
             return value
         count = len(_members(info.data.get("quantity"), info))
         if count:
-            reject(f"one value for a quantity of {count} things", "another quantity, or a run, as reference")
+            reject(f"one value for a quantity of {count} items", "another quantity, or a run, as reference")
         return quantity_in_unit(info, value)
 
     @model_validator(mode="after")

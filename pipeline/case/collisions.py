@@ -26,7 +26,7 @@ from heavylift.solver.scene.contacts import COLLISION_LAWS, RigidLaw
 __all__ = ["RECORDED", "YIELDING", "collision_pairs", "collision_section", "declared_collisions", "yields"]
 
 RECORDED = Collision.recorded
-"""Contacts that a collision records one by one, unless the case says another number."""
+"""Contacts that a collision records one by one, unless the case gives another number."""
 YIELDING = frozenset({"frame", "shell"})
 """Types of bodies that always give way to a force."""
 
@@ -160,16 +160,16 @@ class _CollisionPlace(Section):
                     "surfaces of two bodies",
                     key="between",
                 )
-            known = {a, b} <= {*context.names.bodies, GROUND}  # an unknown one is told of the surface
+            known = {a, b} <= {*context.names.bodies, GROUND}  # an unknown one is reported with the surface
             if known and a not in yielding and b not in yielding:
                 reject(
-                    f"neither {a!r} nor {b!r} can give way",
+                    f"neither {a!r} nor {b!r} can move",
                     "a body with a free frame, a frame or a shell on one side",
                     key="between",
                 )
         elif not collision_pairs(self.name, None, self.among, surfaces, yielding):
             reject(
-                "no pair of these surfaces is on two bodies of which one can give way",
+                "no pair of these surfaces is on two bodies of which one can move",
                 "surfaces of several bodies, one of them with a free frame",
                 key="among",
             )

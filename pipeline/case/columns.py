@@ -6,15 +6,19 @@ import csv
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from heavylift.numerics.outcome import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from heavylift.numerics.quantity import TableFile
 
-__all__ = ["Columns", "finite_rows", "read_columns", "read_lines", "read_table"]
+__all__ = ["Columns", "finite_rows", "read_columns", "read_lines", "read_points", "read_table"]
 
 
 class Columns(NamedTuple):
@@ -131,3 +135,30 @@ def read_columns(
     if len(rows) < fewest:
         raise InputError(f"{len(rows)} rows", source=file, expected=f"at least {fewest}")
     return Columns(header, tuple(zip(*rows, strict=True)))
+
+
+def read_points(file: Path) -> NDArray[np.float64]:
+    """Points of a file of lines ``x,y,z`` [m], shape (n, 3); ``#`` begins a comment.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a line is not three finite numbers.
+    """
+    rows = []
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(error), source=file, expected="a readable text file") from None
+    for number, line in enumerate(lines, start=1):
+        text = line.partition("#")[0].strip()
+        if not text:
+            continue
+        try:
+            row = [float(entry) for entry in text.split(",")]
+        except ValueError:
+            row = []
+        if len(row) != 3 or not np.all(np.isfinite(row)):
+            raise InputError(f"{line!r}", source=file, key=f"line {number}", expected="x,y,z in m")
+        rows.append(row)
+    return np.array(rows).reshape(-1, 3)

@@ -23,8 +23,4 @@ def shared_with_hulls(case: Case, name: str) -> dict[str, tuple[str, ...]]:
 
 
 def _free(case: Case) -> set[str]:
-    return {
-        body
-        for body, section in case.bodies.items()
-        if section.type == "frame" or section.type == "shell" or section.frame.motion == "free"  # noqa: PLR1714
-    }
+    return {body for body, section in case.bodies.items() if section.is_free}

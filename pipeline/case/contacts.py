@@ -105,7 +105,7 @@ class _ContactPlace(Section):
         if context is None:
             return self
         kind, owner = context.names.contours[self.between[1]]
-        if kind not in CONTOUR_TYPES:  # which is told of the contour
+        if kind not in CONTOUR_TYPES:  # which is reported with the contour
             return self
         if self.footprint is not None and (kind, context.names.body_types.get(owner)) != (
             "surface",

@@ -39,7 +39,7 @@ __all__ = [
 ]
 
 SMALLEST_DEGREE = 3
-"""A contour has a continuous curvature, or what slides along it is hit at every knot."""
+"""A contour has a continuous curvature, or sliding bodies get an impulse at every knot."""
 
 Parametrisation = Literal["chord", "centripetal", "uniform"]
 Weight = Annotated[float, Positive("number")]
@@ -52,7 +52,7 @@ def _smooth(value: Any) -> Any:
         reject(f"{value!r} is not an integer", f"an integer from {SMALLEST_DEGREE} to {LARGEST_DEGREE}")
     if value < SMALLEST_DEGREE:
         reject(
-            f"degree {value} has no continuous curvature, and what slides along it is hit at every knot",
+            f"degree {value} has no continuous curvature, and sliding bodies get an impulse at every knot",
             f"{SMALLEST_DEGREE} to {LARGEST_DEGREE}",
         )
     if value > LARGEST_DEGREE:
@@ -68,7 +68,7 @@ def _twice(value: Any) -> Any:
 def _both_open(value: Any) -> Any:
     """``false`` as that of both directions; ``true`` does not say which."""
     if value is True:
-        reject("true does not say in which direction", "[true, false], [false, true] or [true, true]")
+        reject("true does not give the direction", "[true, false], [false, true] or [true, true]")
     return [False, False] if value is False else value
 
 

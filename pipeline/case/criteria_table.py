@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
 import sys
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 from pydantic import AfterValidator
@@ -14,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from heavylift.pipeline.case import criteria as package
 from heavylift.pipeline.case.described import Chosen
-from heavylift.solver.scene.descriptions import Family
+from heavylift.solver.scene.descriptions import Family, import_all
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -52,15 +50,11 @@ def _read_kinds() -> Iterator[type[CriterionSection]]:
     from heavylift.pipeline.case.criteria.base import CriterionSection
 
     given = CriterionSection.__module__
-    for folder in package.__path__:
-        for file in sorted(Path(folder).glob("[!_]*.py")):
-            module = importlib.import_module(f"{package.__name__}.{file.stem}")
-            if Path(str(module.__file__)) != file:
-                raise TypeError(f"{file}: another file of this name is {module.__file__}")
-            for kind in vars(module).values():
-                own = inspect.isclass(kind) and kind.__module__ == module.__name__ != given
-                if own and issubclass(kind, CriterionSection):
-                    yield kind
+    for module in import_all(package):
+        for kind in vars(module).values():
+            own = inspect.isclass(kind) and kind.__module__ == module.__name__ != given
+            if own and issubclass(kind, CriterionSection):
+                yield kind
 
 
 def _place(kind: type) -> str:

@@ -37,8 +37,10 @@ from heavylift.numerics.quantity import (
     BodyPoint,
     ByCoordinate,
     ByExponent,
+    Key,
     Least,
     NameOf,
+    PointsFile,
     Quantity,
     Shape,
     Square,
@@ -66,7 +68,6 @@ from heavylift.pipeline.case.fields import (
 from heavylift.solver.scene.connections import JOINTS, Between
 from heavylift.solver.scene.descriptions import (
     DescribedField,
-    Family,
     described_fields,
     is_described,
     owner_coordinate,
@@ -103,7 +104,7 @@ class BetweenSection(_NamedSection):
 
 
 def section_of(described: Any, coordinate: str = "") -> type[Section]:
-    """Section of a description, with the keys of where the thing is; `coordinate` as in `make_section`."""
+    """Section of a description, with the keys of where the component is; `coordinate` as in `make_section`."""
     return _section_of(described, coordinate)
 
 
@@ -153,6 +154,8 @@ def make_section(
         if field.name in base.model_fields or field.name in own:
             raise TypeError(f"{described.__qualname__}.{field.name} hides a key that {base.__name__} has")
         made, default = _annotation(_along(field, coordinate), parts or {}, coordinate), _default(field)
+        if key := field.mark(Key):
+            default = Field(default, alias=key.word)
         own[field.name] = (made | None, None) if field.name in optional else (made, default)
     own |= changed or {}
     within = base.DESCRIBED.__name__ if hasattr(base, "DESCRIBED") else ""
@@ -183,12 +186,12 @@ def _run_check(section: Any) -> Any:
     return section
 
 
-def checked(check: Callable[[Any], None], value: Any) -> None:
-    """Run a check of a description on what a case file says."""
+def checked(check: Callable[[Any], None], value: Any, key: str = "") -> None:
+    """Run a check of a description on what a case file gives; `key` is that of the table, if it is not validated."""
     try:
         check(value)
     except InputError as error:
-        reject(error.problem, error.expected, key=error.key)
+        reject(error.problem, error.expected, key=".".join(filter(None, (key, error.key))))
 
 
 def _default(field: DescribedField) -> Any:
@@ -218,6 +221,9 @@ def _annotation(field: DescribedField, parts: Parts, coordinate: str) -> Any:
 def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> Any:
     """Type of a value of a case file; `coordinate` is that of the tables within it."""
     hint = unaliased(hint)
+    if get_origin(hint) is Annotated:  # an entry of a list with a meaning of its own
+        hint, *marks = get_args(hint)
+        field = field._replace(marks=tuple(marks))
     quantity, origin, inner = field.quantity, get_origin(hint), get_args(hint)
     if origin in {Union, UnionType}:
         choices = [_type(kind, field, parts, coordinate) for kind in inner if kind is not type(None)]
@@ -225,6 +231,11 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
             tags = ("a table" if is_described(kind) else "a number" for kind in inner)
             choices = [Annotated[made, Tag(tag)] for made, tag in zip(choices, tags, strict=True)]
             return Annotated[reduce(or_, choices), Discriminator(_form)]
+        if len(choices) > 1 and any(get_origin(unaliased(kind)) is tuple for kind in inner):
+            lists = (get_origin(unaliased(kind)) is tuple for kind in inner if kind is not type(None))
+            tags = ("a list" if one else "a number" for one in lists)
+            choices = [Annotated[made, Tag(tag)] for made, tag in zip(choices, tags, strict=True)]
+            return Annotated[reduce(or_, choices), Discriminator(_is_list)]
         made: Any = reduce(or_, choices)
         return Optional[made] if type(None) in inner else made  # noqa: UP045
     if hint in parts:
@@ -241,6 +252,8 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
     square = field.mark(Square)
     if square is not None:
         return _matrix(square.size, quantity)
+    if isinstance(quantity, PointsFile):
+        return Annotated[str, InFolder()]
     if isinstance(quantity, TableFile):
         return Annotated[str, InFolder(), AfterValidator(_ReadsTable(quantity).check)]
     if origin is tuple:
@@ -266,6 +279,10 @@ def _type(hint: Any, field: DescribedField, parts: Parts, coordinate: str) -> An
 
 def _form(value: Any) -> str:
     return "a table" if isinstance(value, (dict, Section)) else "a number"
+
+
+def _is_list(value: Any) -> str:
+    return "a list" if isinstance(value, (list, tuple)) else "a number"
 
 
 def _number(quantity: Quantity | ByCoordinate) -> Any:
@@ -313,7 +330,7 @@ class _InItsUnit:
         self.quantity = quantity
 
     def parse(self, value: Any, info: ValidationInfo) -> Any:
-        """A value in SI; one if the exponent is wrong, which is told already."""
+        """A value in SI; one if the exponent is wrong, which is reported already."""
         exponent = self.quantity.exponent or info.data.get("exponent")
         if value is None or exponent is None:
             return None if value is None else 1.0
@@ -330,7 +347,7 @@ class _InUnitsOfTheJoint:
         self.quantities = quantities
 
     def parse(self, value: Any, info: ValidationInfo) -> Any:
-        """A value, or a list of values, in SI; zeros if the joint is not known, whose error is told already."""
+        """A value, or a list of values, in SI; zeros if the joint is not known, whose error is reported already."""
         if value is None or "joint" not in info.data:
             return [] if isinstance(value, list) else 0.0
         context = CaseContext.of(info)
@@ -339,7 +356,7 @@ class _InUnitsOfTheJoint:
         if has_both(kind) and info.data.get("coordinate") is None:
             reject(
                 f"joint {info.data['joint']!r} has an angle and a travel",
-                "'coordinate', which says which of them",
+                "'coordinate', which selects one of them",
             )
         slides = joint_coordinate(kind, info.data.get("coordinate")) == "travel"
         quantity = self.quantities.travel if slides else self.quantities.angle
@@ -447,7 +464,7 @@ class Chosen:
     """
 
     def __init__(
-        self, family: Family[Any], section: Callable[[Any], type[Section]] = section_of, *, word: str = ""
+        self, family: Any, section: Callable[[Any], type[Section]] = section_of, *, word: str = ""
     ) -> None:
         self.family, self.section, self.word = family, section, word
 

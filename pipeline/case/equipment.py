@@ -1,8 +1,8 @@
 """Builders of equipment write their bodies, joints and ropes into a document before it is checked.
 
-They see the document as blocks have left it, in the order of the file and of
-`BUILDERS`: what one writes, later ones may hang
-on. Errors in what was written are told at the key of the builder.
+They see the document as blocks have left it, in the order of `BUILDERS` and of the file. What one writes, others may
+hang on: one that hangs on something that is not there yet waits for it. Errors in what was written are told at the key
+of the builder.
 """
 
 from __future__ import annotations
@@ -19,8 +19,11 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.bodies import AxisAngle
 from heavylift.pipeline.case.described import section_of
 from heavylift.pipeline.case.fields import GROUND, LengthVector
+from heavylift.pipeline.case.tables import TABLES
 from heavylift.pipeline.equipment.builders import BUILDERS
 from heavylift.pipeline.equipment.parts import Made
+from heavylift.solver.scene.connections import MEASURES
+from heavylift.solver.scene.scene import SENSORS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -69,6 +72,11 @@ class Equipped:
                 return outer, f"{part.what}, {'.'.join(parts[count:])}".removesuffix(", ")
         return key, ""
 
+    def builders(self, key: str) -> set[str]:
+        """Tables of the builder with a dotted key, and of those that wrote it."""
+        found, part = {key.partition(".")[0]}, self.built.get(key)
+        return found | self.builders(".".join(part.key.split(".")[:2])) if part else found
+
     def told(self, errors: Sequence[InputError]) -> list[InputError]:
         """Errors at the keys of builders, with what they wrote."""
         found = []
@@ -80,7 +88,7 @@ class Equipped:
 
 
 class _Unknown(Exception):
-    """Something a builder refers to is missing or wrong, which is told where it stands."""
+    """Something a builder refers to is missing or wrong, which is reported with that entry."""
 
 
 def equip(document: dict[str, Any], file: Path) -> Equipped:
@@ -95,7 +103,7 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
 
     Notes
     -----
-    A builder whose own table is wrong writes nothing: its errors are told when all is validated.
+    A builder whose own table is wrong writes nothing: its errors are reported when all is validated.
     """
     found = Equipped(document)
     if not any(isinstance(document.get(key), list) and document[key] for key in BUILDERS):
@@ -103,23 +111,39 @@ def equip(document: dict[str, Any], file: Path) -> Equipped:
     found.document = {
         key: value.copy() if isinstance(value, (dict, list)) else value for key, value in document.items()
     }
-    for table, described in BUILDERS.items():
-        rows = found.document.get(table, [])
-        for index, row in enumerate(rows if isinstance(rows, list) else ()):
-            key = f"{table}.{index}"
-            try:
-                spec = section_of(described).model_validate(row)
-                made = _build(described, spec, _Places(found.document))
-            except (ValidationError, _Unknown):
-                continue
-            except InputError as error:
-                place = f"{key}.{error.key}".removesuffix(".")
-                told = InputError(error.problem, source=file, key=place, expected=error.expected)
-                found.errors += found.told([told])
-                continue
-            for part in made.parts:
-                _put(found, part, f"{key}.{part.key}".removesuffix("."), file)
-    return found
+    done: set[str] = set()
+    while True:
+        count = len(done)
+        for table, described in BUILDERS.items():
+            rows = found.document.get(table, [])
+            for index, row in enumerate(rows if isinstance(rows, list) else ()):
+                key = f"{table}.{index}"
+                if key not in done:
+                    with contextlib.suppress(_Unknown):  # perhaps something that is written later
+                        _write(found, described, key, row, file)
+                        done.add(key)
+        if len(done) == count:
+            return found
+
+
+def _write(found: Equipped, described: Any, key: str, row: Any, file: Path) -> None:
+    """Add what a builder writes, or what is wrong with it."""
+    try:
+        made = _build(described, section_of(described).model_validate(row), _Places(found.document))
+    except ValidationError:
+        return
+    except InputError as error:
+        place = f"{key}.{error.key}".removesuffix(".")
+        told = InputError(error.problem, source=file, key=place, expected=error.expected)
+        found.errors += found.told([told])
+        return
+    written_by = found.builders(key)
+    for part in made.parts:
+        if part.table not in TABLES:
+            raise TypeError(f"{described.__qualname__} writes {part.table!r}, which is no table of a scene")
+        if part.table in written_by:
+            raise TypeError(f"{described.__qualname__} writes {part.table!r}, of which it is written itself")
+        _put(found, part, f"{key}.{part.key}".removesuffix("."), file)
 
 
 def _build(described: Any, spec: Any, places: _Places) -> Made:
@@ -147,11 +171,11 @@ def _is_finite(node: Any) -> bool:
 
 def _put(found: Equipped, part: Part, key: str, file: Path) -> None:
     """Add an entry that a builder wrote."""
-    by_name = part.table in {"bodies", "contours"}
+    by_name = TABLES[part.table].by_name
     empty: Any = {} if by_name else []
     entries: Any = found.document.setdefault(part.table, empty)
     if not isinstance(entries, type(empty)):
-        return  # which is told when all is validated
+        return  # which is reported when all is validated
     if by_name and part.name in entries:
         before = found.built.get(f"{part.table}.{part.name}")
         other = before.key if before else f"{part.table}.{part.name}"
@@ -159,22 +183,11 @@ def _put(found: Equipped, part: Part, key: str, file: Path) -> None:
         found.errors.append(InputError(problem, source=file, key=key, expected="another 'name'"))
         return
     place = f"{part.table}.{part.name if by_name else len(entries)}"
-    found.built[place] = BuiltPart(key, f"{_ONE.get(part.table, part.table)} {part.name!r}")
+    found.built[place] = BuiltPart(key, f"{TABLES[part.table].one} {part.name!r}")
     if by_name:
         entries[part.name] = part.entry
     else:
         entries.append(part.entry)
-
-
-_ONE = {
-    "bodies": "body",
-    "joints": "joint",
-    "ropes": "rope",
-    "leads": "lead",
-    "hook_loads": "hook load",
-    "falls": "falls",
-    "surfaces": "surface",
-}
 
 
 class _Places:
@@ -223,7 +236,7 @@ class _Places:
         for key, rows in self._document.items():
             if key in BUILDERS:
                 builders += sum(_names(one, body) for one in (rows if isinstance(rows, list) else []))
-            elif key not in _WATCHING and _names({**rows, body: None} if key == "bodies" else rows, body):
+            elif not _watches(key) and _names({**rows, body: None} if key == "bodies" else rows, body):
                 return False
         if isinstance(hulls, dict) and body in hulls:
             return False
@@ -261,23 +274,14 @@ class _Places:
         return position, rotation, origin
 
 
-_WATCHING = frozenset(
-    {
-        "gravity",
-        "sensors",
-        "relative_motions",
-        "leads",
-        "lugs",
-        "hook_loads",
-        "rope_groups",
-        "surfaces",
-        "report",
-        "check",
-        "reference",
-        "simulate",
-    }
-)
-"""Tables of what holds nothing."""
+_PASSIVE = frozenset({"gravity", "surfaces", "report", "check", "reference", "simulate"})
+"""Tables of what holds nothing, beside those of what only watches."""
+
+
+def _watches(key: str) -> bool:
+    """Whether what stands in a table of a document holds nothing."""
+    chosen = TABLES[key].chosen if key in TABLES else None
+    return key in _PASSIVE or (chosen is not None and chosen.family in (MEASURES, SENSORS))
 
 
 def _names(node: Any, body: str) -> bool:

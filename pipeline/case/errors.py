@@ -79,7 +79,7 @@ def _causes(items: Sequence[Any], document: dict[str, Any]) -> list[Any]:
         if kind == "too_short" and place in above:
             continue  # an entry that is wrong was not counted
         if kind == "repeated" and last_repeated[item["ctx"]["problem"]] != index:
-            continue  # the last occurrence is told
+            continue  # the last occurrence is reported
         if kind == "missing" and isinstance(_place(document, item)[1], list):
             if last_missing[place[:-1]] != index:
                 continue  # the last missing entry says how many are needed

@@ -60,7 +60,6 @@ __all__ = [
     "UniqueName",
     "VelocityVector",
     "as_list",
-    "is_parallel",
     "parse_list",
     "quantity_schema",
     "refuse_unknown",
@@ -74,8 +73,6 @@ TAG = "type "
 """Beginning of the tags that `type_tag` gives."""
 LONGEST_DIRECTION = 1e100
 """Length of a direction, which is divided by it; its inverse is the shortest."""
-PARALLEL = 1e-9
-"""Sine of the angle below which two directions are parallel."""
 _SHOWN = 20  # names of a list in a message at most
 
 
@@ -115,7 +112,7 @@ def reject(problem: str, expected: str, *, key: str = "", kind: str = "case") ->
     key
         Dotted key below the validated table, if one key of it is to blame.
     kind
-        ``"case"``, or ``"repeated"`` for a name that occurs again: told of its last occurrence only.
+        ``"case"``, or ``"repeated"`` for a name that occurs again: reported for its last occurrence only.
     """
     raise PydanticCustomError(kind, "{problem}", {"problem": problem, "expected": expected, "key": key})
 
@@ -139,7 +136,7 @@ class AnyOf:
     second: Quantity
 
     def parse(self, value: object) -> float:
-        """SI number of an input value; one that fits neither kind is told against the first."""
+        """SI number of an input value; the error of one that fits neither quantity names the first."""
         if isinstance(value, str):
             with contextlib.suppress(InputError):
                 parse_quantity(value, KINDS[self.second.kind])
@@ -261,12 +258,6 @@ def _nonzero(axis: tuple[float, float, float]) -> tuple[float, float, float]:
     if not 1.0 / LONGEST_DIRECTION <= length <= LONGEST_DIRECTION:
         reject(f"a direction of length {length:.3g}", "three numbers of about 1")
     return axis
-
-
-def is_parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
-    """Whether two directions, neither zero, are parallel."""
-    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
 
 
 def _unique_check(name: str, info: ValidationInfo) -> str:

@@ -217,7 +217,7 @@ class MatricesGeometry(Section):
     """Groups of nodes, in addition to those named in the deck."""
 
     def matrix_files(self) -> dict[str, str]:
-        """Paths of the three files as said or by default, relative to the case folder."""
+        """Paths of the three files as given or by default, relative to the case folder."""
         stem = self.file.rpartition(".")[0]
         named = {"stiffness": ".sti", "mass": ".mas", "degrees": ".dof"}
         return {key: getattr(self, key) or stem + suffix for key, suffix in named.items()}
@@ -269,7 +269,7 @@ class MeshSection(Section):
             for axis, counts in self.divisions.items():
                 if set(counts) == {1}:
                     reject(
-                        f"{list(counts)}: one brick a wall, whose single integration point sees no bending",
+                        f"{list(counts)}: one brick a wall, whose single integration point has no bending stiffness",
                         "2 or more bricks (4 for bending within 7 %), or formulation 'incompatible'",
                         key=f"divisions.{axis}",
                     )

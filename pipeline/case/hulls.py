@@ -30,7 +30,6 @@ from heavylift.pipeline.case.fields import (
     refuse_unknown,
     reject,
 )
-from heavylift.pipeline.case.waves import Heading
 from heavylift.preprocess.hydrodynamics.repairs import (
     FEWEST,
     LARGEST_TOLERANCE,
@@ -40,6 +39,7 @@ from heavylift.preprocess.hydrodynamics.repairs import (
 )
 from heavylift.preprocess.hydrodynamics.words import ExcitingForces, FileFormat, FirstColumn, TimeConvention
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Memory
+from heavylift.solver.scene.wind_loads import Heading
 
 __all__ = [
     "DATABASE_FORMATS",
@@ -170,7 +170,7 @@ class ComputeSection(Section):
         0.1745329251994
     )
     """Between headings [rad], at most 10 degrees."""
-    headings: tuple[Heading, ...] = ()
+    headings: tuple[Annotated[float, Heading()], ...] = ()
     """In place of `heading_step`, the only directions [rad] that waves will have, in the axes of the first hull."""
     symmetric: Annotated[bool, Field(strict=True)] = False
     """Hulls are symmetric about y = 0 of the first one: headings of half a turn are enough."""

@@ -18,12 +18,12 @@ from heavylift.pipeline.case.fields import (
     Section,
     SideName,
     UniqueName,
-    is_parallel,
     reject,
 )
 from heavylift.pipeline.case.meshes import EdgeName, NodeNumber
 from heavylift.solver.scene import connections as c
 from heavylift.solver.scene.connections import Between, Place
+from heavylift.solver.scene.descriptions import is_parallel
 
 __all__ = [
     "AngleLimitsSection",
@@ -162,7 +162,7 @@ def _shown(vector: tuple[float, float, float]) -> str:
 
 
 class CrossJointSection(AxisJointSection):
-    """What joints have with an axis on either side, square to each other."""
+    """What joints have with an axis on either side, perpendicular to each other."""
 
     second_axis: Direction | None = None
     """With `axis`, the axis of a: world direction of the axis of b at the start, any length."""
@@ -172,14 +172,14 @@ class CrossJointSection(AxisJointSection):
         if self.axes is not None and self.second_axis is not None:
             reject("both 'axes' and 'second_axis'", "'axis' and 'second_axis', or 'axes'")
         if self.axis is not None and self.second_axis is None:
-            reject("'axis' without 'second_axis'", "the axis of b, square to that of a")
+            reject("'axis' without 'second_axis'", "the axis of b, perpendicular to that of a")
         if (
             self.axis is not None
             and self.second_axis is not None
             and is_parallel(self.axis, self.second_axis)
         ):
             problem = f"{_shown(self.second_axis)} is parallel to axis = {_shown(self.axis)}"
-            reject(problem, "a direction square to 'axis'", key="second_axis")
+            reject(problem, "a direction perpendicular to 'axis'", key="second_axis")
         return self
 
 
@@ -277,7 +277,7 @@ def _limits_section(quantity: Quantity) -> Any:
 
 @cache
 def joint_section(described: type[c.Joint]) -> type[Section]:
-    """Section of a sort of joints."""
+    """Section of a type of joints."""
     base = _PLACES[described.PLACE]
     turning = described.ROTATIONAL
     changed = {"compliance": (_COMPLIANCE, 0.0)} if turning and not any(turning) else None
@@ -285,4 +285,4 @@ def joint_section(described: type[c.Joint]) -> type[Section]:
 
 
 Joint = Annotated[Any, Chosen(c.JOINTS, joint_section)]
-"""A joint of any sort."""
+"""A joint of any type."""

@@ -17,28 +17,35 @@ from pydantic import (
     model_validator,
 )
 
-from heavylift.pipeline.case.bodies import FlexibleBodySection, RigidBodySection, RigidInitialSection
+from heavylift.pipeline.case.bodies import (
+    BodySection,
+    FlexibleBodySection,
+    RigidBodySection,
+    RigidInitialSection,
+    body_section,
+)
+from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import (
     Direction,
-    InFolder,
     LengthVector,
     Name,
     Positive,
     Quantity,
     Section,
     as_list,
-    is_parallel,
     refuse_unknown,
     reject,
     type_tag,
 )
 from heavylift.pipeline.case.geometry import BoxGroup
+from heavylift.solver.scene.bodies import BODIES
+from heavylift.solver.scene.mesh_shapes import FRAME_SHAPES, SHELL_SHAPES
 from heavylift.solver.scene.meshes import Elasticity, FrameBody, FrameModel, ShellBody
 
 __all__ = [
+    "BODY_SECTIONS",
     "CORNERS",
     "EDGES",
-    "ArcGeometry",
     "Body",
     "EdgeName",
     "ElementNumber",
@@ -51,16 +58,11 @@ __all__ = [
     "FrameRegionSection",
     "FrameSectionTable",
     "FrameSupportSection",
-    "GridGeometry",
-    "LineGeometry",
     "LineLoadSection",
     "MeshBodySection",
     "MeshDampingSection",
-    "MeshFiles",
     "NodeNumber",
     "PressureSection",
-    "QuadrilateralGeometry",
-    "RectangleGeometry",
     "RegionSection",
     "ShellBodySection",
     "ShellFixedSection",
@@ -68,10 +70,8 @@ __all__ = [
     "ShellLoad",
     "ShellSectionTable",
     "ShellSupportSection",
-    "SplineGeometry",
     "SurfaceLoadSection",
     "check_regions",
-    "counts_of",
 ]
 
 Count = Annotated[int, Field(ge=1, strict=True)]
@@ -79,146 +79,10 @@ ElementNumber = Annotated[int, Field(ge=0, strict=True)]
 Angle = Annotated[float, Quantity("angle")]
 
 
-def _count_kind(value: object) -> str:
-    return "two numbers" if isinstance(value, (list, tuple)) else "one number"
-
-
-Counts = Annotated[
-    Annotated[Count, Tag("one number")] | Annotated[tuple[Count, Count], Tag("two numbers")],
-    Discriminator(_count_kind),
-]
-"""Elements along x and y of a mesh; one number is both."""
-
-
-class LineGeometry(Section):
-    """A straight line, cut into equal elements."""
-
-    type: Literal["line"]
-    start: LengthVector
-    """First end, in the frame of the body [m]."""
-    end: LengthVector
-    """Second end [m]."""
-    elements: Count
-    """Number of elements."""
-
-    @model_validator(mode="after")
-    def _has_a_length(self) -> Self:
-        if self.start == self.end:
-            reject(f"'start' and 'end' are both {list(self.start)} m", "two different points", key="end")
-        return self
-
-
-class ArcGeometry(Section):
-    """An arc of a circle, cut into equal elements."""
-
-    type: Literal["arc"]
-    centre: LengthVector = (0.0, 0.0, 0.0)
-    """Centre of the circle, in the frame of the body [m]."""
-    radius: Annotated[float, Positive("length")]
-    """[m]."""
-    first: Angle = Field(default=0.0, alias="from")
-    """Angle of the first end from `reference` on, about `normal` [rad]."""
-    last: Angle = Field(alias="to")
-    """Angle of the second end [rad]."""
-    normal: Direction = (0.0, 0.0, 1.0)
-    """Normal of its plane, any length."""
-    reference: Direction = (1.0, 0.0, 0.0)
-    """Direction from the centre where the angle is zero; its part in the plane counts."""
-    elements: Count
-    """Number of elements."""
-
-    @model_validator(mode="after")
-    def _has_a_length(self) -> Self:
-        if self.first == self.last:
-            reject(f"'from' and 'to' are both {self.first:g} rad", "two different angles", key="to")
-        if abs(self.last - self.first) > 2.0 * math.pi * (1.0 + 1e-12):
-            reject(f"{self.last - self.first:g} rad from end to end", "a circle at most", key="to")
-        if is_parallel(self.normal, self.reference):
-            reject("is parallel to 'normal'", "a direction across it", key="reference")
-        return self
-
-
-class SplineGeometry(Section):
-    """A smooth curve through points, cut into elements of equal length, or at the points."""
-
-    type: Literal["spline"]
-    points: tuple[LengthVector, ...] = ()
-    """Points on the curve, in the frame of the body [m]; two and more."""
-    file: Annotated[str, InFolder()] | None = None
-    """In place of `points`, a file in the case folder: lines ``x,y,z`` [m]; ``#`` begins a comment."""
-    elements: Count | None = None
-    """Number of elements; the points are the nodes if absent."""
-
-    @model_validator(mode="after")
-    def _has_points(self) -> Self:
-        _check_points(self.points, self.file)
-        if self.file is None and len(self.points) < 2:
-            reject(f"{len(self.points)} points", "two and more points", key="points")
-        return self
-
-
-FrameGeometry = Annotated[LineGeometry | ArcGeometry | SplineGeometry, Field(discriminator="type")]
-
-
-class RectangleGeometry(Section):
-    """A rectangle in the x-y plane of the body, its corner ``x_min y_min`` at the origin, cut into equal elements."""
-
-    type: Literal["rectangle"]
-    size: tuple[Annotated[float, Positive("length")], Annotated[float, Positive("length")]]
-    """Along x and y [m]."""
-    elements: Counts
-    """Elements along x and y; one number is both."""
-
-
-class QuadrilateralGeometry(Section):
-    """A plane quadrilateral with straight edges, cut into as many parts on opposite edges."""
-
-    type: Literal["quadrilateral"]
-    corners: tuple[LengthVector, LengthVector, LengthVector, LengthVector]
-    """Corners ``x_min y_min``, ``x_max y_min``, ``x_max y_max``, ``x_min y_max``, in the frame of the body [m]."""
-    elements: Counts
-    """Elements along x and y; one number is both."""
-
-
-class GridGeometry(Section):
-    """A plane mesh of quadrilaterals through given points."""
-
-    type: Literal["grid"]
-    points: tuple[LengthVector, ...] = ()
-    """Nodes row after row, x running first, in the frame of the body [m]."""
-    file: Annotated[str, InFolder()] | None = None
-    """In place of `points`, a file in the case folder: lines ``x,y,z`` [m]; ``#`` begins a comment."""
-    elements: Counts
-    """Elements along x and y; one more point than this in each direction."""
-
-    @model_validator(mode="after")
-    def _has_points(self) -> Self:
-        _check_points(self.points, self.file)
-        nx, ny = counts_of(self.elements)
-        if self.file is None and len(self.points) != (nx + 1) * (ny + 1):
-            reject(
-                f"{len(self.points)} points for {nx} x {ny} elements",
-                f"{(nx + 1) * (ny + 1)}, one more than elements in each direction",
-                key="points",
-            )
-        return self
-
-
-ShellGeometry = Annotated[
-    RectangleGeometry | QuadrilateralGeometry | GridGeometry, Field(discriminator="type")
-]
-MeshFiles = SplineGeometry | GridGeometry
-"""Geometries that may name a file."""
-
-
-def counts_of(elements: int | tuple[int, int]) -> tuple[int, int]:
-    """Elements along x and y."""
-    return (elements, elements) if isinstance(elements, int) else elements
-
-
-def _check_points(points: tuple[Any, ...], file: str | None) -> None:
-    if bool(points) == (file is not None):
-        reject("both 'points' and 'file'" if points else "neither 'points' nor 'file'", "one of them")
+FrameGeometry = Annotated[Any, Chosen(FRAME_SHAPES)]
+"""Line of a frame."""
+ShellGeometry = Annotated[Any, Chosen(SHELL_SHAPES)]
+"""Outline of a shell."""
 
 
 class _MaterialTable(Section):
@@ -597,8 +461,10 @@ ShellLoad = Annotated[
 ]
 
 
-class MeshBodySection(Section):
+class MeshBodySection(BodySection):
     """What frames and shells have."""
+
+    ASSEMBLED_BY: ClassVar = "heavylift.pipeline.assemble.meshes"
 
     damping: MeshDampingSection = Field(default_factory=MeshDampingSection)
     """Damping; none if absent."""
@@ -615,6 +481,7 @@ class MeshBodySection(Section):
 class FrameBodySection(MeshBodySection):
     """A beam, cable or rod of cubic elements with large displacements and rotations; it has no torsion."""
 
+    BODY: ClassVar = FrameBody
     CHANNELS: ClassVar = FrameBody.CHANNELS
 
     type: Literal["frame"]
@@ -643,9 +510,9 @@ class FrameBodySection(MeshBodySection):
         check_regions(self.regions, self.sections)
         if self.axial_force is not None and self.axial_strain is not None:
             reject("both 'axial_force' and 'axial_strain'", "one of them", key="axial_strain")
-        if self.model == "green-lagrange" and self.geometry.type == "arc":
+        if self.model == "green-lagrange" and self.geometry.DESCRIBED.CURVED:
             reject(
-                "model 'green-lagrange' with geometry 'arc'",
+                f"model 'green-lagrange' with geometry {self.geometry.type!r}",
                 "model 'exact': the elements are curved",
                 key="model",
             )
@@ -655,6 +522,7 @@ class FrameBodySection(MeshBodySection):
 class ShellBodySection(MeshBodySection):
     """A plate, shell or membrane of bicubic elements with large displacements and rotations, flat when unloaded."""
 
+    BODY: ClassVar = ShellBody
     CHANNELS: ClassVar = ShellBody.CHANNELS
 
     type: Literal["shell"]
@@ -679,7 +547,29 @@ class ShellBodySection(MeshBodySection):
         return self
 
 
-Body = Annotated[
-    FlexibleBodySection | RigidBodySection | FrameBodySection | ShellBodySection,
-    Field(discriminator="type"),
-]
+class _BodySections:
+    """Sections of bodies by their types: those of shapes and meshes, then all that are given in numbers alone."""
+
+    name, key, default = "body", "type", ""
+    _own: ClassVar[dict[str, type[BodySection]]] = {
+        "flexible": FlexibleBodySection,
+        "rigid": RigidBodySection,
+        "frame": FrameBodySection,
+        "shell": ShellBodySection,
+    }
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All types."""
+        return (*self._own, *(word for word in BODIES.words if word not in self._own))
+
+    def get(self, word: str) -> type[BodySection] | None:
+        """Section of a type; None if there is none."""
+        if word in self._own:
+            return self._own[word]
+        described: Any = BODIES.get(word)
+        return None if described is None else body_section(described)
+
+
+BODY_SECTIONS = _BodySections()
+Body = Annotated[Any, Chosen(BODY_SECTIONS, lambda section: section)]

@@ -108,7 +108,7 @@ class ModesSection(Section):
                 key="count",
             )
         if self.basis in {"eigenmodes", "craig_bampton"} and max(self.select, default=0) > self.count:
-            reject(f"'select' asks for mode {max(self.select)}", f"numbers up to count = {self.count}")
+            reject(f"'select' requests mode {max(self.select)}", f"numbers up to count = {self.count}")
         if len(set(self.select)) < len(self.select):
             reject(f"'select' = {list(self.select)} repeats a mode", "each mode once")
         if self.basis == "craig_bampton" and not self.interface:

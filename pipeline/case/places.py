@@ -1,4 +1,4 @@
-"""Where in a case file the things stand that the solver names, or that are being assembled."""
+"""Places in a case file of the components that the solver names, or that are being assembled."""
 
 from __future__ import annotations
 

@@ -478,7 +478,7 @@ def _term_kind(term: str, text: str, names: Declared | None) -> Kind:
 
 
 def _check_same_components(name: str, terms: Sequence[str], names: Declared) -> None:
-    """Refuse a combination of a vector with a number, or of vectors of other components, as far as the case tells."""
+    """Refuse a combination of a vector with a number, or of vectors of other components, where known."""
     known = [
         (term, components) for term in terms if (components := _term_components(term, names)) is not None
     ]
@@ -496,7 +496,7 @@ def _in_words(components: Sequence[str]) -> str:
 
 
 def _term_components(term: str, names: Declared) -> tuple[str, ...] | None:
-    """Components of a term of a combination, one of a number; None if the case does not tell."""
+    """Components of a term of a combination, one of a number; None if the case does not determine them."""
     if patterns_in(term):
         return None
     _, name, component = _channel_parts(split_name(term))
@@ -510,7 +510,7 @@ def _term_components(term: str, names: Declared) -> tuple[str, ...] | None:
 
 
 def single_components(name: str, names: Declared) -> tuple[str, ...] | None:
-    """Components of a channel as far as the case file tells; None of what a mesh or a number of modes decides."""
+    """Components of a channel known from the case file; None if they depend on a mesh or a number of modes."""
     if "(" in name or name.partition(".")[0] in names.meshes:
         return None
     return channel_components(name.rpartition(".")[2])
@@ -533,7 +533,7 @@ def _check_component(
 def _contact_channel(owner: str, contact: str, kind: str, text: str, names: Declared | None) -> str:
     """Name of the kind of a channel of a recorded contact of a collision."""
     recorded = 0 if names is None else names.collisions.get(owner, 0)
-    known = names is not None and owner in names.names  # an owner that does not exist is told as such
+    known = names is not None and owner in names.names  # an owner that does not exist is reported as such
     if known and int(contact.partition("_")[2]) > recorded:
         expected = f"contact_1 to contact_{recorded}, or a larger 'recorded'" if recorded else "a collision"
         raise InputError(f"quantity {text!r}: {owner!r} has no {contact!r}", expected=expected)
@@ -558,7 +558,7 @@ def _deviation(text: str, parts: list[str], names: Declared | None) -> QuantityN
             )
         channel, scaled = names.references[name]
         if not scaled:
-            with contextlib.suppress(InputError):  # what is wrong with the channel is told of the reference
+            with contextlib.suppress(InputError):  # errors of the channel are reported with the reference
                 kind = channel_kind(channel, text, names)
     return QuantityName(text, "deviation", "", name, "", statistic, kind)
 
@@ -588,7 +588,7 @@ def _errors(text: str, names: Declared | None) -> QuantityName:
         ]
         kinds = set()
         for quantity in found:
-            with contextlib.suppress(InputError):  # what is wrong with a quantity is told of its check
+            with contextlib.suppress(InputError):  # errors of a quantity are reported with its check
                 kinds.add(parse_quantity_name(quantity, names).kind)
         if not prefix or not found or len(kinds) > 1:
             several = f": checks of {', '.join(sorted(k.name for k in kinds))}" if len(kinds) > 1 else ""

@@ -42,7 +42,7 @@ class ReferenceSection(Section):
     ) = None
     """Divides the distance, which then is a pure number; in the unit of the channel."""
     until: Annotated[float, Positive("time")] | None = None
-    """Time [s] at which the history ends, if the simulation goes on; both end together if absent."""
+    """Time [s] at which the history ends, if the simulation continues; both end together if absent."""
     changes: Annotated[bool, Field(strict=True)] = False
     """Compare what has changed since the first time of the file, not the values themselves."""
 

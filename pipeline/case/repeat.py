@@ -2,7 +2,7 @@
 
 A ``[[repeat]]`` block is written out before the case is checked: its tables are copied once for every index,
 ``{i}``, ``{i+1}`` and the like in their texts become numbers, and places in the world move by a shift. Errors
-are told at the place in the file that the user wrote.
+are reported at the place in the file that the user wrote.
 """
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
@@ -174,7 +174,7 @@ def expand(document: dict[str, Any], file: Path) -> Expansion:
         for plan in filter(None, plans):
             writer.write_out(target, plan)
     if blocks:
-        target.setdefault("bodies", {})  # which is told as too few, not as a key that is missing
+        target.setdefault("bodies", {})  # which is reported as too few, not as a missing key
     return Expansion(target, writer.origins, tuple(writer.errors.values()))
 
 
@@ -237,7 +237,7 @@ class _Writer:
             self.errors[key] = InputError(error.problem, source=self.file, key=key, expected=error.expected)
 
     def plan(self, target: dict[str, Any], block: Any, path: str) -> _Plan | None:
-        """What one block will write, with its own settings put into a document; None if it cannot be told."""
+        """What one block will write, with its own settings put into a document; None if it is unknown."""
         if not isinstance(block, dict):
             target["repeat"].append(block)
             return None

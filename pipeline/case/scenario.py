@@ -3,37 +3,18 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
-from fnmatch import fnmatchcase
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Field,
-    ValidationInfo,
-    WithJsonSchema,
-    field_validator,
-    model_validator,
-)
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.units import Dimension, Kind, parse_quantity
-from heavylift.pipeline.case.channel_kinds import Declared, joint_coordinate
+from heavylift.pipeline.case.actions import ActionSection, Names, Value
+from heavylift.pipeline.case.channel_kinds import Declared
 from heavylift.pipeline.case.channel_names import combination_of, is_pattern, split_name
-from heavylift.pipeline.case.fields import (
-    AnyOf,
-    CaseContext,
-    Name,
-    Positive,
-    Quantity,
-    Section,
-    as_list,
-    quantity_schema,
-    reject,
-)
+from heavylift.pipeline.case.fields import CaseContext, Name, Positive, Quantity, Section, reject
 from heavylift.pipeline.case.quantity_names import (
     ACROSS,
     QuantityName,
@@ -41,142 +22,31 @@ from heavylift.pipeline.case.quantity_names import (
     parse_quantity_name,
     single_components,
 )
-from heavylift.solver.scene.scenario import (
-    Action,
-    Condition,
-    Connect,
-    DriveSpeed,
-    DriveTo,
-    Fail,
-    Limit,
-    Note,
-    PathGoOn,
-    PathSpeed,
-    Phase,
-    Release,
-    ReleaseJoint,
-    Restore,
-    Scenario,
-    Signal,
-    TankRate,
-    Term,
-    Track,
-    WinchBrake,
-    WinchFollow,
-    WinchHaul,
-    WinchLength,
-    WinchLevel,
-    WinchSpeed,
-    WinchTension,
-)
+from heavylift.solver.scene.actions import Action, Targets
+from heavylift.solver.scene.operations import MOVES
+from heavylift.solver.scene.scenario import Condition, Limit, Phase, Scenario, Track
+from heavylift.solver.scene.signals import Signal, Term
 
-__all__ = ["Hook", "Known", "ScenarioSection", "key_as_given", "scenario_of"]
+__all__ = ["Known", "ScenarioSection", "key_as_given", "scenario_of"]
 
 TAUT = 1.0
-"""Tension from which on a rope counts as taut, if nothing else is said [N]."""
+"""Tension from which on a rope counts as taut by default [N]."""
 
 
-class Hook(NamedTuple):
-    """Of some falls: parts of rope that carry the block, and depth of the hook below its sheaves [m]."""
-
-    parts: int
-    depth: float
-
-
-@dataclass(frozen=True)
-class Known:
+@dataclass(frozen=True, kw_only=True)
+class Known(Targets):
     """What a case has that a scenario can name.
 
     Attributes
     ----------
     names
         What it declares.
-    ropes, tanks, drives
-        Names of ropes of type wire, of tanks, and of drives.
-    other_ropes
-        Names of ropes of other types, which can be told nothing; to say so.
-    together
-        By drive those that it does not go without: of a gantry crane, whose girder and trolleys are driven each.
-    hooks
-        Falls by name.
-    vehicles
-        Names of transporters with a path.
-    joints
-        Names.
-    helpers
-        Names of pumps and of levelled transporters, and which of both.
-    controllers
-        Pumps of each controller by its name.
     girders
         By trolley of a gantry crane: its girder, and how far it may go from the middle of that [m].
     """
 
     names: Declared
-    ropes: tuple[str, ...] = ()
-    tanks: tuple[str, ...] = ()
-    drives: tuple[str, ...] = ()
-    hooks: Mapping[str, Hook] = field(default_factory=dict)
-    other_ropes: tuple[str, ...] = ()
-    together: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    vehicles: tuple[str, ...] = ()
     girders: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    joints: tuple[str, ...] = ()
-    helpers: Mapping[str, Literal["pump", "levelling"]] = field(default_factory=dict)
-    controllers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-
-    @property
-    def machines(self) -> dict[str, list[tuple[str, Any]]]:
-        """What may fail, by the names that a user gives it: names and sorts of all that it is."""
-        found: dict[str, list[tuple[str, Any]]] = {
-            name: [(pump, "pump") for pump in pumps] for name, pumps in self.controllers.items()
-        }
-        found |= {name: [(name, sort)] for name, sort in self.helpers.items()}
-        found |= {name: [(name, "tank")] for name in self.tanks}
-        found |= {name: [(name, "drive")] for name in self.drives}
-        found |= {name: [(self.rope_of(name), "winch")] for name in self.hooks}
-        return found | {name: [(name, "winch")] for name in self.ropes}
-
-    def fitting(self, key: str, patterns: Iterable[str], known: Iterable[str]) -> list[str]:
-        """Names that fit some patterns of a key, each once; a name without a pattern stands for itself.
-
-        Raises
-        ------
-        InputError
-            If nothing fits one of them.
-        """
-        found: dict[str, None] = {}
-        known = list(known)
-        for pattern in patterns:
-            fits = [name for name in known if fnmatchcase(name, pattern)]
-            if not fits and _WHAT.get(key, "").startswith("rope") and pattern in self.other_ropes:
-                fits = [pattern]
-            if not fits:
-                near = get_close_matches(pattern, known, 1)
-                raise InputError(
-                    f"{pattern!r} is no {_WHAT.get(key, key)}"
-                    + (f"; did you mean {near[0]!r}?" if near else ""),
-                    key=key,
-                    expected=f"one of: {', '.join(known) or 'there are none'}",
-                )
-            found |= dict.fromkeys(fits)
-        return list(found)
-
-    def rope_of(self, hook: str) -> str:
-        """Rope of some falls."""
-        return f"{hook}_rope"
-
-
-_WHAT = {
-    **dict.fromkeys(("winch", "connect", "taut", "slack"), "rope"),
-    "release": "rope or joint",
-    **dict.fromkeys(
-        ("fail", "restore"), "winch, hook, drive, tank, pump, controller or levelled transporter"
-    ),
-    "of": "body",
-    "path": "transporter with 'legs'",
-    "arrived": "rope, hook, tank, drive or transporter on a path",
-}
-"""What a key names, if it is not called so itself."""
 
 
 _EXAMPLE = "a channel or a sum of channels, e.g. 'load.position.z' or 'sum(fall_*.tension)'"
@@ -260,51 +130,12 @@ def _known_signal(text: str, info: ValidationInfo) -> str:
 
 SignalName = Annotated[str, AfterValidator(_known_signal)]
 """Name of a number that is recorded."""
-Value = Annotated[float, WithJsonSchema(quantity_schema(), mode="validation")]
 
 
 def _kind(info: ValidationInfo) -> Kind | None:
     """Kind of the quantity of a section; None if that is wrong or absent."""
     name, context = info.data.get("quantity"), CaseContext.of(info)
     return None if name is None else _parsed(name, None if context is None else context.names).kind
-
-
-_PATTERN = re.compile(r"[A-Za-z*?\[][A-Za-z0-9_*?!\[\].-]*")
-
-
-def _pattern(name: str) -> str:
-    if not _PATTERN.fullmatch(name) or len(name) > 120:
-        reject(f"{name!r} is no name", "a name, or a pattern such as 'fall_*'")
-    return name
-
-
-Names = Annotated[
-    tuple[Annotated[str, AfterValidator(_pattern)], ...],
-    Field(min_length=1),
-    BeforeValidator(as_list),
-    WithJsonSchema(
-        {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}, mode="validation"
-    ),
-]
-"""A name, a pattern of names, or several."""
-
-MASS_FLOW = Kind("mass flow", "kg/s", Dimension(0, 1, -1))
-
-
-class _MassFlow(Quantity):
-    """Annotation of a mass per time."""
-
-    @property
-    def unit(self) -> str:
-        """SI unit."""
-        return MASS_FLOW.unit
-
-    def parse(self, value: object) -> float:
-        """SI number of an input value."""
-        return parse_quantity(value, MASS_FLOW)
-
-    def __get_pydantic_json_schema__(self, _schema: Any, _handler: Any) -> dict[str, Any]:
-        return quantity_schema()
 
 
 def _share_of_weight(value: Any) -> float | None:
@@ -375,8 +206,10 @@ class ConditionSection(_Comparison):
             return Condition(Signal((), "told"), 0.5, hold=self.hold)
         if self.arrived is not None:
             hooks = {name: known.rope_of(name) for name in known.hooks}
-            every = [*known.ropes, *hooks, *known.tanks, *known.drives, *known.vehicles]
-            fits = known.fitting("arrived", self.arrived, every)
+            every = [*known.ropes, *hooks, *known.tanks, *known.drives, *known.paths]
+            fits = known.fitting(
+                "arrived", self.arrived, every, "rope, hook, tank, drive or transporter on a path"
+            )
             terms = tuple(Term(name) for name in dict.fromkeys(hooks.get(name, name) for name in fits))
             return Condition(
                 Signal(terms, "arrived", f"arrived: {', '.join(self.arrived)}"), 0.0, hold=self.hold
@@ -385,7 +218,9 @@ class ConditionSection(_Comparison):
             patterns = getattr(self, word)
             if patterns is not None:
                 own = known.names.channels
-                ropes = known.fitting(word, patterns, [name for name in own if "tension" in own[name]])
+                ropes = known.fitting(
+                    word, patterns, [name for name in own if "tension" in own[name]], "rope"
+                )
                 lines = [
                     name for name in ropes if "stopped_time" in own[name]
                 ]  # each of which is one of them
@@ -403,7 +238,9 @@ class ConditionSection(_Comparison):
 
 def _bodies(patterns: Iterable[str] | None, known: Known) -> tuple[str, ...]:
     """Names of bodies."""
-    return () if patterns is None else tuple(known.fitting("of", patterns, sorted(known.names.bodies)))
+    return (
+        () if patterns is None else tuple(known.fitting("of", patterns, sorted(known.names.bodies), "body"))
+    )
 
 
 _SUBJECTS = ("quantity", "taut", "slack", "time", "arrived", "user")
@@ -481,312 +318,6 @@ class LimitSection(_Comparison):
         assert value is not None
         signal, stop = _signal(self.quantity, known.names), self.otherwise == "stop"
         return Limit(signal, value, self.below is not None, stop, _bodies(self.of, known))
-
-
-_RAMPS = {"ramp", "acceleration", "jerk"}
-_OWN = {
-    "winch": {
-        "speed",
-        "length",
-        "distance",
-        "follow",
-        "ratio",
-        "tension",
-        "brake",
-        "level",
-        "dead_band",
-        *_RAMPS,
-    },
-    "hook": {"speed", "distance", "height", "brake", "level", "dead_band", *_RAMPS},
-    "drive": {"speed", "position", "distance", *_RAMPS},
-    "tank": {"rate", "mass"},
-    "path": {"speed", "ramp", "acceleration", "planned"},
-    "release": set(),
-    "fail": set(),
-    "restore": set(),
-    "connect": {"slack"},
-    "note": set(),
-}
-"""What an action is for, and the keys that belong to it."""
-_TELLS = {
-    "winch": ("length", "distance", "follow", "tension", "brake", "level"),
-    "hook": ("distance", "height", "brake", "level"),
-    "drive": ("position", "distance"),
-}
-"""Keys of which there is one, or else a speed alone."""
-
-
-def _see_together(drives: Collection[str], known: Known, key: str) -> None:
-    """Refuse an action on a part of a crane whose other parts do not go, or stand, with it."""
-    for name in drives:
-        missing = [other for other in known.together.get(name, ()) if other not in drives]
-        if missing:
-            raise InputError(
-                f"{name!r} without {missing[0]!r}, which travels with it",
-                key=key,
-                expected=f"one action for all of: {', '.join([name, *known.together[name]])}",
-            )
-
-
-class ActionSection(Section):
-    """What happens when a phase begins: what is told to a winch, hook, drive, tank, path; release, connection, note."""
-
-    winch: Names | None = None
-    """Ropes whose winches get another speed, or a length to go to, ...: a name, a pattern such as ``"fall_*"``, or a
-    list."""
-    hook: Names | None = None
-    """Falls whose hooks move: their winches haul n times as fast, n the parts of rope."""
-    drive: Names | None = None
-    """Joints with a drive, or bodies with an axis whose frame is driven or fixed: ``"trolley.x"``, ``"mast.angle"``."""
-    tank: Names | None = None
-    """Tanks whose pumps run."""
-    path: Names | None = None
-    """Transporters with `legs`: with a `speed` they go to the end of the leg on which they are, or stop if it is 0."""
-    planned: Literal[True] | None = None
-    """A transporter goes on: this leg and all others as they are planned."""
-    speed: Value | None = None
-    """Of winch, hook, drive or transporter [m/s], [rad/s]; hauls in, or hoists, if positive. With a place to go to the
-    largest one, as with `tension` and `level`."""
-    length: Annotated[float, Positive("length")] | None = None
-    """Unstretched length of the rope at which its winch stops [m]."""
-    distance: Value | None = None
-    """How far it goes [m], [rad], and stops: hauls in or hoists if positive."""
-    height: Annotated[float, Quantity("length")] | None = None
-    """In the world, at which the hook stops [m]: it goes what it is below that as the phase begins, n parts times in
-    rope; what ropes stretch and cranes tilt meanwhile is not made up for."""
-    position: Value | None = None
-    """Value of the coordinate of the joint, displacement or angle of the frame, where the drive stops [m], [rad]."""
-    ramp: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
-    """Time in which the speed changes [s], with a constant acceleration; with a place to go to from rest to the
-    speed."""
-    acceleration: Value | None = None
-    """In place of `ramp`, of all changes of the speed [m/s^2], [rad/s^2]; of a hook that of the hook."""
-    jerk: Value | None = None
-    """Of all changes of the acceleration [m/s^3], [rad/s^3]."""
-    follow: Name | None = None
-    """Rope whose winch this one copies from now on, by length."""
-    ratio: Annotated[float, Quantity("number")] = 1.0
-    """Length of this rope per length of the one that it follows."""
-    tension: Annotated[float, Positive("force")] | None = None
-    """Tension that the winch keeps, at most with `speed` [N]: of one with a ``brake`` or ``tensions``."""
-    level: bool | None = None
-    """Whether these winches, two or more, each with a ``brake`` or ``tensions``, keep equal parts of what they hold, of
-    hooks of the load: at most with `speed`, beside whatever they are told."""
-    dead_band: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 0.05
-    """Part of `tension`, or of the share of `level`, by which it may be off before the winch moves."""
-    brake: bool | None = None
-    """Whether the brake is set: the drum rests where it is, until it slips."""
-    rate: Annotated[float, _MassFlow("mass flow")] | None = None
-    """Of the pump [kg/s]: fills if positive, and stops when the tank is empty."""
-    mass: Annotated[float, Quantity("mass", minimum=0.0, closed=True)] | None = None
-    """At which the pump stops [kg]; the rate is positive then."""
-    release: Names | None = None
-    """Ropes and joints that let go."""
-    fail: Names | None = None
-    """What drives something fails, at once: the winch of a rope or of a hook, a drive, the pump of a tank, a pump of a
-    controller, a controller with all its pumps, the levelling of a transporter. Its brake holds it where it is."""
-    restore: Names | None = None
-    """What has failed works again: it stands until it is told something, or its controller looks."""
-    connect: Names | None = None
-    """Ropes that hold from now on."""
-    slack: Annotated[float, Quantity("length")] = 0.0
-    """What a connected rope is longer than its path [m]; shorter by at most 2 % if negative."""
-    note: str | None = None
-    """Words for the log."""
-
-    @field_validator("speed", "distance", "position", "acceleration", "jerk", mode="before")
-    @classmethod
-    def _has_the_unit_of_what_moves(cls, value: Any, info: ValidationInfo) -> Any:
-        if value is None:
-            return None
-        travel, angle = _KINDS[str(info.field_name)]
-        turns = _turns(info.data.get("drive"), CaseContext.of(info))
-        least = 0.0 if info.field_name in {"acceleration", "jerk"} else None
-        if turns is None:
-            return AnyOf(Quantity(travel, least), Quantity(angle, least)).parse(value)
-        return Quantity(angle if turns else travel, least).validate(value)
-
-    @model_validator(mode="after")
-    def _is_one_action(self) -> "ActionSection":
-        given = [key for key in _OWN if getattr(self, key) is not None]
-        if len(given) != 1:
-            problem = f"{' and '.join(map(repr, given))} in one action" if given else "no action"
-            reject(problem, f"one of {', '.join(map(repr, _OWN))}")
-        subject = given[0]
-        odd = sorted(self.model_fields_set - {subject} - _OWN[subject])
-        if odd:
-            reject(
-                f"{odd[0]!r} of {subject!r}",
-                f"{', '.join(sorted(_OWN[subject])) or 'no other key'}",
-                key=odd[0],
-            )
-        if subject == "tank":
-            self._check_pump()
-        elif subject == "path":
-            self._check_path()
-        elif subject in _TELLS:
-            self._check_move(subject)
-        return self
-
-    def _check_pump(self) -> None:
-        if self.rate is None:
-            reject("a tank without 'rate'", "'rate' of its pump", key="rate")
-        if self.mass is not None and not self.rate > 0.0:
-            reject(f"{self.rate:g} kg/s with a mass", "a positive rate: its sense follows", key="rate")
-
-    def _check_path(self) -> None:
-        if (self.speed is None) == (self.planned is None):
-            problem = "both 'speed' and 'planned'" if self.planned else "a path without 'speed'"
-            reject(problem, "'speed', 0 to stop, or 'planned = true' to go on", key="speed")
-        if self.planned:
-            odd = sorted(self.model_fields_set - {"path", "planned"})
-            if odd:
-                reject(f"{odd[0]!r} beside 'planned'", "what the legs say", key=odd[0])
-        elif self.speed is not None and self.speed < 0.0:
-            reject(f"{self.speed:g} m/s", "a speed of 0 or more: it goes along its path", key="speed")
-        if self.ramp and self.acceleration is not None:
-            reject("both 'ramp' and 'acceleration'", "one of them", key="acceleration")
-
-    def _check_move(self, subject: str) -> None:
-        told = [key for key in _TELLS[subject] if getattr(self, key) is not None]
-        if len(told) > 1:
-            reject(f"both {told[0]!r} and {told[1]!r}", "one of them", key=told[1])
-        tells = told[0] if told else ""
-        if tells in {"brake", "follow"} or self.level is False:
-            odd = sorted(
-                self.model_fields_set - {subject, tells} - ({"ratio"} if tells == "follow" else set())
-            )
-            if odd:
-                reject(f"{odd[0]!r} beside {tells!r}", "an action of its own", key=odd[0])
-            return
-        if self.speed is None:
-            more = f"'speed', and one of {', '.join(map(repr, _TELLS[subject]))} if more is meant"
-            reject(f"a {subject} without 'speed'", more, key="speed")
-        if tells and not self.speed > 0.0:
-            unit = "" if subject == "drive" else " m/s"
-            reject(f"{self.speed:g}{unit} with a {tells}", "a positive speed: its sense follows", key="speed")
-        if "ratio" in self.model_fields_set:
-            reject("'ratio' without 'follow'", "'follow', a rope to follow", key="ratio")
-        if "dead_band" in self.model_fields_set and tells not in {"tension", "level"}:
-            reject("'dead_band' without 'tension' or 'level'", "one of them", key="dead_band")
-        ramps = sorted(_RAMPS & self.model_fields_set)
-        if ramps and tells in {"tension", "level"}:
-            reject(f"{ramps[0]!r} beside {tells!r}", "'speed' alone", key=ramps[0])
-        if self.ramp and self.acceleration is not None:
-            reject("both 'ramp' and 'acceleration'", "one of them", key="acceleration")
-        if self.jerk is not None and self.acceleration is None:
-            reject("'jerk' without 'acceleration'", "'acceleration' as well", key="jerk")
-
-    def made(self, known: Known, group: int) -> tuple[Action, ...]:
-        """For the solver: one for each thing that is named; `group` is a number of its own.
-
-        Raises
-        ------
-        InputError
-            If a name is that of nothing.
-        """
-        if self.note is not None:
-            return (Note(self.note),)
-        if self.release is not None:
-            names = known.fitting("release", self.release, [*known.ropes, *known.joints])
-            return tuple(ReleaseJoint(name) if name in known.joints else Release(name) for name in names)
-        for kind, machines in ((Fail, self.fail), (Restore, self.restore)):
-            if machines is not None:
-                key = "fail" if kind is Fail else "restore"
-                names = known.fitting(key, machines, list(known.machines))
-                found = dict.fromkeys(one for name in names for one in known.machines[name])
-                _see_together([name for name, sort in found if sort == "drive"], known, key)
-                return tuple(kind(*one) for one in found)
-        if self.connect is not None:
-            return tuple(
-                Connect(name, self.slack) for name in known.fitting("connect", self.connect, known.ropes)
-            )
-        if self.tank is not None:
-            assert self.rate is not None
-            return tuple(
-                TankRate(name, self.rate, self.mass) for name in known.fitting("tank", self.tank, known.tanks)
-            )
-        limits: dict[str, Any] = {"acceleration": self.acceleration or 0.0, "jerk": self.jerk or 0.0}
-        if self.path is not None:
-            vehicles = known.fitting("path", self.path, known.vehicles)
-            if self.planned:
-                return tuple(PathGoOn(name) for name in vehicles)
-            assert self.speed is not None
-            return tuple(PathSpeed(name, self.speed, self.ramp, **limits) for name in vehicles)
-        if self.drive is not None:
-            assert self.speed is not None
-            place, by = (self.position, False) if self.distance is None else (self.distance, True)
-            drives = known.fitting("drive", self.drive, known.drives)
-            _see_together(drives, known, "drive")
-            if place is None:
-                return tuple(DriveSpeed(name, self.speed, self.ramp, **limits) for name in drives)
-            return tuple(DriveTo(name, place, self.speed, self.ramp, by, **limits) for name in drives)
-        if self.hook is not None:
-            hooks = known.fitting("hook", self.hook, known.hooks)
-            self._check_group("hook", hooks)
-            return tuple(self._of_winch(known.rope_of(one), known.hooks[one], group, one) for one in hooks)
-        assert self.winch is not None
-        ropes = known.fitting("winch", self.winch, known.ropes)
-        self._check_group("winch", ropes)
-        return tuple(self._of_winch(rope, Hook(1, 0.0), group, "") for rope in ropes)
-
-    def _check_group(self, key: str, names: list[str]) -> None:
-        if self.level and len(names) < 2:
-            raise InputError(f"{names[0]!r} alone is level", key=key, expected="two or more")
-
-    def _of_winch(self, rope: str, hook: Hook, group: int, owner: str) -> Action:
-        """For a rope that goes n times as fast as its hook."""
-        n, speed = hook.parts, self.speed or 0.0
-        if self.brake is not None:
-            return WinchBrake(rope, self.brake)
-        if self.level is not None:
-            return WinchLevel(rope, 1.0 / n if self.level else 0.0, n * speed, self.dead_band, group)
-        if self.follow is not None:
-            return WinchFollow(rope, self.follow, self.ratio)
-        if self.tension is not None:
-            return WinchTension(rope, self.tension, speed, self.dead_band)
-        limits: dict[str, Any] = {
-            "acceleration": n * (self.acceleration or 0.0),
-            "jerk": n * (self.jerk or 0.0),
-        }
-        if self.length is not None:
-            return WinchLength(rope, self.length, speed, self.ramp, **limits)
-        if self.distance is not None:
-            return WinchHaul(rope, n * self.distance, n * speed, self.ramp, **limits)
-        if self.height is not None:
-            place = Signal((Term(f"{owner}_block.position", "z"),))
-            return WinchHaul(rope, self.height + hook.depth, n * speed, self.ramp, place, float(n), **limits)
-        return WinchSpeed(rope, n * speed, self.ramp, **limits)
-
-
-_KINDS = {
-    "speed": ("velocity", "angular velocity"),
-    "distance": ("length", "angle"),
-    "position": ("length", "angle"),
-    "acceleration": ("acceleration", "angular acceleration"),
-    "jerk": ("jerk", "angular jerk"),
-}
-"""Kinds of what moves along, and of what turns."""
-
-
-def _turns(drives: Iterable[str] | None, context: CaseContext | None) -> bool | None:
-    """Whether some drives turn; None if that is not known. What is no drive moves along."""
-    if drives is None:
-        return False
-    joints = {} if context is None else context.names.joints
-    found = set()
-    for pattern in drives:
-        if "." in pattern:
-            found.add(pattern.endswith(".angle"))
-            continue
-        found |= {
-            joint_coordinate(of_type) == "angle"
-            for name, of_type in joints.items()
-            if fnmatchcase(name, pattern)
-        }
-    if len(found) == 2:
-        reject("drives that turn and drives that move along", "an action for each sort")
-    return found.pop() if found else None
 
 
 class TimeoutSection(Section):
@@ -889,8 +420,8 @@ def scenario_of(section: ScenarioSection, known: Known) -> Scenario:
 
 def _girder_ends(rows: Iterable[tuple[Phase, ...]], known: Known) -> list[Limit]:
     """Limits that end a run where a trolley that is told something leaves its girder."""
-    actions = [action for row in rows for phase in row for action in phase.actions]
-    told = [action.drive for action in actions if isinstance(action, (DriveSpeed, DriveTo))]
+    commands = [action.command() for row in rows for phase in row for action in phase.actions]
+    told = [one.name for one in commands if one.actuates == "drive" and one.operation in MOVES]
     found = []
     for trolley in dict.fromkeys(name.removesuffix(".x") for name in told if name.endswith(".x")):
         if trolley in known.girders:
@@ -922,7 +453,7 @@ def key_as_given(section: ScenarioSection, known: Known, key: str) -> str:
     for k, action in enumerate(phases[phase].actions):
         count = len(action.made(known, 0))
         if number < count:
-            word = ".hook" if action.hook is not None and rest == ".winch" else rest
-            return f"{place}.{k}{word}"
+            word = rest.removeprefix(".")
+            return f"{place}.{k}.{action.kind.CALLED.get(word, word)}".rstrip(".")
         number -= count
     return key

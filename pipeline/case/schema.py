@@ -81,7 +81,8 @@ class _Described(GenerateJsonSchema):
             channels += channel_schema("NAME.contact_1", Collision.CONTACT_CHANNELS)
         if channels:
             found["channels"] = channels
-        for described in filter(None, (vars(base).get("DESCRIBED") for base in reversed(section.__mro__))):
+        described_by = (vars(base).get("DESCRIBED") for base in reversed(section.__mro__))
+        for described in (*filter(None, described_by), *getattr(section, "KINDS", ())):
             own = {field.name for field in described_fields(described)}
             for base in reversed(described.__mro__):
                 docs |= {name: text for name, text in _attribute_docs(base).items() if name in own}
@@ -120,8 +121,8 @@ NUMBER = quantity_schema()["anyOf"][1]["pattern"]
 HEAD = """# Keys of case.toml
 
 Written by `heavylift schema --tables`; do not edit. A quantity is a number in the unit given, or a string with another
-unit of the same dimension: `"95 mm"`. A vector is a list. What has no default is needed, unless "none" says that it
-may be left out.
+unit of the same dimension: `"95 mm"`. A vector is a list. A key without a default is required, unless the default is
+"none".
 """
 
 
@@ -283,7 +284,7 @@ def _choice(definition: Mapping[str, Any]) -> str:
 
 
 def _references(node: Any, suffix: str = "") -> Iterator[tuple[str, str]]:
-    """Sections that a value may be, and how their paths go on."""
+    """Sections that a value may be, and how their paths continue."""
     if isinstance(node, list):
         for entry in node:
             yield from _references(entry, suffix)

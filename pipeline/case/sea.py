@@ -13,7 +13,7 @@ from heavylift.pipeline.case.fields import Positive, Quantity, Section, refuse_u
 from heavylift.pipeline.case.hulls import DatabaseSection
 from heavylift.pipeline.case.simulate import SimulateSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.case.waves import Waves, check_wave, one_or_many
+from heavylift.pipeline.case.waves import WaveSection, check_wave, one_or_many
 from heavylift.pipeline.case.wind import Current, Wind
 from heavylift.solver.scene.sea import AT_SEA, Excitation
 
@@ -37,7 +37,7 @@ class SeaSection(Section):
     """Height of the still water in the world [m]."""
     depth: Annotated[float, Positive("length")] | None = None
     """[m]; deep water if absent."""
-    waves: Annotated[tuple[Waves, ...], one_or_many()] = ()
+    waves: Annotated[tuple[WaveSection, ...], one_or_many()] = ()
     """A train of waves, or several that go through each other."""
     ramp: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
     """Time in which waves, wind and current grow from nothing at the start [s]."""

@@ -3,15 +3,15 @@
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 from pathlib import PurePath
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from heavylift.pipeline.case.channel_kinds import MESH_TYPES
 from heavylift.pipeline.case.contacts import TurnSection
+from heavylift.pipeline.case.described import Chosen, section_of
 from heavylift.pipeline.case.fields import (
     CaseContext,
-    Direction,
     InFolder,
     LengthVector,
     Positive,
@@ -21,17 +21,9 @@ from heavylift.pipeline.case.fields import (
     UniqueName,
     reject,
 )
+from heavylift.pipeline.shapes.shape import SHAPES, Exclusion
 
-__all__ = [
-    "BoxSurfaceSection",
-    "CapsuleSurfaceSection",
-    "CylinderSurfaceSection",
-    "ExclusionSection",
-    "PlaneSurfaceSection",
-    "SphereSurfaceSection",
-    "SurfaceSection",
-    "SurfaceShape",
-]
+__all__ = ["SurfaceSection"]
 
 Length = Annotated[float, Positive("length")]
 
@@ -39,81 +31,6 @@ _WITH_UNIT = frozenset({".step", ".stp", ".iges", ".igs"})
 """CAD files that carry their unit of length."""
 _CAD = _WITH_UNIT | {".brep"}
 """Files whose faces are meshed."""
-
-
-class PlaneSurfaceSection(Section):
-    """A rectangle about the origin, in the plane of x and y."""
-
-    type: Literal["plane"]
-    size: tuple[Length, Length]
-    """Along x and y [m]."""
-
-
-class BoxSurfaceSection(Section):
-    """A box about the origin."""
-
-    type: Literal["box"]
-    size: tuple[Length, Length, Length]
-    """From face to face [m]."""
-
-
-class SphereSurfaceSection(Section):
-    """A ball about the origin, exactly round."""
-
-    type: Literal["sphere"]
-    radius: Length
-    """[m]."""
-
-
-class CapsuleSurfaceSection(Section):
-    """A round bar with half balls as ends about the origin, exactly round."""
-
-    type: Literal["capsule"]
-    radius: Length
-    """[m]."""
-    length: Length
-    """Of its straight part: from centre to centre of its ends [m]."""
-    axis: Direction = (0.0, 0.0, 1.0)
-    """Direction, any length."""
-
-
-class CylinderSurfaceSection(Section):
-    """A cylinder about the origin: a prism of many sides."""
-
-    type: Literal["cylinder"]
-    radius: Length
-    """[m]."""
-    length: Length
-    """From face to face [m]."""
-    axis: Direction = (0.0, 0.0, 1.0)
-    """Direction, any length."""
-    sides: Annotated[int, Field(ge=3, le=10_000, strict=True)] = 64
-    """Flat sides round it, inside of the cylinder by up to 5 / sides^2 of its radius; what rolls is better a
-    capsule."""
-
-
-SurfaceShape = Annotated[
-    PlaneSurfaceSection
-    | BoxSurfaceSection
-    | SphereSurfaceSection
-    | CapsuleSurfaceSection
-    | CylinderSurfaceSection,
-    Field(discriminator="type"),
-]
-
-
-class ExclusionSection(Section):
-    """A box that moves with the body: triangles wholly on one side of it take no part in collisions."""
-
-    centre: LengthVector
-    """In the coordinates of the geometry; of the ground in the world [m]."""
-    size: tuple[Length, Length, Length]
-    """From face to face [m]."""
-    turned: TurnSection | None = None
-    """How its axes are turned from those of the body; not at all if absent."""
-    keep: Literal["outside", "inside"] = "outside"
-    """``outside``: triangles that lie wholly in the box take no part; ``inside``: triangles that lie wholly outside of
-    all such boxes take no part. What the sides of a box cut goes on taking part."""
 
 
 class SurfaceSection(Section):
@@ -129,7 +46,7 @@ class SurfaceSection(Section):
     """Length unit of the coordinates in the file; m if absent. STEP and IGES carry their own."""
     size: Length | None = None
     """Of a CAD file: edge length of the triangles on its faces [m]; a twentieth of its extent if absent."""
-    shape: SurfaceShape | None = None
+    shape: Annotated[Any, Chosen(SHAPES)] | None = None
     """In place of `file`: a simple shape."""
     at: LengthVector = (0.0, 0.0, 0.0)
     """Where the origin of the file or shape is, in the coordinates of the geometry; of the ground in the world [m]."""
@@ -138,7 +55,7 @@ class SurfaceSection(Section):
     radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
     """Rounding [m]: everything at this distance from the triangles of a file or plane is its surface, as half the
     thickness of a plate; of a box or cylinder the radius of its edges, within its size."""
-    exclude: tuple[ExclusionSection, ...] = ()
+    exclude: tuple[section_of(Exclusion), ...] = ()  # type: ignore[misc]
     """Boxes whose triangles take no part."""
     facets: Annotated[int, Field(ge=1, le=32, strict=True)] | None = None
     """Of a frame or shell: facets along each side of an element; 2 if absent."""
@@ -185,11 +102,11 @@ class SurfaceSection(Section):
     def _rounds_something(self) -> None:
         """Spheres and capsules are round themselves; boxes and cylinders have a core within their rounding."""
         shape = self.shape
-        if shape is None or self.radius == 0.0 or shape.type == "plane":
+        if shape is None or self.radius == 0.0:
             return
-        if isinstance(shape, (SphereSurfaceSection, CapsuleSurfaceSection)):
+        if shape.DESCRIBED.ROUND:
             reject(f"'radius' with shape {shape.type!r}", "the radius of the shape alone", key="radius")
-        size = min(shape.size) if shape.type == "box" else min(2.0 * shape.radius, shape.length)
+        size = shape.DESCRIBED.smallest(shape)
         if self.radius >= 0.5 * size:
             reject(
                 f"{self.radius:g} m rounds all of the shape off",
@@ -199,8 +116,8 @@ class SurfaceSection(Section):
 
     @field_validator("exclude")
     @classmethod
-    def _excludes_triangles(cls, value: tuple[ExclusionSection, ...], info: ValidationInfo) -> object:
+    def _excludes_triangles(cls, value: tuple[Any, ...], info: ValidationInfo) -> object:
         shape = info.data.get("shape")
-        if value and shape is not None and shape.type in {"sphere", "capsule"}:
+        if value and shape is not None and shape.DESCRIBED.ROUND:
             reject(f"'exclude' with shape {shape.type!r}, which has no triangles", "no 'exclude'")
         return value

@@ -7,16 +7,20 @@ that a document declares, places in messages, digests and the outer forces of a 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
 import contextlib
+import inspect
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal, get_origin
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.quantity import BodyPoint, InWorld
 from heavylift.numerics.units import KINDS, parse_quantity
-from heavylift.pipeline.case.bodies import FlexibleBodySection, RigidBodySection
+from heavylift.pipeline.case.bodies import RigidBodySection
 from heavylift.pipeline.case.channel_kinds import MESH_TYPES, Declared, all_channels, joint_coordinate
 from heavylift.pipeline.case.collisions import collision_section, declared_collisions, yields
 from heavylift.pipeline.case.contacts import contact_section
@@ -26,16 +30,21 @@ from heavylift.pipeline.case.errors import chosen_in, is_chosen, sections_in
 from heavylift.pipeline.case.fields import GROUND, AccelerationVector, Section, UniqueName
 from heavylift.pipeline.case.hulls import DatabaseName, DatabaseSection, HullName, hull_section
 from heavylift.pipeline.case.joints import Joint
-from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
+from heavylift.pipeline.case.meshes import BODY_SECTIONS, Body
 from heavylift.pipeline.case.scenario import ScenarioSection
 from heavylift.pipeline.case.sea import SeaSection
 from heavylift.pipeline.case.surfaces import SurfaceSection
-from heavylift.pipeline.equipment.builders import EQUIPMENT
+from heavylift.pipeline.equipment.builders import BUILDERS, EQUIPMENT
 from heavylift.solver.scene.bodies import Fixed, Free
 from heavylift.solver.scene.collisions import Collision
 from heavylift.solver.scene.connections import FORCES, MEASURES, ROPES
 from heavylift.solver.scene.contacts import COLLISION_LAWS, CONTACT_LAWS, Contact
-from heavylift.solver.scene.descriptions import ChannelKind, recorded_channels
+from heavylift.solver.scene.descriptions import (
+    ChannelKind,
+    described_fields,
+    is_described,
+    recorded_channels,
+)
 from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.scene import SENSORS
 from heavylift.solver.scene.sea import AT_SEA
@@ -52,7 +61,7 @@ Row = Mapping[str, Any]
 
 
 def _move_body(body: dict[str, Any], move: Vector) -> None:
-    """Move where a body starts; without a position that is where its geometry was drawn."""
+    """Move where a body starts; without a position that of its geometry."""
     frame, initial = body.get("frame"), body.setdefault("initial", {})
     if not isinstance(initial, dict):
         return
@@ -90,23 +99,20 @@ def _move_path(entry: dict[str, Any], move: Vector) -> None:
             stop["point"] = _moved(stop["point"], move)
 
 
-def _move_hook(entry: dict[str, Any], move: Vector) -> None:
-    """Move the places of a piece of equipment on the ground."""
-    for key in ("hook", "crown", "drum", "other_drum"):
-        hook = entry.get(key)
-        if isinstance(hook, dict) and hook.get("body") == GROUND and "point" in hook:
-            hook["point"] = _moved(hook["point"], move)
-
-
-def _move_link(entry: dict[str, Any], move: Vector) -> None:
-    """Move the edge of a link beam that rests on the ground."""
-    if entry.get("rests_on") == GROUND and "edge" in entry:
-        entry["edge"] = _moved(entry["edge"], move)
-
-
-def _move_crane(entry: dict[str, Any], move: Vector) -> None:
-    """Move a crane."""
-    entry["position"] = _moved(entry.get("position", [0.0, 0.0, 0.0]), move)
+def _move_described(described: Any, entry: dict[str, Any], move: Vector) -> None:
+    """Move the places in the world and on the ground that a description says a table has, and those of its parts."""
+    for field in described_fields(described):
+        mark = field.mark((BodyPoint, InWorld))
+        on_ground = isinstance(mark, BodyPoint) and entry.get(mark.of or "body") == GROUND
+        if isinstance(mark, InWorld) and isinstance(field.default, tuple):
+            entry.setdefault(field.name, list(field.default))
+        if (on_ground or isinstance(mark, InWorld)) and field.name in entry:
+            entry[field.name] = _moved(entry[field.name], move)
+        given = entry.get(field.name)
+        for part in given if isinstance(given, list) else [given]:
+            if isinstance(part, dict):
+                for inner in filter(is_described, (field.hint, *get_args(field.hint))):
+                    _move_described(inner, part, move)
 
 
 def _move_deck(entry: dict[str, Any], move: Vector) -> None:
@@ -163,21 +169,16 @@ def lengths(values: Any) -> Vector | None:
 
 
 def _of_body(row: Row) -> tuple[ChannelKind, ...]:
-    sections: Mapping[str, type[Section]] = {
-        "flexible": FlexibleBodySection,
-        "frame": FrameBodySection,
-        "shell": ShellBodySection,
-    }
-    kind, frame = str(row.get("type")), row.get("frame")
-    free = kind in MESH_TYPES or (isinstance(frame, dict) and frame.get("motion") == "free")
-    return (*sections.get(kind, RigidBodySection).CHANNELS, *(Free if free else Fixed).CHANNELS)
+    section, frame = BODY_SECTIONS.get(str(row.get("type"))) or RigidBodySection, row.get("frame")
+    free = "frame" not in section.model_fields or (isinstance(frame, dict) and frame.get("motion") == "free")
+    return (*section.CHANNELS, *(Free if free else Fixed).CHANNELS)
 
 
 # what acts on a scene from outside
 
 
 def _is_held(body: Any, _case: Any) -> bool:
-    return not isinstance(body, (FrameBodySection, ShellBodySection)) and body.frame.motion != "free"
+    return not body.is_free
 
 
 def _on_ground(entry: Any, _case: Any) -> bool:
@@ -213,7 +214,7 @@ class Table:
     words, one
         What its entries are, at the beginning of a sentence; and one of them.
     names
-        Whether its entries have names of their own, first parts of channels that no other thing has; names of
+        Whether its entries have names of their own, first parts of channels that no other entry has; names of
         ``"bodies"``, beside whose channels stand theirs; or names that stand ``"apart"``.
     records
         Channels of an entry, or what says them of an entry as read from TOML; if absent, those of the description or
@@ -296,8 +297,8 @@ class GravitySection(Section):
     """World axes [m/s^2]."""
 
 
-class SceneTables(Section):
-    """What a case says of its scene."""
+class _Structure(Section):
+    """Tables before those of equipment."""
 
     bodies: Annotated[
         dict[UniqueName, Body],
@@ -317,36 +318,44 @@ class SceneTables(Section):
         Table("Ropes", "rope", move=_move_path, is_outer=_rope_on_ground),
     ] = ()
     """Ropes."""
-    gantry_cranes: Annotated[
-        tuple[Annotated[Any, Chosen(EQUIPMENT, word="gantry_cranes")], ...],
-        Table("Gantry cranes", "gantry crane", records=(), move=_move_crane),
-    ] = ()
-    """Gantry cranes: trolleys that run on a girder, with hoists."""
-    floating_cranes: Annotated[
-        tuple[Annotated[Any, Chosen(EQUIPMENT, word="floating_cranes")], ...],
-        Table("Floating cranes", "floating crane", records=()),
-    ] = ()
-    """Floating cranes: a boom that luffs on a hull, with hooks on falls."""
-    falls: Annotated[
-        tuple[Annotated[Any, Chosen(EQUIPMENT, word="falls")], ...],
-        Table("Falls", "falls", "apart", records=(), move=_move_hook),
-    ] = ()
-    """Hook blocks on ropes of n parts."""
-    equalizers: Annotated[
-        tuple[Annotated[Any, Chosen(EQUIPMENT, word="equalizers")], ...],
-        Table("Equalizers", "equalizer", records=(), move=_move_hook),
-    ] = ()
-    """Block loaders: lines with one force in all of them."""
-    spreaders: Annotated[
-        tuple[Annotated[Any, Chosen(EQUIPMENT, word="spreaders")], ...],
-        Table("Spreaders", "spreader", records=(), move=_move_hook),
-    ] = ()
-    """Spreader beams on two slings."""
-    link_beams: Annotated[
-        tuple[Annotated[Any, Chosen(EQUIPMENT, word="link_beams")], ...],
-        Table("Link beams", "link beam", records=(), move=_move_link),
-    ] = ()
-    """Bridges between two decks for wheels."""
+
+
+def _equipment_table(word: str) -> tuple[Any, Any]:
+    """Type and default of the table of a builder, whose words follow from its word, its class and its docstring."""
+    described = BUILDERS[word]
+    title = word.replace("_", " ").capitalize()
+    one = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", described.__name__).lower()
+    table = Table(
+        title,
+        one,
+        "own" if described.OWN_NAME else "apart",
+        records=(),
+        move=partial(_move_described, described),
+    )
+    sentence = str(inspect.getdoc(described))
+    words = f"{title}: {sentence[0].lower()}{sentence[1:]}"
+    tables = tuple[Annotated[Any, Chosen(EQUIPMENT, word=word)], ...]
+    return Annotated[tables, table], Field((), description=words)
+
+
+if TYPE_CHECKING:
+
+    class _EquippedScene(_Structure):
+        gantry_cranes: tuple[Any, ...]
+        falls: tuple[Any, ...]
+        equalizers: tuple[Any, ...]
+else:
+    _EquippedScene = create_model(
+        "_EquippedScene",
+        __base__=_Structure,
+        __module__=__name__,
+        **{word: _equipment_table(word) for word in BUILDERS},
+    )
+
+
+class SceneTables(_EquippedScene):
+    """What a case says of its scene."""
+
     forces: Annotated[
         tuple[Annotated[Any, Chosen(FORCES)], ...],
         Table(

@@ -8,23 +8,10 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from heavylift.pipeline.case.described import Chosen, make_section
-from heavylift.pipeline.case.fields import Positive, Section, UniqueName, reject
-from heavylift.solver.scene.wind_loads import FLUIDS
+from heavylift.pipeline.case.fields import Section, UniqueName, reject
+from heavylift.solver.scene.wind_loads import FLUIDS, WIND_SPECTRA
 
-__all__ = ["Current", "TurbulenceSection", "Wind"]
-
-
-class TurbulenceSection(Section):
-    """Fluctuation of the wind by the NPD spectrum of ISO 19901-1."""
-
-    seed: Annotated[int, Field(ge=0, strict=True)]
-    """Of the random numbers; the same seed gives the same wind."""
-    count: Annotated[int, Field(ge=10, le=100_000, strict=True)] = 200
-    """Components, equal in the logarithm of the frequency."""
-    height: Annotated[float, Positive("length")] = 10.0
-    """Above the water whose spectrum it is [m]: that of the loads."""
-    step: Annotated[float, Positive("time")] = 0.1
-    """Between the values of the record [s], which is as long as the simulation."""
+__all__ = ["Current", "Wind"]
 
 
 class _FluidSection(Section):
@@ -37,7 +24,7 @@ class _FluidSection(Section):
 class _WindSection(_FluidSection):
     """How wind fluctuates."""
 
-    spectrum: TurbulenceSection | None = None
+    spectrum: Annotated[Any, Chosen(WIND_SPECTRA)] | None = None
     """Fluctuation about the mean; none if absent."""
 
     @model_validator(mode="after")

@@ -123,7 +123,7 @@ def effective_mass(
         body = case.bodies.get(name)
         if body is None:
             continue
-        if body.type != "rigid":
+        if body.BODY.DEFORMS:
             return None
         if body.frame.motion != "free":
             continue

@@ -66,7 +66,7 @@ class ConvergenceStudy:
     rows
         Coarse to fine, as in the case.
     order
-        Order of convergence by `observed_order`, over the rows in `fitted`; None if it cannot be told. Of a
+        Order of convergence by `observed_order`, over the rows in `fitted`; None if it is unknown. Of a
         tolerance the slope by `fitted_slope`, which says how the error follows it and is no order.
     fitted
         Numbers of the rows the order was taken from.
@@ -240,7 +240,5 @@ def _rows(study: ConvergenceStudy) -> list[str]:
         count = f" {row.steps:9d}" if counted and row.steps is not None else ""
         lines.append(f"  {value:>24} {row.error:12.3e} {row.cpu_s:11.4g}{count}{mark}")
     what = "slope of log error over log tolerance" if study.is_over_tolerance else "observed order"
-    order = (
-        "cannot be told" if study.order is None else f"{study.order:.2f}, least squares over the rows used"
-    )
+    order = "unknown" if study.order is None else f"{study.order:.2f}, least squares over the rows used"
     return [*lines, f"  {what}: {order}"]

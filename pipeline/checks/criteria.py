@@ -98,7 +98,7 @@ class RecordedRun(Run):
         return f"the steps of {self.records}{near}"
 
     def at_rest(self, name: str) -> float:
-        """Value of a channel when the criterion says that it is at rest."""
+        """Value of a channel at the time at which the criterion takes it to be at rest."""
         when = self.criterion.static_at
         if isinstance(when, float):
             if when > self.results.time[-1] + _TOUCH * when:
@@ -129,7 +129,7 @@ class RecordedRun(Run):
         if body == GROUND:
             return np.tile(given, (len(self.times), 1))
         section: Any = self.case.bodies[body]
-        if section.type != "rigid":
+        if section.BODY.DEFORMS:
             sensor = sensor_at(self.case, body, point)
             return np.asarray(self.results[f"{sensor}.position"][self.inside])
         if section.frame.origin == "centre_of_mass":
@@ -182,7 +182,7 @@ class RecordedRun(Run):
 
     @property
     def metadata(self) -> Mapping[str, Any]:
-        """What the run says of itself."""
+        """Summary of the run by itself."""
         return self.results.metadata
 
     def number(self, text: str) -> float:
@@ -195,7 +195,7 @@ class RecordedRun(Run):
 
 
 def phase_words(case: Case, number: float) -> str:
-    """Name of the phase of an operation with a number from 1, as the case file says it; else its number."""
+    """Name of the phase of an operation with a number from 1, as in the case file; else its number."""
     names = phase_names(case)
     if names and number > len(names):
         return "the end, after all phases"

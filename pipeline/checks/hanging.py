@@ -1,4 +1,4 @@
-"""How loads hang, if it is to be told: lines of equalizers that carry nothing, pulleys at stops, bodies that tilt.
+"""Warnings of how loads hang: lines of equalizers that carry nothing, pulleys at stops, bodies that tilt.
 
 Everything is by the records of a run; of lines also by their smallest tensions over all steps.
 """
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["TILT", "hanging_warnings"]
 
 TILT = math.radians(5.0)
-"""Angle to the vertical as drawn from which on a body has rolled to another rest [rad]."""
+"""Angle to the initial vertical from which on a body has rolled to another position of rest [rad]."""
 CARRIES = 1e-3
 """Part of the largest force of all lines of an equalizer from which on it carries."""
 AT_STOP = 1e-9
@@ -31,7 +31,7 @@ _NAMED = 4  # bodies of a sentence
 
 
 def hanging_warnings(case: Case, results: Results) -> list[str]:
-    """Sentences without a full stop; none if all lines carry, no pulley is at a stop and bodies rest as drawn."""
+    """Sentences without a full stop; none if lines carry, pulleys are off their stops and bodies rest unturned."""
     if not len(results.time):
         return []
     return [*_equalizers(case, results), *_phases(case), *_tilted(case, results)]
@@ -42,7 +42,7 @@ def _phases(case: Case) -> list[str]:
     if case.scenario is None:
         return []
     words = words_of_inner_ropes(case, str(case.scenario.model_dump()))
-    return [f"phases judge what its lines do not feel: {words}"] if words else []
+    return [f"conditions of phases use the rope over the pulleys, not the lines: {words}"] if words else []
 
 
 def _equalizers(case: Case, results: Results) -> list[str]:
@@ -98,7 +98,7 @@ def _span(time: NDArray[np.float64], records: NDArray[np.bool_]) -> str:
 
 
 def _tilted(case: Case, results: Results) -> list[str]:
-    """Rigid bodies that an equilibrium has tilted from how they are drawn."""
+    """Rigid bodies that an equilibrium has tilted from their initial positions."""
     if not case.begins_at_rest:
         return []
     up = np.array([0.0, 0.0, 1.0])
@@ -111,7 +111,7 @@ def _tilted(case: Case, results: Results) -> list[str]:
         )
         for name, body in case.bodies.items()
         if "bodies" in case.place(f"bodies.{name}").split(".")  # builders draw theirs as they can
-        and body.type == "rigid"
+        and not body.BODY.DEFORMS
         and body.frame.motion == "free"
     }
     rolled = sorted((name for name in angles if angles[name] > TILT), key=lambda name: -angles[name])
@@ -119,11 +119,11 @@ def _tilted(case: Case, results: Results) -> list[str]:
         return []
     words = ", ".join(f"{name!r} by {math.degrees(angles[name]):.3g} deg" for name in rolled[:_NAMED])
     more = f" and {len(rolled) - _NAMED} more" if len(rolled) > _NAMED else ""
-    return [f"at rest the vertical of bodies is not as they are drawn: {words}{more}"]
+    return [f"at rest bodies are tilted against their initial positions: {words}{more}"]
 
 
 def _angle(drawn: NDArray[np.float64], rest: NDArray[np.float64], up: NDArray[np.float64]) -> float:
-    """Angle between the vertical in the axes of a body as drawn and at rest [rad]."""
+    """Angle between the vertical in the axes of a body initially and at rest [rad]."""
     a, b = (_vertical(q, up) for q in (drawn, rest))
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
 

@@ -348,9 +348,7 @@ class Quantities:
         history = history.reshape(len(history), -1)
         values = history[:, self._vector(name, history.shape[1])]
         body = self._case.bodies[name.owner]
-        damped = body.type == "flexible" and (
-            any(body.modes.damping_ratio) or body.modes.stiffness_damping > 0.0
-        )
+        damped = body.BODY.MODAL and (any(body.modes.damping_ratio) or body.modes.stiffness_damping > 0.0)
         return self._fitted_frequency(name, values, damped=damped)
 
     def _frequency(self, name: QuantityName) -> float:
@@ -377,7 +375,7 @@ class Quantities:
         return float(np.polyfit(times - times[0], np.log(np.abs(values)), 1)[0])
 
     def _fitted_frequency(self, name: QuantityName, values: NDArray[np.float64], *, damped: bool) -> float:
-        """Frequency [Hz] of one sinusoid about a mean; a message of the fit is told of the quantity."""
+        """Frequency [Hz] of one sinusoid about a mean; a message of the fit is reported with the quantity."""
         try:
             return fit_sinusoid(self.results.time, values, damped=damped).frequency
         except InputError as error:
@@ -412,7 +410,7 @@ class Quantities:
 
         sensor = next((one for one in self._case.sensors if one.name == name.owner), None)
         owner, point = (name.owner, None) if sensor is None else (sensor.body, sensor.point)
-        if self._case.bodies[owner].type == "flexible":
+        if self._case.bodies[owner].BODY.MODAL:
             return self._solid(owner).history(self.results, point, name.component)
         assert point is not None
         shape = self.results.meshes[owner]

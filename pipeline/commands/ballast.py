@@ -15,7 +15,6 @@ from heavylift.pipeline.case.places import located
 from heavylift.pipeline.commands.hydrostatics import hull_loading
 from heavylift.pipeline.commands.scene import load_sea_case
 from heavylift.pipeline.results.storage import replacing, write_json
-from heavylift.solver.scene.bodies import RigidBody
 from heavylift.solver.water.hulls.ballast_plan import (
     Girder,
     Load,
@@ -132,12 +131,12 @@ def _without(found: SeaCase, loading: Loading) -> Loading:
     """What a hull carries, less the bodies that are not to be counted."""
     section = found.case.ballast
     assert section is not None
-    bodies = {body.name: body for body in found.scene.bodies}
+    bodies: dict[str, Any] = {body.name: body for body in found.scene.bodies}
     hull = bodies[section.hull]
     mass, moment = loading.mass, loading.mass * loading.centre
     for index, name in enumerate(section.apart):
         body = bodies.get(name)
-        if name not in loading.bodies or not isinstance(body, RigidBody):
+        if name not in loading.bodies or body is None or body.DEFORMS:
             raise InputError(
                 f"{name!r} is no rigid body that joints hold on {section.hull!r}",
                 source=found.case.file,
@@ -317,7 +316,7 @@ def _lines(document: dict[str, Any]) -> list[str]:
     names = list(document["capacity"])
     wide = max(5, *(len(row["stage"]) for row in document["stages"]))
     cells = [max(10, len(name)) for name in names]
-    lines = [f"{document['hull']}: water in the tanks [t], and what is pumped", ""]
+    lines = [f"{document['hull']}: water in the tanks [t], and pumped water", ""]
     lines.append(
         f"  {'stage':<{wide}s}"
         + "".join(f"  {n:>{w}s}" for n, w in zip(names, cells, strict=True))
@@ -326,7 +325,7 @@ def _lines(document: dict[str, Any]) -> list[str]:
     for row in document["stages"]:
         water = "".join(f"  {row['tanks'][n] * 1e-3:>{w}.2f}" for n, w in zip(names, cells, strict=True))
         lines.append(f"  {row['stage']:<{wide}s}{water}  {row['pumped'] * 1e-3:>10.2f}")
-    lines += ["", f"{document['hull']}: how it lies, and its girder in still water", ""]
+    lines += ["", f"{document['hull']}: floating position, and hull girder in still water", ""]
     lines.append(
         f"  {'stage':<{wide}s}  {'aft':>7s}  {'draft':>7s}  {'forward':>7s}  {'trim':>7s}  {'list':>7s}  {'GM_T':>7s}"
         f"  {'GM_L':>8s}  {'shear':>9s}  {'sagging':>9s}  {'hogging':>9s}"

@@ -60,7 +60,7 @@ def new(
     *,
     quiet: Quiet = False,
 ) -> int:
-    """Write a commented case to begin with; without a kind, say which there are."""
+    """Write a commented example case; without a type, list the types."""
 
     def command(log: "Log") -> int:
         from heavylift.pipeline.commands.new_case import new_case, template_kinds
@@ -115,7 +115,7 @@ def simulate(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Reduced bodies to time histories; an interrupted run goes on where it stopped."""
+    """Reduced bodies to time histories; an interrupted run continues where it stopped."""
     stages = ("mesh", "modes", "simulate")
     return _stages(stages, ("simulate",), case, out, set_, force=force, quiet=quiet, json=json)
 
@@ -201,7 +201,7 @@ def criteria(
 ) -> int:
     """Run a case and judge it by its [[criteria]]: what is used of each limit, when, where, by which clause.
 
-    With seeds the worst of all runs counts, and the distribution of what they use is told.
+    With seeds the worst of all runs counts, and the distribution of the utilisation is shown.
 
     Exit code: 0 if every criterion passed, 1 if some failed or could not be evaluated, 2 for bad input, above 2 if the
     run stopped.
@@ -255,7 +255,7 @@ def scenario(
     quiet: Quiet = False,
     json: Json = False,
 ) -> int:
-    """Phases of an operation, and how long its ropes will be, without dynamics; or a word to a run that goes on."""
+    """Phases of an operation, and how long its ropes will be, without dynamics; or a command to a run in progress."""
 
     def command(log: "Log") -> int:
         if send is not None:

@@ -54,18 +54,18 @@ Animate = Annotated[
     bool,
     Parameter(
         name="--animate",
-        help="Make the moving picture of the scene, even if the case has no [report.animation].",
+        help="Make the animation of the scene, even if the case has no [report.animation].",
         negative="",
     ),
 ]
 Force = Annotated[bool, Parameter(name="--force", help="Run even if the inputs are unchanged.", negative="")]
-KindNames = Annotated[str, Parameter(help="Kinds and loops; all if none is named.", show_default=False)]
-NewKind = Annotated[str, Parameter(help="What the case is about; a list if absent.", show_default=False)]
+KindNames = Annotated[str, Parameter(help="Component types and loops; all by default.", show_default=False)]
+NewKind = Annotated[
+    str, Parameter(help="Type of the case; without it the types are listed.", show_default=False)
+]
 NewFolder = Annotated[
     Path | None,
-    Parameter(
-        help="Where it is written: a new or empty folder; named as the kind if absent.", show_default=False
-    ),
+    Parameter(help="Folder to write to, new or empty; by default the name of the type.", show_default=False),
 ]
 SendCommand = Annotated[
     Literal["continue", "hold", "stop"] | None,

@@ -44,7 +44,7 @@ def compile_kinds(kinds: tuple[str, ...], log: Log, *, force: bool = False) -> i
     wanted = [unit for name in kinds or known for unit in known[name]]
     units = wanted if force else missing_units(wanted)
     if not units:
-        log.say(f"compile: all {len(wanted)} parts are there")
+        log.say(f"compile: all {len(wanted)} parts are compiled")
         return 0
     log.say(f"compile: {len(units)} of {len(wanted)} parts")
     begin, spent = time.perf_counter(), dict[str, float]()

@@ -53,7 +53,7 @@ def converge_case(
     InputError
         If the case has no study, or a value does not fit the parameter.
     StopError
-        If a run does not complete; one of several series goes on and tells so in its row.
+        If a run does not complete; one of several series continues and tells so in its row.
     """
     from heavylift.pipeline.pictures.plots import plot_series, plot_study
 
@@ -107,7 +107,7 @@ def converge_case(
 
 
 def _read(path: Path, overrides: Sequence[str], changes: dict[str, Any], key: str, base: Case) -> Case:
-    """The case of one run of a series; what does not fit is told at the series."""
+    """The case of one run of a series; errors are reported with the series."""
     texts = [override_text(name, value) for name, value in changes.items()]
     try:
         return load_case(path, [*overrides, *texts])

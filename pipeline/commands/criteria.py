@@ -1,4 +1,4 @@
-"""Criteria of a case: run what they need, evaluate them, say what they use."""
+"""Criteria of a case: run what they need, evaluate them, show their utilisation."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def _worst(seeds: Sequence[int], line: Sequence[CriterionResult]) -> CriterionRe
         low, high = fit.band(PROBABILITY)
         expected, most = 100.0 * fit.mean, 100.0 * fit.quantile(PROBABILITY)
         words.append(
-            f"expected to be used {expected:.4g} %; {most:.4g} % with {100.0 * PROBABILITY:g} % probability "
+            f"expected utilisation {expected:.4g} %; {most:.4g} % with {100.0 * PROBABILITY:g} % probability "
             f"(Gumbel, between {100.0 * low:.4g} and {100.0 * high:.4g} % with 90 % confidence)"
         )
     return replace(

@@ -27,7 +27,7 @@ READ_SETTINGS = frozenset({"matplotlib", "numba"})
 
 def distrust_current_folder() -> None:
     """Let nothing that this process imports, and no Python that it starts, take code from the current folder."""
-    os.environ["PYTHONSAFEPATH"] = "1"  # what libraries start; our own children are told by `python_command`
+    os.environ["PYTHONSAFEPATH"] = "1"  # what libraries start; our own children get it from `python_command`
     sys.path[:] = [path for path in sys.path if path]
     if not any(isinstance(finder, _LoadedElsewhere) for finder in sys.meta_path):
         sys.meta_path.insert(0, _LoadedElsewhere())

@@ -195,7 +195,9 @@ def diagnosis_lines(found: dict[str, Any]) -> list[str]:
     if cache["distrusted"]:
         writable = f", NOT USED: {cache['distrusted']}"
     ready = f"{cache['compiled']} of {cache['parts']} parts compiled" if cache["parts"] else "not known"
-    ahead = "" if cache["compiled"] == cache["parts"] else "; `heavylift compile` makes the rest ahead"
+    ahead = (
+        "" if cache["compiled"] == cache["parts"] else "; `heavylift compile` compiles the rest in advance"
+    )
     lines.append(f"kernels         {ready}{ahead}")
     lines.append(f"kernel cache    {cache['folder']}, {cache['size'] / 2**20:.1f} MB in all{writable}")
     lines.append("ready" if found["ready"] else "NOT ready, see above")

@@ -1,4 +1,4 @@
-"""Ends of commands that nobody asked for, in a line each; nothing that takes time is imported here."""
+"""Unrequested ends of commands, with a line for each; nothing that takes time is imported here."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Terminated(KeyboardInterrupt):
 def interruption(error: KeyboardInterrupt) -> str:
     """A line about Ctrl-C or SIGTERM outside the time loop."""
     name = "SIGTERM: stopped" if isinstance(error, Terminated) else "interrupted"
-    return f"{name}; what was written is kept"
+    return f"{name}; results so far are kept"
 
 
 def out_of_memory(error: MemoryError) -> str:

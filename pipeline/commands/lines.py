@@ -82,7 +82,8 @@ def lines_command(
     InputError
         If the case has no such lines, or there is no run where one is needed.
     """
-    from heavylift.pipeline.pictures.mooring_lines import draw_line, profile_picture
+    from heavylift.pipeline.drawn.hanging import hanging_line
+    from heavylift.pipeline.pictures.mooring_lines import profile_picture
     from heavylift.pipeline.results.histories import load_results
     from heavylift.pipeline.stages.lock import locked
 
@@ -101,7 +102,7 @@ def lines_command(
             ends[line.name] = LineEnds(
                 whole.times[row : row + 1], whole.anchor[row : row + 1], whole.fairlead[row : row + 1]
             )
-    drawn = [draw_line(line, ends[line.name].anchor[0], ends[line.name].fairlead[0]) for line in chosen]
+    drawn = [hanging_line(line, ends[line.name].anchor[0], ends[line.name].fairlead[0]) for line in chosen]
     document: dict[str, Any] = {
         "case": found.case.name,
         "moment": moment,

@@ -1,4 +1,4 @@
-"""The page of a run while it goes on: a child runs the case, this process serves what is on disk to this machine."""
+"""The page of a run while it continues: a child runs the case, this process serves what is on disk to this machine."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class LiveRun:
         return self.child is not None and self.child.poll() is None
 
     def progress(self) -> dict[str, Any]:
-        """Version of the records on disk, how far they are, and whether the run goes on."""
+        """Version of the records on disk, how far they are, and whether the run continues."""
         with self._lock:
             self._look()
             return {"version": self._version, "running": self.running, "text": self._words()}
@@ -206,7 +206,7 @@ def _started(command: Sequence[str]) -> subprocess.Popen[bytes]:
 
 
 class _Server(ThreadingHTTPServer):
-    """Serves a few clients at once, and says in a line what goes wrong."""
+    """Serves a few clients at once, and reports errors in one line."""
 
     daemon_threads = True
 

@@ -56,7 +56,7 @@ def new_case(kind: str, folder: Path) -> list[Path]:
         )
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(
-            "is a folder with something in it" if folder.is_dir() else "is a file",
+            "is not empty" if folder.is_dir() else "is a file",
             source=folder,
             expected="a new or empty folder",
         )

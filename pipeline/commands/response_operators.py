@@ -95,7 +95,7 @@ def rao_command(
                 "no exciting forces, radiation alone",
                 source=hulls.database.source,
                 key="excitation",
-                expected="a database with exciting forces; without --heading natural periods are told",
+                expected="a database with exciting forces; without --heading natural periods are given",
             )
         log.say(
             f"rao: {hulls.database.source}: no exciting forces, radiation alone: natural periods, no operators"
@@ -222,7 +222,7 @@ def joint_force_rows(linear: LinearScene, operators: MotionOperators) -> list[li
 def separate_modes(hulls: LinearHulls) -> list[NaturalMode]:
     """Natural modes of bodies that move independently of each other, one group after another, then by period.
 
-    Equal periods of equal hulls would otherwise be told of mixtures of their motions.
+    Equal periods of equal hulls would otherwise be those of mixtures of their motions.
     """
     from scipy.sparse.csgraph import connected_components
 
@@ -298,7 +298,7 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
     lines.append("  natural periods (undamped):")
     lines += [f"    {mode['period']:>10.4g} s   {mode['coordinate']}" for mode in document["natural_modes"]]
     if not document["natural_modes"]:
-        lines.append("    none: nothing restores")
+        lines.append("    none: no restoring force")
     if not document["headings"]:
         return [*lines, "", "  no response operators: the databases have no exciting forces"]
     lines += [

@@ -16,7 +16,7 @@ from heavylift.pipeline.assemble.operation_plan import (
 )
 from heavylift.pipeline.results.storage import StopError
 from heavylift.pipeline.stages.stages import load_changed_case, run_case
-from heavylift.solver.scene.scenario import Release, ReleaseJoint, acted_on
+from heavylift.solver.scene.operations import RELEASE, RELEASE_JOINT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -76,14 +76,14 @@ def scenario_command(
         line for spec, row in zip(scenario.rows, phases, strict=True) for line in _table(spec, row, starts)
     ]
     lines += [_summary(case, name, phases, starts) for name in told]
-    released = [acted_on(a) for a in scenario.actions if isinstance(a, (Release, ReleaseJoint))]
+    released = [one.name for one in scenario.commands if one.operation in (RELEASE, RELEASE_JOINT)]
     if released:
         lines.append(f"released: {', '.join(released)}")
     return _document(phases, told), lines
 
 
 def send_command(path: Path, word: Command, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:
-    """Say a word to the run that goes on in the output folder of a case.
+    """Send a command to the run in progress in the output folder of a case.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def send_command(path: Path, word: Command, *, out: Path | None = None, override
     Raises
     ------
     InputError
-        If something is wrong with the case, it has no scenario, or no run goes on.
+        If something is wrong with the case, it has no scenario, or no run is in progress.
     """
     from heavylift.pipeline.stages.operator_commands import send
 
@@ -101,7 +101,7 @@ def send_command(path: Path, word: Command, *, out: Path | None = None, override
     if case.scenario is None:
         raise InputError("no scenario", source=case.file, key="scenario", expected="a case with one")
     send(case.output_folder if out is None else out, word)
-    return f"{word}: told; the run takes it within a second"
+    return f"{word}: sent; the run takes it within a second"
 
 
 def _document(phases: Sequence[Sequence[PlannedPhase]], starts: Mapping[str, float]) -> dict[str, Any]:
@@ -159,7 +159,7 @@ def _summary(
     if not math.isfinite(low):
         return (
             f"{words}, no least length is known from phase {where!r} on: it has no timeout, the rope is connected in"
-            " it, or its winch answers to something else"
+            " it, or its winch is controlled otherwise"
         )
     words += f", shortest {low:.3f} m in phase {where!r}"
     if low <= 0.0:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
+    from heavylift.pipeline.drawn.scene import DrawnScene
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.page.scene import SceneMotion
 
 __all__ = ["draw_case", "export_case"]
 
@@ -30,9 +30,9 @@ def draw_case(path: Path, *, out: Path | None, overrides: Sequence[str], log: Lo
     """
     from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
+    from heavylift.pipeline.drawn.build import case_scene
     from heavylift.pipeline.page.packing import LibraryMissingError
     from heavylift.pipeline.page.page import page_content, page_html
-    from heavylift.pipeline.page.scene import scene_motion
     from heavylift.pipeline.stages.stages import load_changed_case, run_case
 
     case = load_changed_case(path, overrides)
@@ -43,8 +43,8 @@ def draw_case(path: Path, *, out: Path | None, overrides: Sequence[str], log: Lo
         raise StopError(result.outcome, result.message)
     with in_case(case):
         scene = assemble_scene(case, result.folder)
-        motion = scene_motion(case, result.folder, scene, None, marked=True)
-    content = page_content(case, motion, None, verdict=("The scene before its run", None), labelled=True)
+        drawn = case_scene(case, result.folder, scene, None, marked=True)
+    content = page_content(case, drawn, None, verdict=("The scene before its run", None), labelled=True)
     try:
         text = page_html(content)
     except LibraryMissingError as error:
@@ -76,8 +76,8 @@ def export_case(
     """
     from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
+    from heavylift.pipeline.drawn.build import case_scene
     from heavylift.pipeline.page.exchange import write_glb, write_vtkhdf
-    from heavylift.pipeline.page.scene import scene_motion
     from heavylift.pipeline.report.run import load_finite_results
     from heavylift.pipeline.stages.stages import load_changed_case
 
@@ -95,18 +95,18 @@ def export_case(
     if problem:
         log.say(f"export: {problem}")
     with in_case(case):
-        motion = scene_motion(case, stages, assemble_scene(case, stages), results)
+        drawn = case_scene(case, stages, assemble_scene(case, stages), results)
 
-    def glb(file: Path, motion: SceneMotion) -> list[str]:
-        return write_glb(file, motion, title=case.title, generator=f"heavylift {version('heavylift')}")
+    def glb(file: Path, drawn: DrawnScene) -> list[str]:
+        return write_glb(file, drawn, title=case.title, generator=f"heavylift {version('heavylift')}")
 
-    writers: dict[str, Callable[[Path, SceneMotion], list[str]]] = {"glb": glb, "vtkhdf": write_vtkhdf}
+    writers: dict[str, Callable[[Path, DrawnScene], list[str]]] = {"glb": glb, "vtkhdf": write_vtkhdf}
     files = []
     for kind in kinds:
         file = stages.stage("export") / f"{case.name}.{kind}"
         file.parent.mkdir(parents=True, exist_ok=True)
         with replacing(file) as temporary:
-            notes = writers[kind](temporary, motion)
+            notes = writers[kind](temporary, drawn)
         size = file.stat().st_size / 1e6
         log.say(f"export: {file}, {size:.3g} MB{''.join(f'; {note}' for note in notes)}")
         files.append(file)

@@ -61,7 +61,7 @@ After = Annotated[
     float | None,
     Parameter(
         name="--after",
-        help="Leave out what is earlier [s]; default: the ramp of the sea.",
+        help="Leave out records before this time [s]; default: the ramp of the sea.",
         show_default=False,
     ),
 ]

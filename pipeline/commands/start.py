@@ -79,7 +79,7 @@ def main() -> None:
             code = _told(end.__context__)
     except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
         code = CLOSED_PIPE
-    except BaseException as error:  # noqa: BLE001  the last place where it can be told
+    except BaseException as error:  # noqa: BLE001  the last place where it can be reported
         code = _told(error)
     # a signal from here on would find nobody: the process is over but for what Python tidies up
     with contextlib.suppress(ValueError):
@@ -89,7 +89,7 @@ def main() -> None:
 
 
 def _run(app: Any) -> None:
-    """Run the command that the command line tells; what is wrong with it is told in letters that a terminal shows.
+    """Run the command of the command line; errors are printed with escapes in place of control characters.
 
     File names come from elsewhere too, as in ``heavylift run *``.
     """
@@ -131,7 +131,7 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 def _swallowed(what: sys.UnraisableHookArgs) -> None:
-    """Ask again where Python cannot raise, as while it throws an object away; the rest is told as ever."""
+    """Ask again where Python cannot raise, as while it destroys an object; other messages are printed as usual."""
     if isinstance(what.exc_value, KeyboardInterrupt):
         _WAITING[:] = [signal.SIGTERM if isinstance(what.exc_value, Terminated) else signal.SIGINT]
         signal.setitimer(signal.ITIMER_REAL, ASKED_AGAIN)
@@ -140,7 +140,7 @@ def _swallowed(what: sys.UnraisableHookArgs) -> None:
 
 
 def _open_streams() -> None:
-    """Streams that take what is said.
+    """Streams for messages.
 
     Where a descriptor was closed before the process began, the next file that is opened would get its number, and
     whatever libraries print would be written into that file. Names of folders need not be UTF-8.
@@ -156,7 +156,7 @@ def _open_streams() -> None:
 
 
 def _closed(code: int) -> int:
-    """The exit code, once all that was said is out; a document that is lost is no success."""
+    """The exit code, once all output is written; lost output is not a success."""
     from heavylift.pipeline.log import flush_output, lost_output
 
     flush_output()
@@ -168,7 +168,7 @@ def _closed(code: int) -> int:
 
 
 def _told(error: BaseException) -> int:
-    """Say what no command has answered in a line; returns the exit code."""
+    """Report an unhandled error in one line; returns the exit code."""
     from heavylift.numerics.outcome import Outcome
 
     if isinstance(error, KeyboardInterrupt):
@@ -183,7 +183,7 @@ def _told(error: BaseException) -> int:
 
 
 def _ended(line: str, outcome: Outcome) -> int:
-    """Say how a command ended that no other says it of; returns the exit code."""
+    """Report how a command ended if nothing else does; returns the exit code."""
     _say(line)
     if "--json" in sys.argv:
         import json
@@ -194,7 +194,7 @@ def _ended(line: str, outcome: Outcome) -> int:
 
 
 def _fault(error: BaseException) -> str:
-    """A line about a fault of the program, whose traceback goes to a file."""
+    """A line about an internal error, whose traceback goes to a file."""
     import traceback
     from pathlib import Path
 
@@ -206,8 +206,8 @@ def _fault(error: BaseException) -> str:
     try:
         file = _write_traceback(error, error.__traceback__)
     except OSError:
-        return f"a fault of the program, not of the input: {reason}{where}"
-    return f"a fault of the program, not of the input: {reason}{where}; {file} tells more"
+        return f"an internal error, not an error of the input: {reason}{where}"
+    return f"an internal error, not an error of the input: {reason}{where}; {file} has the traceback"
 
 
 def _write_traceback(error: BaseException, trace: TracebackType | None) -> Path:

@@ -54,7 +54,7 @@ ENERGY_SHOWN = 0.999
 ENDS_ALL = frozenset(
     {Outcome.INTERRUPTED, Outcome.DISK_FULL, Outcome.LOCKED, Outcome.OUT_OF_MEMORY, Outcome.FAULT}
 )
-"""Ends of a run that say nothing of what is simulated."""
+"""Ends of a run that give no information on what is simulated."""
 
 _DPI = 110
 _INK, _GREY = "#1d2733", "#66707c"
@@ -238,12 +238,12 @@ def simulate_seeds(
     """Runs of several seeds, each in a folder of its own below ``seeds``; those that are there are not repeated.
 
     Of each run `take` takes what is wanted from the case of its seed and its folder, so that the records of one run are
-    in memory. A run that stops by itself is one without, and the others go on.
+    in memory. A run that stops by itself is one without, and the others continue.
 
     Raises
     ------
     InputError
-        If nothing has a seed, or fewer runs are wanted than tell something.
+        If no wave or wind has a seed, or fewer runs are wanted than tell something.
     StopError
         If bodies could not be prepared, somebody interrupts, or the machine has no room.
     """
@@ -254,7 +254,7 @@ def simulate_seeds(
         raise InputError(f"{count}", source="--seeds", expected=f"{LEAST_RUNS} runs or more, better 10 to 20")
     if not keys:
         raise InputError(
-            "nothing has a seed",
+            "no wave or wind has a seed",
             source=case.file,
             key="sea",
             expected="irregular waves, or wind with turbulence",
@@ -484,7 +484,7 @@ def _lines(document: Mapping[str, Any]) -> list[str]:
         "",
         f"  extremes of a run (Gumbel): most probable, expected, and what {kept} of runs keep within, its",
     ]
-    lines += ["  standard error, and where it is with 90 % confidence, as so many runs tell", ""]
+    lines += ["  standard error, and its 90 % confidence interval for this number of runs", ""]
     for side in ("maxima", "minima"):
         for one in document["channels"]:
             factor, unit = (180.0 / math.pi, "deg") if one["unit"] == "rad" else (1.0, one["unit"])

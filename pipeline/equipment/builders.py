@@ -1,23 +1,19 @@
-"""All builders, in the order in which they write: what those of one table write, those of the next may hang on."""
+"""All builders, in the order in which they write: every module of this package may describe some."""
 
 from typing import Any
 
-from heavylift.pipeline.equipment.equalizers import Equalizer
-from heavylift.pipeline.equipment.falls import Falls
-from heavylift.pipeline.equipment.floating_cranes import FloatingCrane
-from heavylift.pipeline.equipment.gantry_cranes import GantryCrane
-from heavylift.pipeline.equipment.link_beams import LinkBeam
+from heavylift.pipeline import equipment
 from heavylift.pipeline.equipment.parts import EQUIPMENT
-from heavylift.pipeline.equipment.spreaders import Spreader
+from heavylift.solver.scene.descriptions import import_all
 
 __all__ = ["BUILDERS", "EQUIPMENT"]
 
-BUILDERS: dict[str, Any] = {
-    "gantry_cranes": GantryCrane,
-    "floating_cranes": FloatingCrane,
-    "falls": Falls,
-    "equalizers": Equalizer,
-    "spreaders": Spreader,
-    "link_beams": LinkBeam,
-}
+
+def _find() -> dict[str, Any]:
+    """Builders by their words."""
+    import_all(equipment)
+    return {word: EQUIPMENT.get(word) for word in EQUIPMENT.words}
+
+
+BUILDERS = _find()
 """By the list of a case file in which their tables stand."""

@@ -39,7 +39,7 @@ from heavylift.numerics.quantity import (
     Shape,
     Square,
 )
-from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, heading, listed
+from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, Equipment, heading, listed
 
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
@@ -146,11 +146,10 @@ class EqualizerExtension:
 
 @EQUIPMENT.describe("equalizers")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Equalizer:
-    """A block loader: lines to a load with one force in all of them, by moving pulleys on one rope."""
+class Equalizer(Equipment):
+    """A block loader, whose lines have one force in all of them by moving pulleys on one rope."""
 
-    CHANNELS: ClassVar = ()
-    """None of its own: its ropes, pulleys and guides have theirs."""
+    ORDER: ClassVar = 4
 
     name: str
     model: Literal["pulleys", "massless"] = "pulleys"

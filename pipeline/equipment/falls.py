@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, NameOf, Positive, Quantity, Square
 from heavylift.pipeline.equipment.moves import Move, check_moves, speeds_of
-from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, given, heading, listed
+from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, Equipment, given, heading, listed
 from heavylift.solver.scene.connections import Winch
 
 if TYPE_CHECKING:
@@ -77,11 +77,12 @@ class HookBlock:
 
 @EQUIPMENT.describe("falls")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Falls:
+class Falls(Equipment):
     """A hook block on a rope of n parts, which a winch hauls in."""
 
-    CHANNELS: ClassVar = ()
-    """None of its own: what it writes has them, the hook load, which has its name, among them."""
+    ORDER: ClassVar = 3
+    OWN_NAME: ClassVar = False
+    """The hook load that it writes has its name."""
 
     name: str
     crown: FallsCrown

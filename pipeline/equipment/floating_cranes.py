@@ -24,7 +24,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Least, NameOf, Positive, Quantity, Shape
 from heavylift.pipeline.equipment.falls import FallsRope, HookBlock, limit_winch, sheaves_aside, without_winch
 from heavylift.pipeline.equipment.moves import Move, Turn, check_moves, positions_of, speeds_of, turned
-from heavylift.pipeline.equipment.parts import EQUIPMENT, given, heading, listed
+from heavylift.pipeline.equipment.parts import EQUIPMENT, Equipment, given, heading, listed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -109,11 +109,10 @@ class Slewing:
 
 @EQUIPMENT.describe("floating_cranes")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FloatingCrane:
+class FloatingCrane(Equipment):
     """A boom on a hull that luffs, with hooks on falls."""
 
-    CHANNELS: ClassVar = ()
-    """None of its own: boom, hinge, stay and falls have theirs."""
+    ORDER: ClassVar = 2
 
     name: str
     hull: Annotated[str, NameOf("body")]

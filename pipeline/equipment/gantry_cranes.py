@@ -17,10 +17,10 @@ import numpy as np
 from annotated_types import Interval
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.quantity import Least, Positive, Quantity
+from heavylift.numerics.quantity import InWorld, Least, Positive, Quantity
 from heavylift.pipeline.equipment.falls import FallsRope, HookBlock
 from heavylift.pipeline.equipment.moves import Move, check_moves, speeds_of
-from heavylift.pipeline.equipment.parts import EQUIPMENT, given, listed
+from heavylift.pipeline.equipment.parts import EQUIPMENT, Equipment, given, listed
 
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
@@ -60,14 +60,13 @@ class Trolley:
 
 @EQUIPMENT.describe("gantry_cranes")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class GantryCrane:
+class GantryCrane(Equipment):
     """A girder on legs that travels on rails, with trolleys and hoists."""
 
-    CHANNELS: ClassVar = ()
-    """None of its own: girder, trolleys and falls have theirs."""
+    ORDER: ClassVar = 1
 
     name: str
-    position: Annotated[tuple[float, float, float], Quantity("length")] = (0.0, 0.0, 0.0)
+    position: Annotated[tuple[float, float, float], Quantity("length"), InWorld()] = (0.0, 0.0, 0.0)
     """Middle between the rails at the start, in the world [m]; the girder lies along x."""
     span: Annotated[float, Positive("length")]
     """Between the rails [m]: trolleys stay within it."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyPoint, NameOf, Positive, Quantity
-from heavylift.pipeline.equipment.parts import EQUIPMENT, heading, listed
+from heavylift.pipeline.equipment.parts import EQUIPMENT, Equipment, heading, listed
 
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
@@ -31,11 +31,10 @@ STEEPEST = math.radians(30.0)
 
 @EQUIPMENT.describe("link_beams")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class LinkBeam:
+class LinkBeam(Equipment):
     """A bridge for wheels, with a hinge on one deck and loose on another one."""
 
-    CHANNELS: ClassVar = ()
-    """None of its own: ``NAME_plate``, ``NAME_hinge`` and ``NAME_end`` have theirs."""
+    ORDER: ClassVar = 6
 
     name: str
     hinged_on: Annotated[str, NameOf("body")]
@@ -44,7 +43,7 @@ class LinkBeam:
     """Middle of its hinge, level with the deck, in the coordinates of the geometry of that body [m]."""
     rests_on: Annotated[str, NameOf("side")]
     """Body that its other end lies on, or ``"ground"``."""
-    edge: Annotated[NDArray[np.float64], BodyPoint()]
+    edge: Annotated[NDArray[np.float64], BodyPoint(of="rests_on")]
     """Where the deck of that begins, before the middle of the link, in the coordinates of its geometry [m]; of the
     ground in the world. The deck is level there."""
     along: Annotated[tuple[float, float, float], Quantity("number")] = (1.0, 0.0, 0.0)

@@ -1,15 +1,16 @@
 """What every builder has: how it is described, where bodies are, and the tables that it writes.
 
-A builder is the description of one table of a case file (`heavylift.solver.scene.descriptions`) with a function
-``build(said, places, made)``. `said` is its table with numbers in SI; what `build` adds to `made` are entries of other
-tables of the case file as a user would write them, in SI. They are checked, assembled and recorded as any other; what
-is wrong with one is told at the key of the builder from which it follows.
+A builder is the description of one table of a case file (`heavylift.solver.scene.descriptions`), a dataclass that
+derives from `Equipment`, with a function ``build(spec, places, made)``. `spec` is its table with numbers in SI; what
+`build` adds to `made` are entries of other tables of the case file as a user would write them, in SI. They are checked,
+assembled and recorded as any other; what is wrong with one is told at the key of the builder from which it follows.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,7 +20,18 @@ from heavylift.solver.scene.descriptions import Family
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["DOWN", "EQUIPMENT", "Made", "Part", "Places", "given", "heading", "listed", "upright"]
+__all__ = [
+    "DOWN",
+    "EQUIPMENT",
+    "Equipment",
+    "Made",
+    "Part",
+    "Places",
+    "given",
+    "heading",
+    "listed",
+    "upright",
+]
 
 EQUIPMENT: Family[Any] = Family("table", "heavylift.pipeline.equipment", typed=False)
 """Builders, by the list of a case file in which their tables stand."""
@@ -29,6 +41,30 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 LEVEL = 1e-9
 """Slope of a direction that counts as horizontal."""
+
+
+class Equipment:
+    """Base of all builders."""
+
+    CHANNELS: ClassVar = ()
+    """None of its own: what it writes has channels."""
+    ORDER: ClassVar[float] = math.inf
+    """Place among the tables of a case file and in which they are written; those without one follow by the alphabet."""
+    OWN_NAME: ClassVar[bool] = True
+    """Whether no other thing of a case has its name; if not, that is the name of something that it writes."""
+
+    def __init_subclass__(cls) -> None:
+        """Refuse a builder that builds nothing.
+
+        Raises
+        ------
+        TypeError
+            If it has no function ``build``.
+        """
+        if not hasattr(cls, "build"):
+            raise TypeError(
+                f"{cls.__module__}.{cls.__qualname__}: a piece of equipment has a function 'build'"
+            )
 
 
 class Places(Protocol):
@@ -98,7 +134,7 @@ class Made:
 
 def given(part: Any) -> dict[str, Any]:
     """A table of a builder as it is given on."""
-    return {name: getattr(part, name) for name in part.model_fields_set}
+    return {name: getattr(part, name) for name in type(part).model_fields if name in part.model_fields_set}
 
 
 def listed(point: ArrayLike) -> list[float]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, NameOf, Positive, Quantity, Square
 from heavylift.pipeline.equipment.equalizers import EqualizerHook, EqualizerRope
-from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, heading
+from heavylift.pipeline.equipment.parts import DOWN, EQUIPMENT, Equipment, heading
 
 if TYPE_CHECKING:
     from heavylift.pipeline.equipment.parts import Made, Places
@@ -60,11 +60,10 @@ class SpreaderLine:
 
 @EQUIPMENT.describe("spreaders")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Spreader:
-    """A spreader beam on two slings, with lines to a load."""
+class Spreader(Equipment):
+    """A beam on two slings, with lines to a load."""
 
-    CHANNELS: ClassVar = ()
-    """None of its own: beam, slings and lines have theirs."""
+    ORDER: ClassVar = 5
 
     name: str
     hook: EqualizerHook

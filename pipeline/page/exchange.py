@@ -13,15 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.pipeline.drawn.moments import Moment, continued
+from heavylift.pipeline.drawn.scene import POSES, SHAPES
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.page.scene import Line, SceneMotion, Surface
+    from heavylift.pipeline.drawn.scene import DrawnScene
 
-__all__ = ["line_points", "surface_points", "write_glb", "write_vtkhdf"]
+__all__ = ["write_glb", "write_vtkhdf"]
 
 MORPHS = 80
 """Recorded shapes, and shapes of ropes, in a GLB at most: each is a morph target."""
@@ -32,85 +35,6 @@ STEPS = 400
 
 _AROUND = 6  # corners of a rope
 _FLOAT, _UINT = 5126, 5125  # component types of glTF
-
-
-def surface_points(motion: SceneMotion, surface: Surface, time: float) -> NDArray[np.float64]:
-    """Points of a surface in the world at a time [m], shape (n, 3), deformations true to scale."""
-    local = _local(motion, surface, time)
-    if surface.body < 0:
-        return local
-    position, R = _pose(motion, surface.body, time)
-    return position + local @ R.T
-
-
-def line_points(motion: SceneMotion, line: Line, time: float) -> NDArray[np.float64]:
-    """Points of a line in the world at a time [m], shape (p, 3)."""
-    local = line.local
-    if local.ndim == 3:
-        local = _between(motion.times[line.timeline], local, time)
-    found = np.array(local, dtype=np.float64)
-    if line.surface is not None:
-        assert line.vertex is not None
-        for number in np.unique(line.surface[line.surface >= 0]):
-            own = line.surface == number
-            surface = motion.surfaces[int(number)]
-            moved = _local(motion, surface, time) - surface.points
-            found[own] += moved[line.vertex[own]]
-    for body in np.unique(line.on[line.on >= 0]):
-        own = line.on == body
-        position, R = _pose(motion, int(body), time)
-        found[own] = position + found[own] @ R.T
-    return found
-
-
-def _between(times: NDArray[np.float64], values: NDArray[np.float64], time: float) -> NDArray[np.float64]:
-    """Values at a time, linear between those at some times."""
-    j = int(np.clip(np.searchsorted(times, time), 1, max(len(times) - 1, 1)))
-    if len(times) < 2:
-        return values[0]
-    i = j - 1
-    gap = times[j] - times[i]
-    w = float(np.clip((time - times[i]) / gap, 0.0, 1.0)) if gap > 0.0 else 0.0
-    if w in {0.0, 1.0}:
-        return values[j if w else i]
-    found: NDArray[np.float64] = (1.0 - w) * values[i] + w * values[j]
-    return found
-
-
-def _pose(motion: SceneMotion, body: int, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    from heavylift.numerics.rotation import rotation_matrix
-
-    pose = motion.poses[body]
-    q = _between(motion.times[0], _continued(pose.orientation), time)
-    return _between(motion.times[0], pose.position, time), rotation_matrix(q)
-
-
-def _continued(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit quaternions whose signs do not jump, shape (k, 4)."""
-    turned = np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))
-    signs = np.concatenate([[1.0], np.cumprod(np.where(turned == 0.0, 1.0, turned))])
-    return quaternions * signs[:, np.newaxis]
-
-
-def _local(motion: SceneMotion, surface: Surface, time: float) -> NDArray[np.float64]:
-    """Points in the axes of the body."""
-    points = surface.points
-    times = motion.times
-    if surface.modes is not None:
-        assert surface.amplitudes is not None
-        points = points + np.tensordot(_between(times[0], surface.amplitudes, time), surface.modes, axes=1)
-    elif surface.shapes is not None:
-        points = _between(times[1], surface.shapes, time)
-    if surface.size is not None:
-        points = points * float(_between(times[0], surface.size[:, np.newaxis], time)[0])
-    if surface.at is not None:
-        points = points + surface.at
-    if surface.offset is not None:
-        points = points + _between(times[0], surface.offset, time)
-    if surface.anchor is not None:
-        carrier, vertex = motion.surfaces[surface.anchor[0]], surface.anchor[1]
-        points = points + _local(motion, carrier, time)[vertex] - carrier.points[vertex]
-    return points
 
 
 # --- GLB
@@ -231,14 +155,14 @@ class _Gltf:
         )
 
 
-def write_glb(path: Path, motion: SceneMotion, *, title: str, generator: str) -> list[str]:
+def write_glb(path: Path, drawn: DrawnScene, *, title: str, generator: str) -> list[str]:
     """Write a scene with its motion as GLB; y is up there, as glTF has it.
 
     Parameters
     ----------
     path
         Replaced.
-    motion
+    drawn
         The scene; bodies that leave it stand still from then on.
     title, generator
         Told in the file.
@@ -250,7 +174,7 @@ def write_glb(path: Path, motion: SceneMotion, *, title: str, generator: str) ->
     """
     notes: list[str] = []
     out = _Gltf()
-    up = motion.up
+    up = drawn.up
     turn = {
         (0.0, 0.0, 1.0): [-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)],
         (0.0, 0.0, -1.0): [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)],
@@ -261,12 +185,12 @@ def write_glb(path: Path, motion: SceneMotion, *, title: str, generator: str) ->
     root = out.node(title)
     if turn is not None:
         out.nodes[root]["rotation"] = [float(v) for v in turn]
-    moves = len(motion.times[0]) > 1
-    zero = motion.times[0][0]
-    times = out.add(motion.times[0] - zero) if moves else -1
+    moves = len(drawn.times[POSES]) > 1
+    zero = drawn.times[POSES][0]
+    times = out.add(drawn.times[POSES] - zero) if moves else -1
     nodes = []
-    for pose in motion.poses:
-        position, orientation = _held(pose.position), _held(_continued(pose.orientation))
+    for pose in drawn.poses:
+        position, orientation = _held(pose.position), _held(continued(pose.orientation))
         turned = orientation / np.linalg.norm(orientation, axis=1, keepdims=True)
         turned = turned[:, [1, 2, 3, 0]]  # the scalar is last in glTF
         node = out.node(pose.name, root, translation=position[0].tolist(), rotation=turned[0].tolist())
@@ -275,10 +199,10 @@ def write_glb(path: Path, motion: SceneMotion, *, title: str, generator: str) ->
             out.animate(node, "translation", times, position)
         if moves and np.ptp(turned, axis=0).any():
             out.animate(node, "rotation", times, turned)
-    chosen = np.unique(np.linspace(0, len(motion.times[0]) - 1, MORPHS).round().astype(np.int64))
-    few = motion.times[0][chosen]
+    chosen = np.unique(np.linspace(0, len(drawn.times[POSES]) - 1, MORPHS).round().astype(np.int64))
+    few = drawn.times[POSES][chosen]
     few_times = out.add(few - zero) if moves else -1
-    for surface in motion.surfaces:
+    for surface in drawn.solids:
         parent = root if surface.body < 0 else nodes[surface.body]
         material = out.material(surface.colour, surface.opacity)
         if surface.modes is not None and moves:
@@ -291,16 +215,16 @@ def write_glb(path: Path, motion: SceneMotion, *, title: str, generator: str) ->
             part is not None for part in (surface.shapes, surface.offset, surface.size, surface.anchor)
         )
         if changes and moves:
-            shapes = [_local(motion, surface, float(time)) for time in few]
+            shapes = [Moment(drawn, float(time)).local(surface) for time in few]
             _morphed(out, surface.name, parent, shapes, surface.triangles, material, few_times)
             continue
-        mesh = out.mesh(surface.name, _local(motion, surface, zero), surface.triangles, material)
+        mesh = out.mesh(surface.name, Moment(drawn, float(zero)).local(surface), surface.triangles, material)
         out.node(surface.name, parent, mesh=mesh)
-    for line in motion.lines:
+    for line in drawn.lines:
         if not line.radius:
             continue
         shapes = [
-            _tube(np.nan_to_num(line_points(motion, line, float(time))), line.radius)
+            _tube(np.nan_to_num(Moment(drawn, float(time)).line(line)), line.radius)
             for time in (few if moves else few[:1])
         ]
         material = out.material(line.colour, 1.0)
@@ -309,9 +233,9 @@ def write_glb(path: Path, motion: SceneMotion, *, title: str, generator: str) ->
             _morphed(out, line.name, root, shapes, triangles, material, few_times)
         else:
             out.node(line.name, root, mesh=out.mesh(line.name, shapes[0], triangles, material))
-    if len(few) < len(motion.times[0]):
+    if len(few) < len(drawn.times[POSES]):
         notes.append(f"ropes and recorded shapes are those of {len(few)} records, linear between them")
-    if motion.arrows or motion.water is not None:
+    if drawn.arrows or drawn.water is not None:
         notes.append("water and forces at contacts are not in it")
     path.write_bytes(out.content(generator, title))
     return notes
@@ -379,7 +303,7 @@ def _tube_triangles(count: int) -> NDArray[np.int64]:
 # --- VTKHDF
 
 
-def write_vtkhdf(path: Path, motion: SceneMotion) -> list[str]:
+def write_vtkhdf(path: Path, drawn: DrawnScene) -> list[str]:
     """Write a scene as a time series of VTKHDF: surfaces and ropes of the world, and what is known of their points.
 
     Point data: ``stress`` [Pa], not a number where there is none. Cell data: ``object``, a number among the names in
@@ -389,7 +313,7 @@ def write_vtkhdf(path: Path, motion: SceneMotion) -> list[str]:
     ----------
     path
         Replaced.
-    motion
+    drawn
         The scene.
 
     Returns
@@ -399,11 +323,11 @@ def write_vtkhdf(path: Path, motion: SceneMotion) -> list[str]:
     """
     import h5py
 
-    surfaces, lines = motion.surfaces, [line for line in motion.lines if line.radius]
+    surfaces, lines = drawn.solids, [line for line in drawn.lines if line.radius]
     count = sum(len(one.points) for one in surfaces) + sum(len(one.on) for one in lines)
     most = int(np.clip(STEP_BYTES // max(12 * count, 1), 2, STEPS))
-    chosen = np.unique(np.linspace(0, len(motion.times[0]) - 1, most).round().astype(np.int64))
-    times = motion.times[0][chosen]
+    chosen = np.unique(np.linspace(0, len(drawn.times[POSES]) - 1, most).round().astype(np.int64))
+    times = drawn.times[POSES][chosen]
     names = [one.name for one in lines] + [one.name for one in surfaces]
     starts = np.cumsum([0, *(len(one.points) for one in surfaces), *(len(one.on) for one in lines)])
     triangles = np.concatenate(
@@ -458,12 +382,10 @@ def write_vtkhdf(path: Path, motion: SceneMotion) -> list[str]:
         steps.create_group("PointDataOffsets")["stress"] = order * count
         steps.create_group("CellDataOffsets")["object"] = np.zeros(len(times), dtype=np.int64)
         for k, time in enumerate(times):
-            parts = [surface_points(motion, one, float(time)) for one in surfaces]
-            parts += [line_points(motion, one, float(time)) for one in lines]
+            now = Moment(drawn, float(time))
+            parts = now.all(surfaces, lines)
             values = [
-                np.full(len(one.points), np.nan)
-                if one.stress is None
-                else _between(motion.times[1], one.stress, float(time))
+                np.full(len(one.points), np.nan) if one.stress is None else now.value(SHAPES, one.stress)
                 for one in surfaces
             ]
             values += [np.full(len(one.on), np.nan) for one in lines]
@@ -472,8 +394,8 @@ def write_vtkhdf(path: Path, motion: SceneMotion) -> list[str]:
                 points[here] = np.concatenate(parts)
                 stress[here] = np.concatenate(values)
     notes = []
-    if len(times) < len(motion.times[0]):
-        notes.append(f"{len(times)} of {len(motion.times[0])} placed records are in it")
-    if motion.arrows or motion.water is not None:
+    if len(times) < len(drawn.times[POSES]):
+        notes.append(f"{len(times)} of {len(drawn.times[POSES])} placed records are in it")
+    if drawn.arrows or drawn.water is not None:
         notes.append("water and forces at contacts are not in it")
     return notes

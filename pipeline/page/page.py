@@ -9,10 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.pipeline.drawn.lines import coil
+from heavylift.pipeline.drawn.roles import FORCE_COLOUR
+from heavylift.pipeline.drawn.scene import POSES, SHAPES, TOUCHES, DrawnScene
 from heavylift.pipeline.page.channels import pack_channels
 from heavylift.pipeline.page.packing import Block, page_parts
-from heavylift.pipeline.page.scene import SceneMotion, stress_colours, unit_coil
+from heavylift.pipeline.pictures.camera import plane_view
 from heavylift.pipeline.pictures.drawings import BANDED, colours
+from heavylift.pipeline.pictures.meshes import stress_scale
+from heavylift.solver.scene.outlines import box_corners
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,9 +25,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.drawn.scene import Line, Surface
+    from heavylift.pipeline.pictures.meshes import Scale
     from heavylift.pipeline.results.histories import Results
 
-__all__ = ["Judged", "PageContent", "page_content", "page_html"]
+__all__ = ["Judged", "PageContent", "drawn_header", "page_content", "page_html"]
 
 _FAR_APART = 0.03  # size of the largest body beside the scene below which only labels show where bodies are
 _CHANNELS = 6  # curves that are plotted at first, at most
@@ -72,13 +79,14 @@ class PageContent:
 
 def page_content(
     case: Case,
-    motion: SceneMotion | None,
+    drawn: DrawnScene | None,
     results: Results | None,
     *,
     verdict: tuple[str, bool | None] = ("", None),
     judged: Sequence[Judged] = (),
     phases: Sequence[tuple[str, float, float]] = (),
     events: Sequence[tuple[float, str]] = (),
+    tones: Sequence[tuple[float, float]] = (),
     notes: Sequence[str] = (),
     descriptions: Mapping[str, str] | None = None,
     labelled: bool = False,
@@ -91,7 +99,7 @@ def page_content(
     ----------
     case
         The case.
-    motion
+    drawn
         What is drawn; None if it can no longer be put together.
     results
         Time histories; None before a run.
@@ -103,6 +111,8 @@ def page_content(
         Name, begin and end [s].
     events
         Time [s] and words.
+    tones
+        Time [s] and frequency [Hz] of what is heard, if a reader turns the sound on.
     notes
         What else is to be known, warnings first.
     descriptions
@@ -115,7 +125,7 @@ def page_content(
         By which a page notices new records.
     """
     block = Block()
-    shown = motion if motion is not None else SceneMotion([np.zeros(1)] * 4, np.array([0.0, 0.0, 1.0]))
+    shown = drawn if drawn is not None else DrawnScene([np.zeros(1)] * 4, np.array([0.0, 0.0, 1.0]))
     timelines = [block.add(times, "f8") for times in shown.times]
     remarks = [*notes, *shown.notes]
     channels: list[dict[str, Any]] = []
@@ -138,19 +148,20 @@ def page_content(
         "end": end,
         "timelines": timelines,
         "up": {"axis": axis, "vector": [float(v) for v in shown.up]},
-        "view": [float(v) for v in shown.view],
-        "box": {"low": shown.box[0].tolist(), "high": shown.box[1].tolist()},
-        "size": shown.size,
-        "radius": shown.radius,
-        **_scene(shown, block),
+        "view": [float(v) for v in _view(shown)],
+        "box": {"low": shown.view_box[0].tolist(), "high": shown.view_box[1].tolist()},
+        "size": shown.view_size,
+        "radius": min(2.0e-3 * shown.view_size, 0.02 * shown.largest),
+        **drawn_header(shown, block),
         "channels": channels,
         "plotted": [list(one) for one in _plotted(case, channels, judged)],
         "limits": _limits(judged, channels),
         "checks": [_row(one, channels) for one in judged],
         "phases": [list(phase) for phase in phases],
         "events": [{"time": time, "text": text} for time, text in sorted(events, key=lambda one: one[0])],
+        "tones": [{"time": time, "tone": tone} for time, tone in sorted(tones)],
         "notes": remarks,
-        "labelled": labelled or shown.largest < _FAR_APART * shown.size,
+        "labelled": labelled or shown.largest < _FAR_APART * shown.view_size,
         "live": live,
         "version": version_of_data,
     }
@@ -169,14 +180,44 @@ def page_html(content: PageContent, below: str = "") -> str:
     )
 
 
-def _scene(motion: SceneMotion, block: Block) -> dict[str, Any]:
-    scale = stress_colours(motion)
+def _view(drawn: DrawnScene) -> NDArray[np.float64]:
+    """Direction towards the observer: across a scene that is plane, else from above and one side."""
+    # all corners of the boxes: lowest and highest ones alone may lie in a plane that nothing else lies in
+    across = plane_view(np.concatenate([box_corners(box) for box in drawn.reached]), drawn.up, flat=1e-3)
+    if across is not None:
+        return np.array(across.towards)
+    if drawn.up[1] != 0.0:
+        return np.array([0.45, 0.36 * drawn.up[1], 0.8])
+    if drawn.up[0] != 0.0:
+        return np.array([0.36 * drawn.up[0], 0.55, 0.75])
+    return np.array([0.55, -0.75, 0.36 * drawn.up[2]])
+
+
+def _stress_colours(drawn: DrawnScene) -> Scale | None:
+    """Colours that suit the stresses of all surfaces; None if there are none."""
+    parts = [one.stress for one in drawn.surfaces if one.stress is not None]
+    if not parts:
+        return None
+    values = np.concatenate([part[np.isfinite(part)].ravel() for part in parts])
+    few = values[:: 1 + len(values) // 2_000_000]
+    return stress_scale(few, float(np.abs(values).max(initial=0.0)), signed=drawn.signed)
+
+
+def _unit_coil() -> NDArray[np.float64]:
+    """Points of a coil of length and radius one along z, shape (n, 3)."""
+    points, _ = coil(np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.125)
+    return points * np.array([8.0, 8.0, 1.0])
+
+
+def drawn_header(drawn: DrawnScene, block: Block) -> dict[str, Any]:
+    """What is drawn, as the script of the page has it; its numbers go into the block."""
+    scale = _stress_colours(drawn)
     table = None
     if scale is not None:
         low, high = scale.limits
         table = _table(scale.colours)
-        title = "axial stress N/A ± M c/I" if motion.signed else "von Mises stress"
-        parts = [one.stress for one in motion.surfaces if one.stress is not None]
+        title = "axial stress N/A ± M c/I" if drawn.signed else "von Mises stress"
+        parts = [one.stress for one in drawn.surfaces if one.stress is not None]
         largest = max(float(np.abs(part[np.isfinite(part)]).max(initial=0.0)) for part in parts)
         stress = {
             "low": low,
@@ -187,7 +228,7 @@ def _scene(motion: SceneMotion, block: Block) -> dict[str, Any]:
             "table": table,
         }
     bodies = []
-    for pose in motion.poses:
+    for pose in drawn.poses:
         own: dict[str, Any] = {"name": pose.name, "centre": pose.centre.tolist()}
         if len(pose.position) == 1 or not (
             np.ptp(pose.position, axis=0).any() or np.ptp(pose.orientation, axis=0).any()
@@ -195,45 +236,45 @@ def _scene(motion: SceneMotion, block: Block) -> dict[str, Any]:
             own["fixed"] = [*pose.position[0].tolist(), *pose.orientation[0].tolist()]
         else:
             own |= {
-                "timeline": 0,
+                "timeline": POSES,
                 "position": block.add(pose.position),
                 "orientation": block.add(pose.orientation),
             }
         bodies.append(own)
     tensions = [
         float(line.tension[np.isfinite(line.tension)].max(initial=0.0))
-        for line in motion.lines
+        for line in drawn.lines
         if line.tension is not None
     ]
     largest = max(tensions, default=0.0)
-    lengths = [float(np.linalg.norm(one.force, axis=2).max()) for one in motion.arrows]
+    lengths = [float(np.linalg.norm(one.force, axis=2).max()) for one in drawn.arrows]
     return {
         "bodies": bodies,
-        "surfaces": [_surface(one, block, scale) for one in motion.surfaces],
-        "lines": [_line(one, block, tense=largest > 0.0) for one in motion.lines],
+        "surfaces": [_surface(one, block, scale) for one in drawn.solids],
+        "lines": [_line(one, block, tense=largest > 0.0) for one in drawn.lines],
         "arrows": [
             {
                 "name": one.name,
                 "group": "contact forces",
-                "timeline": 3,
+                "timeline": TOUCHES,
                 "place": block.quantised(one.place),
                 "force": block.quantised(one.force),
-                "longest": 0.2 * motion.size,
+                "longest": 0.2 * drawn.view_size,
                 "largest": max(lengths),
-                "colour": "#c62828",
+                "colour": FORCE_COLOUR,
             }
-            for one in motion.arrows
+            for one in drawn.arrows
         ],
-        "water": _water(motion, block),
+        "water": _water(drawn, block),
         "stress": None if scale is None else stress,
         "tension": {"largest": largest, "table": _table(colours(BANDED, 256))} if largest > 0.0 else None,
         "labels": [
-            {"name": name, "body": body, "point": point.tolist(), "text": text}
-            for name, body, point, text in motion.labels
+            {"name": one.name, "body": one.body, "point": one.point.tolist(), "text": one.text}
+            for one in drawn.labels
         ],
-        "scale": motion.scale,
-        "scales": sorted({*_STEPS, motion.scale})
-        if any(one.modes is not None or one.shapes is not None for one in motion.surfaces)
+        "scale": drawn.scale,
+        "scales": sorted({*_STEPS, drawn.scale})
+        if any(one.modes is not None or one.shapes is not None for one in drawn.surfaces)
         else [1.0],
     }
 
@@ -244,7 +285,7 @@ def _table(bands: Sequence[str]) -> list[list[int]]:
     return [[int(colour[i : i + 2], 16) for i in (1, 3, 5)] for colour in chosen]
 
 
-def _surface(one: Any, block: Block, scale: Any) -> dict[str, Any]:
+def _surface(one: Surface, block: Block, scale: Scale | None) -> dict[str, Any]:
     found: dict[str, Any] = {
         "name": one.name,
         "group": one.group,
@@ -258,59 +299,53 @@ def _surface(one: Any, block: Block, scale: Any) -> dict[str, Any]:
         found["edges"] = block.add(one.edges, "i4")
     if one.coarse is not None:
         found["coarse"] = block.add(one.coarse, "i4")
-    if one.modes is not None:
-        found |= {"modes": block.add(one.modes), "amplitudes": block.add(one.amplitudes), "timeline": 0}
+    if one.modes is not None and one.amplitudes is not None:
+        found |= {"modes": block.add(one.modes), "amplitudes": block.add(one.amplitudes), "timeline": POSES}
     elif one.shapes is not None:
-        found |= {"shapes": block.quantised(one.shapes), "timeline": 1}
+        found |= {"shapes": block.quantised(one.shapes), "timeline": SHAPES}
     if one.stress is not None and scale is not None:
         low, high = (limit * scale.divisor for limit in scale.limits)
         values = one.stress if scale.signed else np.abs(one.stress)
         codes = np.clip(np.nan_to_num((values - low) / (high - low)) * 255.0, 0.0, 255.0)
-        found |= {"stress": block.add(np.round(codes), "u1"), "stressTimeline": 1}
+        found |= {"stress": block.add(np.round(codes), "u1"), "stressTimeline": SHAPES}
     if one.anchor is not None:
         found["anchor"] = list(one.anchor)
     if one.at is not None:
         found["at"] = one.at.tolist()
     if one.offset is not None:
-        found |= {"offset": block.quantised(one.offset), "offsetTimeline": 0}
+        found |= {"offset": block.quantised(one.offset), "offsetTimeline": POSES}
     if one.size is not None:
-        found |= {"size": block.add(one.size), "sizeTimeline": 0}
+        found |= {"size": block.add(one.size), "sizeTimeline": POSES}
     return found
 
 
-def _line(one: Any, block: Block, *, tense: bool) -> dict[str, Any]:
+def _line(one: Line, block: Block, *, tense: bool) -> dict[str, Any]:
     found: dict[str, Any] = {
         "name": one.name,
         "group": one.group,
         "colour": one.colour,
         "radius": one.radius,
         "on": block.add(one.on, "i4"),
-        "hidden": one.hidden,
+        "hidden": False,
     }
     found["local"] = block.quantised(one.local) if one.local.ndim == 3 else block.add(one.local)
     if one.local.ndim == 3:
         found["timeline"] = one.timeline
-    if one.surface is not None:
+    if one.surface is not None and one.vertex is not None:
         found |= {"surface": block.add(one.surface, "i4"), "vertex": block.add(one.vertex, "i4")}
     if one.coiled:
-        found["coil"] = block.add(unit_coil())
+        found["coil"] = block.add(_unit_coil())
     if not one.radius:
-        ends = one.ends if one.ends is not None else _chain(len(one.on))
-        found["ends"] = block.add(ends, "i4")
+        found["ends"] = block.add(one.segments, "i4")
     if one.tension is not None and tense:
-        found |= {"tension": block.add(one.tension), "tensionTimeline": 0}
+        found |= {"tension": block.add(one.tension), "tensionTimeline": POSES}
     if one.loose is not None:
-        found |= {"loose": block.add(one.loose.astype(np.uint8), "u1"), "looseTimeline": 0}
+        found |= {"loose": block.add(one.loose.astype(np.uint8), "u1"), "looseTimeline": POSES}
     return found
 
 
-def _chain(count: int) -> NDArray[np.int64]:
-    order = np.arange(count, dtype=np.int64)
-    return np.column_stack([order[:-1], order[1:]])
-
-
-def _water(motion: SceneMotion, block: Block) -> dict[str, Any] | None:
-    water = motion.water
+def _water(drawn: DrawnScene, block: Block) -> dict[str, Any] | None:
+    water = drawn.water
     if water is None:
         return None
     waves = None if water.waves is None else {key: block.add(part) for key, part in water.waves.items()}

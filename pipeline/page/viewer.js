@@ -1112,12 +1112,39 @@ const heavylift = (() => {
   let plottedAt = 0;
   const PLOT_EVERY = 120; // milliseconds between two cursors of the plots while the scene is played
 
+  let audio = null; // where the reader has turned the sound on
+
+  function sound() {
+    if (audio) audio.close();
+    audio = audio ? null : new window.AudioContext();
+    node("sound").classList.toggle("on", audio !== null);
+  }
+
+  function hear(begin, end) {
+    if (!audio) return;
+    for (const { time, tone } of data.tones) {
+      if ((time > begin || time === clock.begin && begin === time) && time <= end) beep(tone);
+    }
+  }
+
+  function beep(tone) {
+    const source = audio.createOscillator(), loudness = audio.createGain(), now = audio.currentTime;
+    source.frequency.value = tone;
+    loudness.gain.setValueAtTime(0.2, now);
+    loudness.gain.exponentialRampToValueAtTime(0.001, now + 0.5);
+    source.connect(loudness).connect(audio.destination);
+    source.start(now);
+    source.stop(now + 0.5);
+  }
+
   function frame(now) {
     if (clock.playing) {
       const step = (Math.min(now - clock.before, 1000) / 1000) * clock.speed; // not all that passed behind other windows
       if (step > 0) {
         if (world) coarsen(now - clock.before);
+        const before = clock.now;
         seek(clock.now + step);
+        hear(before, clock.now);
         if (clock.now >= clock.end) play(false);
       }
       clock.before = now;
@@ -1793,6 +1820,7 @@ const heavylift = (() => {
       if (node("events").value !== "") jump(Number(node("events").value));
       node("events").value = "";
     });
+    node("sound").addEventListener("click", () => sound());
     node("filter").addEventListener("input", listChannels);
     node("view").addEventListener("change", () => { view(node("view").value); node("view").value = ""; });
     node("follow").addEventListener("change", () => follow(Number(node("follow").value)));
@@ -1822,6 +1850,7 @@ const heavylift = (() => {
     node("events").replaceChildren(make("option", { value: "" }, "jump to…"),
       ...data.events.map((event) => make("option", { value: String(event.time) }, `${number(event.time, 6)} s  ${event.text}`)));
     node("events").disabled = !data.events.length;
+    node("sound").hidden = !data.tones.length || !window.AudioContext;
     node("follow").replaceChildren(make("option", { value: "-1" }, "follow nothing"),
       ...data.bodies.map((body, index) => make("option", { value: String(index) }, `follow ${body.name}`)));
     node("follow").value = String(options.follow);

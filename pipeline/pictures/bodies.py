@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from heavylift.pipeline.drawn.scales import deformation_scale
 from heavylift.pipeline.pictures.annotations import (
     GREY,
     add_colour_bar,
@@ -21,7 +22,6 @@ from heavylift.pipeline.pictures.camera import Camera, View, choose_view, fit_ca
 from heavylift.pipeline.pictures.drawings import (
     INK,
     bounding_box,
-    deformation_scale,
     mesh_drawing,
     mode_drawing,
     stress_drawing,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.pictures.outer_surface import Surface
+    from heavylift.pipeline.drawn.outer_surface import Surface
     from heavylift.pipeline.pictures.render import Drawing, Renderer
 
 __all__ = ["Painter"]

@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.pipeline.pictures.outer_surface import Surface
+    from heavylift.pipeline.drawn.outer_surface import Surface
 
 __all__ = ["Camera", "View", "choose_view", "fit_camera", "plane_view"]
 

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.pipeline.drawn.outer_surface import feature_edges, surface_from_triangles
+from heavylift.pipeline.drawn.scales import round_down
+from heavylift.pipeline.drawn.triangles import clip_triangles, welded
 from heavylift.pipeline.pictures.annotations import (
     GREY,
     add_heading,
@@ -16,12 +19,9 @@ from heavylift.pipeline.pictures.annotations import (
     emptiest_corner,
 )
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
-from heavylift.pipeline.pictures.drawings import round_down
-from heavylift.pipeline.pictures.outer_surface import feature_edges, surface_from_triangles
 from heavylift.pipeline.pictures.parts import force_arrow
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, Points, rgb
-from heavylift.pipeline.pictures.triangles import clip_triangles, welded
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

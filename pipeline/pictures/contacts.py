@@ -1,4 +1,4 @@
-"""Contours, what touches them, and the forces between them: as lines and surfaces, and as a picture of a scene."""
+"""Picture of all that is seen of a scene at one record, with its own scale and legend."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.numerics.rotation import rotation_matrix
+from heavylift.pipeline.drawn.outer_surface import Surface, feature_edges
+from heavylift.pipeline.drawn.scales import round_down
 from heavylift.pipeline.pictures.annotations import (
     add_heading,
     add_scale_bar,
@@ -15,197 +16,24 @@ from heavylift.pipeline.pictures.annotations import (
     emptiest_corner,
 )
 from heavylift.pipeline.pictures.camera import choose_view, fit_camera
-from heavylift.pipeline.pictures.drawings import INK, round_down
-from heavylift.pipeline.pictures.outer_surface import Surface, feature_edges
-from heavylift.pipeline.pictures.parts import ROUND, Parts, chain, force_arrow, grid_triangles, shape_parts
+from heavylift.pipeline.pictures.drawings import INK
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch, rgb
-from heavylift.solver.scene.connections import GROUND
-from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import FlexibleBody
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.contours.splines.neutral import NeutralContour
     from heavylift.pipeline.pictures.camera import Camera
     from heavylift.pipeline.pictures.parts import Seen
     from heavylift.pipeline.pictures.render import Renderer
-    from heavylift.solver.scene import contacts as c
-    from heavylift.solver.scene.scene import Scene
-
-    Pose = Callable[[str, int], tuple[NDArray[np.float64], NDArray[np.float64]]]
-    Channel = Callable[[str, int], NDArray[np.float64] | None]
 
 __all__ = [
-    "ContactParts",
-    "contour_parts",
     "kinks",
-    "scene_size",
     "touch_camera",
     "touch_picture",
 ]
-
-_CONTOUR, _GROUND = "#8e3b9c", "#dfe4ea"
-_PIECES = 3  # samples of a polynomial piece of a contour
-_LINES = 13  # lines of a contour in each direction at most
-_ARROW = 0.2  # length of the arrow of the largest force, relative to the scene
-
-
-class ContactParts:
-    """Draws the contours and contacts of a scene at any record.
-
-    Contours that are the shape of a frame or shell are drawn as that.
-
-    Parameters
-    ----------
-    scene
-        What was simulated.
-    pose
-        Origin and rotation of a body that is no mesh, or of the world, by name and record.
-    position
-        Place of a point of a body in the world, by the number of its contact and record.
-    channel
-        Recorded channel at a record, by name and record; None if it is not recorded.
-    peak
-        Largest force of any contact in the run [N], whose arrow is the longest one.
-    size
-        Of the scene [m].
-    """
-
-    def __init__(
-        self,
-        scene: Scene,
-        pose: Pose,
-        position: Callable[[int, int], NDArray[np.float64]],
-        channel: Channel,
-        *,
-        peak: float = 0.0,
-        size: float = 1.0,
-    ) -> None:
-        self._scene, self._pose, self._position, self._channel = scene, pose, position, channel
-        self._peak, self._size = peak, size
-        self._flexible = {body.name for body in scene.bodies if isinstance(body, FlexibleBody)}
-        self._meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
-
-    def seen(self, record: int) -> Parts:
-        """What is drawn at a record, world axes [m]."""
-        parts = [part for contour in self._scene.contours for part in self._contour(contour, record)]
-        parts += [
-            part
-            for number, contact in enumerate(self._scene.contacts)
-            for part in self._contact(number, contact, record)
-        ]
-        return Parts(
-            tuple(line for part in parts for line in part.lines),
-            tuple(patch for part in parts for patch in part.patches),
-            tuple(mark for part in parts for mark in part.marks),
-        )
-
-    def _contour(self, contour: c.Contour, record: int) -> list[Parts]:
-        if contour.neutral is None:
-            return []
-        modal = self._channel(f"{contour.body}.modal_position", record)
-        deformed = contour.neutral if modal is None else contour.neutral.deformed(np.atleast_1d(modal))
-        # on a body that is drawn itself the lines are enough
-        parts = contour_parts(contour, deformed, filled=contour.body not in self._flexible)
-        return [parts.placed(*self._pose(contour.body, record))]
-
-    def _contact(self, number: int, contact: c.Contact, record: int) -> list[Parts]:
-        place = self._position(number, record)
-        R = np.eye(3) if contact.body in self._meshes else self._pose(contact.body, record)[1]
-        parts = [shape_parts(contact.shape).placed(place, R)]
-        force = self._channel(f"{contact.name}.force", record)
-        touched = self._channel(f"{contact.name}.point", record)
-        if force is not None and touched is not None and self._peak > 0.0 and np.any(force):
-            arrow = force * (_ARROW * self._size / self._peak)
-            parts.append(Parts(lines=(force_arrow(touched, arrow),)))
-        return parts
-
-
-def scene_size(scene: Scene) -> float:
-    """Diagonal of the box around the bodies, contours and surfaces of bodies of a scene at the start [m]."""
-    points: list[NDArray[np.float64]] = []
-    frames = {GROUND: (np.zeros(3), np.eye(3))}
-    for body in scene.bodies:
-        frames[body.name] = body.position, rotation_matrix(body.orientation)
-        nodes = np.zeros((1, 3))
-        if isinstance(body, MeshBody):
-            nodes = body.nodes
-        elif isinstance(body, FlexibleBody):
-            nodes = body.reduced.nodes
-        points.append(body.position + nodes @ frames[body.name][1].T)
-    for contour in scene.contours:
-        if contour.neutral is not None:
-            origin, R = frames[contour.body]
-            points.append(origin + contour.neutral.control @ R.T)
-    for part in scene.surfaces:
-        if part.surface is not None and part.body != GROUND:
-            origin, R = frames[part.body]
-            points.append(origin + part.surface.points @ R.T)
-    return float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0))) or 1.0
-
-
-def contour_parts(contour: c.Contour, neutral: NeutralContour, *, filled: bool) -> Parts:
-    """A contour in the axes of its body, its spline already deformed; `filled` adds the surface to its lines."""
-    from heavylift.contours.splines.derivatives import sample_grid
-
-    _, values = sample_grid(neutral, _PIECES)
-    points = values[..., 0, :]
-    closed = [space.closed for space in neutral.spaces]
-    if neutral.is_surface:
-        lines = _net(points, closed)
-        patch = (Patch(points.reshape(-1, 3), grid_triangles(points.shape[:2], closed), _GROUND),)
-        return Parts((lines,), patch if filled else ())
-    tangents = values[:, 1] / np.linalg.norm(values[:, 1], axis=1, keepdims=True)
-    line = Lines(points, chain(len(points), closed[0]), _CONTOUR, 2.5)
-    if contour.radius > 0.0:
-        first = np.eye(3)[np.argmin(np.abs(tangents[0]))]
-        across = _carried(tangents, first)
-        turns = 2.0 * np.pi * np.arange(ROUND) / ROUND
-        other = np.cross(tangents, across)
-        rings = np.cos(turns)[:, None] * across[:, None] + np.sin(turns)[:, None] * other[:, None]
-        tube = points[:, None] + contour.radius * rings
-        return Parts(
-            (line,), (Patch(tube.reshape(-1, 3), grid_triangles(tube.shape[:2], [closed[0], True]), _GROUND),)
-        )
-    if contour.width > 0.0:
-        normals = np.cross(contour.sequencer, tangents)
-        across = np.cross(tangents, normals / np.linalg.norm(normals, axis=1, keepdims=True))
-        half = 0.5 * contour.width * across
-        strip = np.stack([points - half, points, points + half], axis=1)
-        return Parts(
-            (line,),
-            (Patch(strip.reshape(-1, 3), grid_triangles(strip.shape[:2], [closed[0], False]), _GROUND),),
-        )
-    return Parts((line,))
-
-
-def _carried(tangents: NDArray[np.float64], sequencer: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors across a curve that turn with its tangent and no more, shape (k, 3)."""
-    found = np.empty_like(tangents)
-    across = np.asarray(sequencer, dtype=np.float64)
-    for k, tangent in enumerate(tangents):
-        across = across - (across @ tangent) * tangent
-        across = across / np.linalg.norm(across)
-        found[k] = across
-    return found
-
-
-def _net(points: NDArray[np.float64], closed: list[bool]) -> Lines:
-    """Lines along both directions of a grid of points, few of them, those at the borders always."""
-    numbers = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
-    ends = []
-    for axis in (0, 1):
-        along = numbers if axis == 0 else numbers.T
-        count = len(along.T) - (1 if closed[1 - axis] else 0)
-        chosen = np.unique(np.linspace(0, count - 1, min(_LINES, count)).round().astype(int))
-        steps = chain(len(along), closed[axis])
-        ends += [along[steps, column] for column in chosen]
-    return Lines(points.reshape(-1, 3), np.concatenate(ends), _CONTOUR, 1.2, 0.8)
-
 
 SIZE = (1200, 760)
 """Width and height of a picture [pixels]."""
@@ -254,7 +82,7 @@ def touch_camera(
     Parameters
     ----------
     scenes
-        From `heavylift.pipeline.pictures.attached.Others`, lengths in metres; not all empty.
+        From `heavylift.pipeline.pictures.scene_view.SceneView`, lengths in metres; not all empty.
     up
         Direction against gravity, shape (3,), if there is gravity.
     size
@@ -291,7 +119,7 @@ def touch_picture(
     renderer
         Draws the pixels.
     seen
-        From `heavylift.pipeline.pictures.attached.Others`, lengths in metres.
+        From `heavylift.pipeline.pictures.scene_view.SceneView`, lengths in metres.
     title, note
         First and second line of the heading.
     words

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.pipeline.pictures.outer_surface import Surface
+    from heavylift.pipeline.drawn.outer_surface import Surface
 
 __all__ = [
     "BANDED",
@@ -21,11 +21,9 @@ __all__ = [
     "INK",
     "bounding_box",
     "colours",
-    "deformation_scale",
     "mark_colours",
     "mesh_drawing",
     "mode_drawing",
-    "round_down",
     "stress_bands",
     "stress_drawing",
     "stress_limit",
@@ -41,18 +39,6 @@ BANDED = ("turbo", 0.09, 0.95)
 """Colour map of amounts, see `colours`."""
 DIVERGING = ("coolwarm", 0.0, 1.0)
 """Colour map of values with a sign."""
-
-
-def round_down(value: float) -> float:
-    """Largest of 1, 2, 5 times a power of ten that does not exceed a positive value."""
-    power = 10.0 ** np.floor(np.log10(value) + 1.0e-12)
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1.0e-9)))
-
-
-def deformation_scale(displacement: NDArray[np.float64], diagonal: float, *, share: float = 0.1) -> float:
-    """Round factor that draws the largest displacement as at most `share` of the diagonal; 1 at rest."""
-    largest = float(np.linalg.norm(displacement, axis=-1).max(initial=0.0))
-    return round_down(share * diagonal / largest) if largest > 1.0e-12 * diagonal else 1.0
 
 
 def stress_limit(stress: NDArray[np.float64]) -> float:

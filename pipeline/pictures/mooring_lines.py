@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,18 +9,13 @@ import numpy as np
 from heavylift.pipeline.pictures.plots import few_colours, figure_png
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.solver.water.lines.catenary import SLACK
-from heavylift.solver.water.lines.placed_line import hang_line, line_bottom
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from heavylift.pipeline.drawn.hanging import HangingLine
 
-    from heavylift.solver.water.lines.catenary_line import Catenary, LineProfile
-    from heavylift.solver.water.lines.mooring_lines import MooringLine
-    from heavylift.solver.water.lines.placed_line import LineBottom
-
-__all__ = ["DrawnLine", "draw_line", "profile_picture"]
+__all__ = ["profile_picture"]
 
 _DPI = 110
 _WIDTH = 10.0
@@ -31,68 +25,15 @@ _INK, _GREY, _SAND, _WATER = "#1d2733", "#66707c", "#d9c9a3", "#7fb2d9"
 _COLOUR_MAP = "viridis"
 
 
-@dataclass(frozen=True, eq=False)
-class DrawnLine:
-    """A line where it hangs.
-
-    Attributes
-    ----------
-    line
-        What it is.
-    catenary
-        Its forces.
-    profile
-        In its vertical plane, from the anchor.
-    points
-        The same in the world [m], shape (n, 3): a polyline.
-    joints
-        Points of the profile that are joints of sections, numbers.
-    bottom
-        What is below it, in the world.
-    """
-
-    line: MooringLine
-    catenary: Catenary
-    profile: LineProfile
-    points: NDArray[np.float64]
-    joints: NDArray[np.int64]
-    bottom: LineBottom | None
-
-
-def draw_line(
-    line: MooringLine, anchor: NDArray[np.float64], fairlead: NDArray[np.float64], *, points: int = 40
-) -> DrawnLine:
-    """Shape of a line between two places.
-
-    Parameters
-    ----------
-    line
-        The line.
-    anchor, fairlead
-        Its ends, world [m], shape (3,).
-    points
-        On each section, at least.
-    """
-    anchor, fairlead = np.asarray(anchor, dtype=np.float64), np.asarray(fairlead, dtype=np.float64)
-    r = fairlead - anchor
-    span = float(np.hypot(r[0], r[1]))
-    found, profile = hang_line(line, anchor, fairlead, points=points)
-    e = np.array([r[0], r[1], 0.0]) / span if span > 0.0 else np.array([1.0, 0.0, 0.0])
-    places = anchor + profile.x[:, None] * e + profile.z[:, None] * np.array([0.0, 0.0, 1.0])
-    ends = np.cumsum([section.length for section in line.sections])[:-1]
-    joints = np.array([int(np.argmin(np.abs(profile.s - at))) for at in ends], dtype=np.int64)
-    return DrawnLine(line, found, profile, places, joints, line_bottom(line, anchor))
-
-
 def profile_picture(
-    lines: Sequence[DrawnLine], *, level: float | None = None, title: str = "Mooring lines"
+    lines: Sequence[HangingLine], *, level: float | None = None, title: str = "Mooring lines"
 ) -> bytes:
     """Side views of lines, one a panel, each with its own colours of tension, as the content of a PNG file.
 
     Parameters
     ----------
     lines
-        From `draw_line`, one or more.
+        From `hanging_line`, one or more.
     level
         Height of the water [m]; None for none.
     title
@@ -136,7 +77,7 @@ def profile_picture(
     return few_colours(figure_png(figure))
 
 
-def _words(drawn: DrawnLine, unit: Any) -> str:
+def _words(drawn: HangingLine, unit: Any) -> str:
     """Name and numbers of a line."""
     found = drawn.catenary
     text = (
@@ -149,7 +90,7 @@ def _words(drawn: DrawnLine, unit: Any) -> str:
     return text.replace("$", r"\$") + (" (slack)" if found.branch == SLACK else "")
 
 
-def _surroundings(axes: Any, drawn: DrawnLine, level: float | None) -> None:
+def _surroundings(axes: Any, drawn: HangingLine, level: float | None) -> None:
     """Seabed and water, and the limits of the panel."""
     x, z = drawn.profile.x, drawn.points[:, 2]
     margin = 0.03 * max(float(np.ptp(x)), float(np.ptp(z)), 1e-3)

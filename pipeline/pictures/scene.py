@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.pipeline.drawn.outer_surface import Surface
+from heavylift.pipeline.drawn.scales import deformation_scale, round_down
+from heavylift.pipeline.drawn.skins import MeshRun, MeshSkin, Skin, frame_radius
 from heavylift.pipeline.pictures.annotations import (
     GREY,
     add_colour_bar,
@@ -16,22 +19,12 @@ from heavylift.pipeline.pictures.annotations import (
 )
 from heavylift.pipeline.pictures.camera import Camera, View, choose_view, fit_camera, plane_view
 from heavylift.pipeline.pictures.contacts import SIZE, kinks, touch_camera, touch_picture
-from heavylift.pipeline.pictures.drawings import INK, deformation_scale, round_down, stress_unit
-from heavylift.pipeline.pictures.meshes import (
-    Exaggeration,
-    MeshRun,
-    MeshSkin,
-    Scale,
-    Shot,
-    Skin,
-    frame_radius,
-    join,
-    stress_scale,
-)
-from heavylift.pipeline.pictures.outer_surface import Surface
+from heavylift.pipeline.pictures.drawings import INK, stress_unit
+from heavylift.pipeline.pictures.meshes import Exaggeration, Scale, Shot, join, stress_scale
 from heavylift.pipeline.pictures.parts import Seen
 from heavylift.pipeline.pictures.plots import figure_png
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
+from heavylift.pipeline.pictures.scene_view import sampled_records
 from heavylift.pipeline.results.signals import scaled_unit
 
 if TYPE_CHECKING:
@@ -39,15 +32,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from heavylift.pipeline.pictures.attached import Others
     from heavylift.pipeline.pictures.render import Renderer
+    from heavylift.pipeline.pictures.scene_view import SceneView
 
 __all__ = ["ScenePainter", "SolidPainter"]
 
 _DPI = 100
 _HEAD, _FOOT, _BAR = 84, 34, 130  # pixels above, below and beside the image
 _LEFT = (80, 62)  # place of the axes in moving pictures [pixels], lower left
-_LOOKS = 24  # records that view, camera and widths of tubes are chosen by
 _THIN = 4.0e-3  # radius of a tube relative to the scene below which it is widened
 _SMALL = 1.0e-2  # displacement relative to the scene below which it is drawn larger
 _VALUES = 2_000_000  # stresses that a common scale is chosen by
@@ -86,7 +78,7 @@ class ScenePainter:
         meshes: Mapping[str, MeshRun],
         times: NDArray[np.float64],
         *,
-        others: Others | None = None,
+        others: SceneView | None = None,
         up: ArrayLike | None = None,
         side: str = "largest",
         size: tuple[int, int] = (1200, 760),
@@ -99,8 +91,7 @@ class ScenePainter:
             for name, run in meshes.items()
         }
         self._shells = any(skin.is_shell for skin in self._skins.values())
-        looked = np.unique(np.linspace(0, len(times) - 1, min(_LOOKS, len(times))).round().astype(int))
-        self._looks = [int(record) for record in looked]
+        self._looks = [int(record) for record in sampled_records(len(times))]
         self._exaggeration = self._exaggerate()
         for name, factor in self._exaggeration.radius.items():
             self._skins[name].widening = factor
@@ -427,7 +418,7 @@ class SolidPainter:
     def __init__(
         self,
         renderer: Renderer,
-        others: Others,
+        others: SceneView,
         times: NDArray[np.float64],
         *,
         words: str,
@@ -436,7 +427,7 @@ class SolidPainter:
     ) -> None:
         self._renderer, self._others, self._times = renderer, others, times
         self._words, self._up, self._size = words, up, size
-        looked = np.unique(np.linspace(0, len(times) - 1, min(_LOOKS, len(times))).round().astype(int))
+        looked = sampled_records(len(times))
         self._seen = [self._others.seen(int(record), around=False) for record in looked]
         self.empty = not any(each.patches or each.lines for each in self._seen)
         self._camera: Camera | None = None

@@ -39,7 +39,7 @@ _NODAL = "At the nodes, as the mean of the elements around."
 _NOT_EIGENMODES = (
     "“Not an eigenmode”: the vector belongs to the basis but is no eigenmode of the full model (relative residual "
     f"{EIGENMODE_RESIDUAL:g} or more), as static, Krylov, component-mode and stored vectors after the Ritz step. "
-    "Its frequency is that of the reduced body, and its residual would say nothing about accuracy."
+    "Its frequency is that of the reduced body, and its residual is no measure of accuracy."
 )
 
 
@@ -108,9 +108,9 @@ def body_sections(
 def _painter(case: Case, model: FEModel, renderer: Renderer | None) -> Painter | None:
     if renderer is None:
         return None
+    from heavylift.pipeline.drawn.outer_surface import surface_from_mesh, surface_from_nodes
     from heavylift.pipeline.pictures.bodies import Painter
     from heavylift.pipeline.pictures.camera import choose_view
-    from heavylift.pipeline.pictures.outer_surface import surface_from_mesh, surface_from_nodes
 
     surface = surface_from_mesh(model.mesh) if model.mesh is not None else surface_from_nodes(model.nodes)
     up = None
@@ -338,7 +338,7 @@ def _instants(
 
 def _scaled_mode(shape: NDArray[np.float64], painter: Painter) -> tuple[NDArray[np.float64], str]:
     """Mode shape [m] with a round largest displacement, about a thousandth of the size; and that in words."""
-    from heavylift.pipeline.pictures.drawings import round_down
+    from heavylift.pipeline.drawn.scales import round_down
 
     amplitude = round_down(1.0e-3 * painter.diagonal)
     largest = max(float(np.linalg.norm(shape, axis=1).max()), np.finfo(float).tiny)

@@ -20,10 +20,10 @@ from heavylift.pipeline.checks.collision_regime import (
 )
 from heavylift.pipeline.pictures.collisions import Touching, TouchingSurface, collision_picture
 from heavylift.pipeline.pictures.plots import Series, history_plot
-from heavylift.pipeline.pictures.triangles import drawn_triangles
 from heavylift.pipeline.report.contacts import law_words
 from heavylift.pipeline.report.document import Figure, Section, Table, Text, short_table
 from heavylift.pipeline.results.words import number_words, numbers_words
+from heavylift.solver.scene.outlines import surface_triangles
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -589,7 +589,7 @@ def _surface(
     if section.body in case.meshes:
         return _own_surface(results, section.name, section.body, record)
     stored = stored_surface(case, index, stages)
-    points, faces, source = drawn_triangles(stored.whole)
+    points, faces, source = surface_triangles(stored.whole)
     kept = stored.kept[source]
     if section.body != GROUND:
         pose = _pose(case, results, section.body, record)
@@ -606,7 +606,7 @@ def _pose(
     """Where the origin of the geometry of a rigid body is in the world, and the rotation to world axes."""
     body = case.bodies[name]
     channels = (f"{name}.position", f"{name}.orientation")
-    if body.type != "rigid" or any(channel not in results for channel in channels):
+    if body.BODY.DEFORMS or any(channel not in results for channel in channels):
         return None
     position, R = results[channels[0]][record], rotation_matrix(results[channels[1]][record])
     if body.frame.origin == "centre_of_mass":
@@ -616,8 +616,8 @@ def _pose(
 
 def _own_surface(results: Results, name: str, body: str, record: int) -> TouchingSurface | None:
     """Skin of a frame or shell as pictures have it."""
-    from heavylift.pipeline.pictures.meshes import MeshSkin
-    from heavylift.pipeline.report.scene import mesh_run
+    from heavylift.pipeline.drawn.build import mesh_run
+    from heavylift.pipeline.drawn.skins import MeshSkin
 
     if body not in results.meshes:
         return None

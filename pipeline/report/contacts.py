@@ -173,10 +173,10 @@ def _picture(
 ) -> list[Figure]:
     """The scene at its largest force or impact; nothing if the case can no longer be put together."""
     from heavylift.pipeline.pictures.contacts import touch_picture
-    from heavylift.pipeline.report.scene import scene_others
+    from heavylift.pipeline.report.scene import scene_view
 
     record, words = _moment(case, results)
-    others = scene_others(case, stages, results, {}, {})
+    others = scene_view(case, stages, results, [record])
     if others is None:
         return []
     up = None

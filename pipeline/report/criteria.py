@@ -146,7 +146,7 @@ def criteria_section(
         items.append(
             Text(
                 "Clauses were read in public copies, or are quoted from memory where marked so: they are to be "
-                "confirmed in the standard that applies before this report is handed on."
+                "confirmed in the standard that applies before this report is issued."
             )
         )
     if results is not None:
@@ -172,9 +172,7 @@ def _charts(
             histories[f"{result.name}: {result.what}"] = result.history
     if histories:
         content = utilisation_plot(histories, title="Criteria over time", bands=bands)
-        caption = (
-            "What each criterion uses of its limit, of the rope or channel that governs; the limit is dashed."
-        )
+        caption = "Utilisation of each criterion, for the governing rope or channel; the limit is dashed."
         left = sum(one.history is not None for one in found) - len(histories)
         caption += f" {left} that use less are left out." if left else ""
         items.append(Figure(album.add("criteria", content), caption))
@@ -193,5 +191,5 @@ def _charts(
 
 
 def _curve_figure(figure: CurveFigure, album: Album) -> Figure:
-    used = f"; at most {words} is used" if (words := used_words(figure.line)) else ""
+    used = f"; largest utilisation {words}" if (words := used_words(figure.line)) else ""
     return Figure(album.add(figure.name, curve_plot(figure)), f"{figure.caption}{used}.")

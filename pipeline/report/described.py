@@ -1,4 +1,4 @@
-"""Tables of a report that follow from the descriptions of things: where each is, and what its keys say."""
+"""Tables of a report that follow from descriptions: where each component is, and the values of its keys."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from heavylift.numerics.quantity import (
     AsDrawn,
     BodyPoint,
     ByCoordinate,
+    Key,
     NameOf,
     Quantity,
     Shape,
@@ -41,7 +42,7 @@ def described_table(
     joints: Mapping[str, str] | None = None,
     more: Mapping[str, Sequence[str]] | None = None,
 ) -> list[Table]:
-    """Table of the things of a list of a case: where they are, and all that they say; none of an empty list.
+    """Table of the components of a list of a case: where they are, and their values; none of an empty list.
 
     Parameters
     ----------
@@ -52,7 +53,7 @@ def described_table(
     joints
         Types of the joints by name.
     more
-        Besides, by name of the thing.
+        Additional text, by name of the component.
     """
     if not things:
         return []
@@ -69,7 +70,7 @@ def described_table(
 
 
 def _place(thing: Any) -> tuple[str, str]:
-    """Names of what a thing is on, and its points."""
+    """Names of the bodies of a component, and its points."""
     points = getattr(thing, "points", None) or filter(None, [getattr(thing, "point", None)])
     names = list(getattr(thing, "between", ())) or [
         getattr(thing, key) for key in ("body", "joint") if hasattr(thing, key)
@@ -81,7 +82,7 @@ def _place(thing: Any) -> tuple[str, str]:
 
 
 def thing_words(thing: Any, coordinate: str = "") -> list[str]:
-    """What the keys of a thing say, but for where it is."""
+    """Values of the keys of a component, except for where it is."""
     words = [
         own_words(field, getattr(thing, field.name), coordinate)
         for field in described_fields(thing.DESCRIBED)
@@ -100,9 +101,10 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
     coordinate
         That of the joint, ``"angle"`` or ``"travel"``, on which the quantity may depend.
     """
-    quantity, name = field.quantity, field.name.replace("_", " ")
+    key = field.mark(Key)
+    quantity, name = field.quantity, key.word if key else field.name.replace("_", " ")
     if field.mark(AsDrawn) is not None and value is None:
-        return f"{name} as drawn"
+        return f"initial geometric {name}"
     if isinstance(quantity, (WorldDirection, BodyPoint, NameOf)):
         return ""
     if get_origin(field.hint) is Literal and value is not None:
@@ -131,6 +133,8 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
     if isinstance(value[0], Section):
         parts = ("; ".join(thing_words(part, coordinate)) for part in value)
         return f"{name}: {', then '.join(parts)}" if len(value) <= _PARTS else f"{len(value)} {name}"
+    if field.mark(Shape) is not None and len(field.mark(Shape).lengths) > 1 and len(value) <= _PARTS:
+        return f"{name} {', '.join(numbers_words(row, unit) for row in value)}"
     if field.mark(Shape) is None or None not in field.mark(Shape).lengths:
         return f"{name} {numbers_words(value, unit)}"
     return f"{len(value)} {name}: {_ranges(value, unit)}"

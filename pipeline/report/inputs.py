@@ -80,7 +80,7 @@ def integration_words(settings: SimulateSection) -> str:
 
 def rigid_sections(case: Case) -> list[Section]:
     """Sections on the rigid bodies of a case: one each, or one table of many."""
-    rigid = {name: body for name, body in case.bodies.items() if body.type == "rigid"}
+    rigid = {name: body for name, body in case.bodies.items() if not body.BODY.DEFORMS}
     if len(rigid) <= _SECTIONS:
         return [
             Section(f"Rigid body {name}", (Facts(tuple(body_input_rows(body))),))
@@ -104,7 +104,7 @@ def rigid_sections(case: Case) -> list[Section]:
 def body_input_rows(body: Any) -> list[tuple[str, str]]:
     """Mass and inertia of a rigid body; motion of the frame and initial state of any body."""
     rows: list[tuple[str, str]] = []
-    if body.type == "rigid":
+    if not body.BODY.DEFORMS:
         rows += [
             ("mass", f"{body.mass:.8g} kg"),
             ("centre of mass", numbers_words(body.centre_of_mass, "m")),
@@ -174,7 +174,7 @@ def _drive(frame: Any) -> list[tuple[str, str]]:
 
 
 def initial_rows(initial: Any) -> list[tuple[str, str]]:
-    """Initial state as far as it is given; the rest is at rest where the geometry was drawn."""
+    """Initial state as far as it is given; the rest is at rest at the position of the geometry."""
     rows = [
         (f"initial {key.replace('_', ' ')}", numbers_words(value, unit))
         for key, unit in (("position", "m"), ("velocity", "m/s"), ("angular_velocity", "rad/s"))
@@ -190,4 +190,4 @@ def initial_rows(initial: Any) -> list[tuple[str, str]]:
         if values:
             full = unit.replace("m", "m kg^0.5", 1) if by_mass else unit
             rows.append((f"initial {key.replace('_', ' ')}", f"{numbers_words(values, full)}, {scaling}"))
-    return rows or [("initial state", "at rest, as drawn")]
+    return rows or [("initial state", "at rest, in its initial position")]

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.drawn.build import case_scene
 from heavylift.pipeline.page.page import Judged, PageContent, page_content
-from heavylift.pipeline.page.scene import scene_motion
 from heavylift.pipeline.report.criteria import criterion_cells, governing_words, result_words, used_words
-from heavylift.pipeline.report.operation import operation_log, phase_bands
+from heavylift.pipeline.report.operation import operation_log, operation_tones, phase_bands
 from heavylift.pipeline.results.model_io import open_hdf5
 from heavylift.pipeline.results.signals import scaled_unit
 
@@ -24,27 +24,27 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.criteria.results import CriterionResult
     from heavylift.pipeline.checks.quantities import CheckResult
-    from heavylift.pipeline.page.scene import SceneMotion
+    from heavylift.pipeline.drawn.scene import DrawnScene
     from heavylift.pipeline.report.document import Verdict
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["JudgedRun", "interactive_content", "recorded_motion"]
+__all__ = ["JudgedRun", "interactive_content", "recorded_scene"]
 
 
-def recorded_motion(
+def recorded_scene(
     case: Case, stages: OutputFolder, results: Results | None
-) -> tuple[SceneMotion | None, str]:
+) -> tuple[DrawnScene | None, str]:
     """What is drawn of a run, or why nothing is."""
     from heavylift.pipeline.assemble.scene import assemble_scene
 
     try:
-        return scene_motion(case, stages, assemble_scene(case, stages), results), ""
+        return case_scene(case, stages, assemble_scene(case, stages), results), ""
     except InputError as error:
         reason = str(error)
     except KeyError as error:  # files of stages that are not those of this version
-        reason = f"what the mesh and modes stages left has no {error}; make it anew with --force"
-    return None, f"The scene can no longer be put together and is not drawn: {reason}"
+        reason = f"the output of the mesh and modes stages has no {error}; run them again with --force"
+    return None, f"The scene can no longer be assembled and is not drawn: {reason}"
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,11 @@ def interactive_content(
     case, stages, results
         The case, its output folder and its time histories.
     told
-        What is said of it.
+        Its caption.
     live, version_of_data
         As of `page_content`.
     """
-    motion, problem = recorded_motion(case, stages, results)
+    drawn, problem = recorded_scene(case, stages, results)
     rows = [_criterion(case, results, one) for one in told.criteria]
     rows += [_open(name, reason) for name, reason in told.open_criteria.items()]
     rows += [_check(case, results, one) for one in told.checks]
@@ -103,12 +103,13 @@ def interactive_content(
     notes = [*told.warnings, *([problem] if problem else [])]
     return page_content(
         case,
-        motion,
+        drawn,
         results,
         verdict=(told.verdict.text, told.verdict.passed),
         judged=rows,
         phases=phase_bands(results),
         events=_events(results, rows),
+        tones=operation_tones(results),
         notes=notes,
         descriptions=_descriptions(results.source),
         live=live,

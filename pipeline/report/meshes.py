@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from heavylift.pipeline.case.channel_kinds import lies_along_edge
-from heavylift.pipeline.case.meshes import counts_of
+from heavylift.pipeline.report.described import own_words
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.report.inputs import initial_rows
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.pipeline.results.words import number_words, numbers_words
+from heavylift.solver.scene.descriptions import described_fields
+from heavylift.solver.scene.mesh_shapes import ShellShape
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +29,7 @@ __all__ = [
 ]
 
 _EXTREMES = ("axial_force", "membrane_force", "bending_moment", "axial_stress", "von_mises", "strain_drift")
-"""Channels of elements whose extremes are told."""
+"""Channels of elements whose extremes are shown."""
 
 
 def mesh_sections(case: Case, results: Results | None) -> list[Section]:
@@ -51,7 +53,7 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     for region in body.regions:
         if getattr(region, "axial_strain", None) is not None:
             strain = number_words(region.axial_strain, "")
-            rows.append(("axial strain as drawn", f"{strain}; {_region(region)}"))
+            rows.append(("initial axial strain", f"{strain}; {_region(region)}"))
     if shape is not None:
         vectors = 1 + shape.vectors.shape[1]
         count = len(shape.nodes)
@@ -60,7 +62,7 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
     rows.append(("elasticity", _elasticity(body)))
     for key, unit in (("axial_force", "N"), ("axial_strain", "")):
         if getattr(body, key, None) is not None:
-            rows.append((key.replace("_", " ") + " as drawn", number_words(getattr(body, key), unit)))
+            rows.append(("initial " + key.replace("_", " "), number_words(getattr(body, key), unit)))
     damping = [f"viscous {body.damping.viscous:.6g} 1/s"] if body.damping.viscous else []
     if body.damping.stiffness:
         damping.append(f"{number_words(body.damping.stiffness, 's')} times the stiffness")
@@ -72,22 +74,18 @@ def mesh_facts(body: Any, shape: MeshShape | None) -> list[tuple[str, str]]:
 
 def _geometry(given: Any) -> str:
     """Kind of a geometry and its measures."""
-    if given.type in {"rectangle", "quadrilateral", "grid"}:
-        count = " x ".join(map(str, counts_of(given.elements))) + " elements"
+    if issubclass(given.DESCRIBED, ShellShape):
+        count = " x ".join(map(str, given.DESCRIBED.counts(given))) + " elements"
     else:
         count = f"{given.elements} elements" if given.elements else "elements between the points"
-    words = {
-        "line": lambda g: f"from {numbers_words(g.start, 'm')} to {numbers_words(g.end, 'm')}",
-        "arc": lambda g: (
-            f"radius {number_words(g.radius, 'm')} about {numbers_words(g.centre, 'm')}, "
-            f"{g.first:.6g} to {g.last:.6g} rad"
-        ),
-        "spline": lambda g: g.file or f"through {len(g.points)} points",
-        "rectangle": lambda g: " x ".join(number_words(side, "m") for side in g.size),
-        "quadrilateral": lambda g: ", ".join(numbers_words(corner, "m") for corner in g.corners),
-        "grid": lambda g: g.file or f"{len(g.points)} points",
-    }[given.type](given)
-    return f"{given.type}: {words}; {count}"
+    points = getattr(given, "points", ())
+    words = [f"{len(points)} points"] if points else []
+    words += [
+        own_words(field, getattr(given, field.name), "")
+        for field in described_fields(given.DESCRIBED)
+        if field.name not in {"elements", "points"}
+    ]
+    return f"{given.type}: {', '.join(filter(None, words))}; {count}"
 
 
 def _region(region: Any) -> str:
@@ -116,7 +114,7 @@ def _section(section: Any) -> str:
 def _elasticity(body: Any) -> str:
     """Strain measure, and how stress enters the step."""
     words = {
-        "auto": f"carried strains, until they drift by {body.drift_tolerance:g}; then energy-momentum",
+        "auto": f"integrated strains, until they drift by {body.drift_tolerance:g}; then energy-momentum",
         "carried": "carried strains",
         "energy-momentum": "energy-momentum",
         "explicit": "explicit forces",
@@ -174,7 +172,7 @@ def _load(load: Any) -> str:
 
 
 def _places(results: Results, shape: MeshShape) -> Table:
-    """Ends of a frame, corners and middle of a shell: where they are drawn, start and end; and the farthest node."""
+    """Ends of a frame, corners and middle of a shell: initially, at start and end; and the farthest node."""
     count = len(shape.nodes)
     positions = results[f"{shape.name}.position"].reshape(len(results.time), count, 3)
     drawn = shape.world_nodes()
@@ -195,7 +193,7 @@ def _places(results: Results, shape: MeshShape) -> Table:
     ]
     largest = number_words(float(moved[record, farthest]), "m") + _when(results, int(record), " at ")
     rows.append((f"farthest from its place (node {farthest})", largest, *([""] * len(records))))
-    columns = ["drawn in the world", *records]
+    columns = ["initial position", *records]
     return short_table(("node", *(f"{column} [{unit.text}]" for column in columns)), rows)
 
 

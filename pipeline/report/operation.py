@@ -9,13 +9,19 @@ from heavylift.pipeline.report.document import Section, Table, Text
 if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import Results
 
-__all__ = ["operation_log", "operation_section", "phase_bands"]
+__all__ = ["operation_log", "operation_section", "operation_tones", "phase_bands"]
 
 
 def operation_log(results: Results | None) -> tuple[list[str], list[list[Any]]]:
     """Names of all phases, and lines of the log: time, phase, event, words and value."""
     metadata = {} if results is None else results.metadata.get("scenario") or {}
     return list(metadata.get("phases", [])), list(metadata.get("log", []))
+
+
+def operation_tones(results: Results) -> list[tuple[float, float]]:
+    """Time [s] and frequency [Hz] of all that was heard."""
+    tones = (results.metadata.get("scenario") or {}).get("tones", [])
+    return [(float(time), float(tone)) for time, tone in tones]
 
 
 def phase_bands(results: Results) -> list[tuple[str, float, float]]:

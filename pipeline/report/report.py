@@ -99,7 +99,7 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     before = _linked_pictures(folder / "report.md")
     results, problem = load_finite_results(case, out)
-    flexible = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
+    flexible = {name: body for name, body in case.bodies.items() if body.BODY.MODAL}
     moved = results is not None and bool(results.meshes) and len(results.time) > 0
     touching = results is not None and bool(case.contacts or case.collisions) and len(results.time) > 0
     pictured = results is not None and len(results.time) > 0 and is_pictured(case)
@@ -225,7 +225,7 @@ def _stopped(
     if failed:
         words.append(f"Failed besides: {', '.join(failed)}")
     text = ". ".join(word.strip().rstrip(".") for word in words if word.strip())
-    # an interrupted run can go on; one that stopped by itself has failed
+    # an interrupted run can continue; one that stopped by itself has failed
     return Verdict(f"Stopped: {text}.", passed=None if outcome is Outcome.INTERRUPTED else False)
 
 

@@ -78,7 +78,7 @@ def run_ending(stages: OutputFolder, results: Results | None) -> tuple[Outcome |
     if results is not None and results.metadata.get("outcome"):
         known = results.metadata
     if known.get("outcome") == "unfinished":
-        return Outcome.INTERRUPTED, "The run was cut off or still goes on"
+        return Outcome.INTERRUPTED, "The run was interrupted or still continues"
     try:
         return Outcome[str(known.get("outcome", "")).upper()], str(known.get("message") or "")
     except KeyError:
@@ -122,7 +122,7 @@ def run_section(case: Case, stages: OutputFolder, results: Results | None) -> li
 
 
 def _diagnosis_rows(known: dict[str, Any]) -> list[tuple[str, str]]:
-    """What the solver said of the scene: chosen integrator, degrees of freedom, redundant joints, free motions."""
+    """What the solver found about the scene: chosen integrator, degrees of freedom, redundant joints, free motions."""
     rows = [(key, str(known.get(key) or "")) for key in ("choice", "start")]
     rows.append(("steps in a period", str(known.get("periods") or "").removeprefix("steps in a period: ")))
     for label, key in (
@@ -161,7 +161,7 @@ def history_section(case: Case, stages: OutputFolder, results: Results | None, a
     wanted = case.report.channels or _chosen_channels(case, results)
     spectra = case.report.spectra or tuple(name for name in results if name.endswith(".modal_position"))
     items += [
-        Text(f"Channel {name!r} is not recorded; the case asks for its plot.", warning=True)
+        Text(f"Channel {name!r} is not recorded; the case requests its plot.", warning=True)
         for name in dict.fromkeys((*wanted, *spectra))
         if name not in results
     ]

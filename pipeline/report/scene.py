@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.pipeline.drawn.build import mesh_run, scene_up
 from heavylift.pipeline.log import Log
-from heavylift.pipeline.page.scene import scene_up
 from heavylift.pipeline.report.document import Figure, Section, Text
-from heavylift.pipeline.results.mesh_motion import mesh_coordinates
-from heavylift.pipeline.results.mesh_results import mesh_body
 from heavylift.pipeline.results.words import number_words
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Iterable
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.report import AnimationSection
-    from heavylift.pipeline.pictures.attached import Others
-    from heavylift.pipeline.pictures.meshes import MeshRun
     from heavylift.pipeline.pictures.render import Renderer
     from heavylift.pipeline.pictures.scene import ScenePainter, SolidPainter
+    from heavylift.pipeline.pictures.scene_view import SceneView
     from heavylift.pipeline.report.document import Album
     from heavylift.pipeline.results.histories import Results
-    from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["is_pictured", "mesh_run", "scene_others", "scene_painter", "scene_sections", "still_sections"]
+__all__ = ["is_pictured", "scene_painter", "scene_sections", "scene_view", "still_sections"]
 
 _STRESSES = {"frame": "axial_stress", "shell": "von_mises"}
 _SMALL = (800, 560)  # pixels of an animation
@@ -60,7 +56,7 @@ def scene_sections(
     if results is None or not results.meshes or not len(results.time):
         if results is not None and len(results.time) and is_pictured(case):
             return []  # see `still_sections`
-        note = Text("No animation: there is no history of what could be drawn.", warning=True)
+        note = Text("No animation: there is no history of anything that could be drawn.", warning=True)
         return [Section("Frames and shells in motion", (note,))] if asked else []
     if renderer is None:
         return []
@@ -112,7 +108,7 @@ def still_sections(
         return []
     from heavylift.pipeline.pictures.scene import SolidPainter
 
-    others = scene_others(case, stages, results, {}, {})
+    others = scene_view(case, stages, results, _pictured(case, results))
     if others is None:
         return []
     painter = SolidPainter(
@@ -142,7 +138,7 @@ def still_sections(
     return [Section("Scene", tuple(found))]
 
 
-def _legend(case: Case, others: Others) -> list[str]:
+def _legend(case: Case, others: SceneView) -> list[str]:
     """What is drawn, of what there is and does not explain itself."""
     ropes = ["ropes"] * bool(case.ropes) + ["mooring lines"] * bool(case.lines)
     kinds = dict.fromkeys(force.type for force in case.forces if hasattr(force, "between"))
@@ -154,6 +150,7 @@ def _legend(case: Case, others: Others) -> list[str]:
         *[f"brown: {' and '.join(ropes)}"] * bool(ropes),
         *[f"green: {' and '.join(springs)}"] * bool(springs),
         *["orange: fenders"] * bool(case.fenders),
+        *["blue balls: water in tanks"] * bool(case.tanks),
         *["grey strips: decks · brown circles: wheels"] * bool(case.transporters),
         *["violet: contours · ochre: what touches · red: force on it"] * bool(case.contacts),
         *[f"dots: {' and '.join(marked)}"] * bool(marked),
@@ -162,7 +159,7 @@ def _legend(case: Case, others: Others) -> list[str]:
 
 def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: Renderer) -> ScenePainter:
     """Painter of the frames and shells of a run, and of whatever else the case has."""
-    from heavylift.pipeline.pictures.meshes import MeshSkin
+    from heavylift.pipeline.drawn.skins import MeshSkin
     from heavylift.pipeline.pictures.scene import ScenePainter
 
     side = case.report.shell_side
@@ -172,28 +169,39 @@ def scene_painter(case: Case, stages: OutputFolder, results: Results, renderer: 
         renderer,
         runs,
         results.time,
-        others=scene_others(case, stages, results, runs, skins),
+        others=_beside_meshes(case, stages, results),
         up=scene_up(case),
         side=side,
         skins=skins,
     )
 
 
-def mesh_run(shape: MeshShape, results: Results) -> MeshRun:
-    """A recorded frame or shell, as pictures need it."""
-    from heavylift.pipeline.pictures.meshes import MeshRun
+def scene_view(
+    case: Case, stages: OutputFolder, results: Results, records: Iterable[int]
+) -> SceneView | None:
+    """What is to be seen of a scene at some records; nothing if it can no longer be put together.
 
-    def coordinates(record: int) -> NDArray[np.float64]:
-        return mesh_coordinates(shape, results, slice(record, record + 1))[0]
+    Parameters
+    ----------
+    case, stages, results
+        The case, its output folder and its time histories.
+    records
+        Those at which it is drawn; a few more are sampled for the view.
+    """
+    from heavylift.pipeline.assemble.scene import assemble_scene
+    from heavylift.pipeline.drawn.build import EXACT, case_scene
+    from heavylift.pipeline.pictures.scene_view import SceneView, sampled_records
 
-    lengths = shape.lengths[:, 0] if shape.type == "frame" else None
-    return MeshRun(mesh_body(shape), coordinates, lengths)
+    chosen = np.union1d(sampled_records(len(results.time)), np.array(list(records), dtype=np.int64))
+    try:
+        scene = assemble_scene(case, stages)
+        return SceneView(case_scene(case, stages, scene, results, detail=EXACT, records=chosen))
+    except InputError:
+        return None
 
 
-def scene_others(
-    case: Case, stages: OutputFolder, results: Results, runs: dict[str, MeshRun], skins: dict[str, Any]
-) -> Others | None:
-    """What stands beside the meshes; nothing if the case has no more, or can no longer be put together."""
+def _beside_meshes(case: Case, stages: OutputFolder, results: Results) -> SceneView | None:
+    """What stands beside frames and shells, and holds them; nothing if the case has no more."""
     attached = (
         case.joints
         or case.ropes
@@ -204,55 +212,19 @@ def scene_others(
         or case.lines
         or case.decks
     )
-    if len(case.bodies) == len(runs) and not attached:
+    if (len(case.bodies) == len(results.meshes) and not attached) or set(case.meshes) - set(results.meshes):
         return None
-    from heavylift.pipeline.assemble.scene import assemble_scene
-    from heavylift.pipeline.pictures.attached import Others
-    from heavylift.pipeline.pictures.contacts import scene_size
-    from heavylift.pipeline.pictures.outer_surface import Surface, surface_from_mesh
-    from heavylift.pipeline.results.model_io import read_model
-    from heavylift.solver.scene.scene import FlexibleBody
+    return scene_view(case, stages, results, _pictured(case, results))
 
-    try:
-        scene = assemble_scene(case, stages)
-        surfaces: dict[str, Surface] = {}
-        for body in scene.bodies:
-            if isinstance(body, FlexibleBody):
-                model = read_model(stages.model(body.name))
-                if model.mesh is not None:
-                    surface = surface_from_mesh(model.mesh)
-                    nodes = body.reduced.nodes[surface.node_indices]  # in the axes of its frame
-                    surfaces[body.name] = Surface(
-                        nodes,
-                        surface.node_indices,
-                        surface.triangles,
-                        surface.element_edges,
-                        surface.feature_edges,
-                    )
-    except InputError:
-        return None
-    if any(body.name not in runs for body in scene.bodies if body.name in case.meshes):
-        return None
 
-    def channel(name: str, record: int) -> NDArray[np.float64] | None:
-        return np.atleast_1d(results[name][record]) if name in results else None
+def _pictured(case: Case, results: Results) -> list[int]:
+    """Records of all pictures of a scene and of its animation."""
+    found = [0, len(results.time) - 1, *(record for record, _ in _instants(case, results))]
+    if case.report.animation is not None and case.report.animation.enabled:
+        from heavylift.pipeline.pictures.animation import evenly
 
-    forces = [
-        results[f"{contact.name}.force"] for contact in case.contacts if f"{contact.name}.force" in results
-    ]
-    return Others(
-        scene,
-        skins,
-        lambda name, record: runs[name].coordinates(record),
-        channel,
-        surfaces,
-        peak=max(
-            (float(np.linalg.norm(force.reshape(-1, 3), axis=1).max()) for force in forces), default=0.0
-        ),
-        size=scene_size(scene),
-        times=results.time,
-        water=case.sea is not None,
-    )
+        found += evenly(results.time, case.report.animation.frames)
+    return found
 
 
 def _instants(case: Case, results: Results) -> list[tuple[int, str]]:

@@ -73,16 +73,7 @@ def _waves(case: Case, known: dict[str, Any]) -> list[Table | Text]:
         return []
     rows = []
     for waves in case.sea.waves:
-        heights = (getattr(waves, "height", None), getattr(waves, "significant_height", None))
-        periods = (getattr(waves, "period", None), getattr(waves, "peak_period", None))
-        height, period = (next((v for v in values if v is not None), None) for values in (heights, periods))
-        words = []
-        if hasattr(waves, "gamma"):
-            words.append(f"gamma {waves.gamma:g}")
-        spreading = getattr(waves, "spreading", None)
-        if spreading is not None:
-            words.append(f"cos^2s, s = {spreading.exponent:g}, {spreading.directions} directions")
-        words += [str(file)] if (file := getattr(waves, "file", None)) else []
+        height, period, words = waves.DESCRIBED.summary(waves)
         rows.append(
             (
                 waves.type,
@@ -231,7 +222,7 @@ def _tanks(case: Case) -> list[Table]:
 
 
 def _pumps(case: Case) -> list[Table]:
-    """Pumps, and what tells them how fast."""
+    """Pumps, and what commands them."""
     told = {pump: one.name for one in case.controllers for pump in one.pumps}
     rows = [
         (
@@ -243,7 +234,7 @@ def _pumps(case: Case) -> list[Table]:
         )
         for pump in case.pumps
     ]
-    header = ("pump", "from, to", "at most [kg/s]", "lag [s]", "told by")
+    header = ("pump", "from, to", "at most [kg/s]", "lag [s]", "commanded by")
     return [short_table(header, rows)] if rows else []
 
 

@@ -39,7 +39,7 @@ def transport_section(
             (name, *(f"{math.degrees(angles[key]):.2f}" for key in ("static", "compliant")))
             for name, angles in tipping.items()
         ]
-        header = ("tips over at [degrees]", "on rigid groups", "with what they give way")
+        header = ("tips over at [degrees]", "on rigid groups", "on compliant groups")
         items.append(Table(header, tuple(rows), frozenset({1, 2})))
     for transporter in case.transporters:
         if not transporter.legs:
@@ -61,7 +61,7 @@ def _stands(
 
     body: Any = case.bodies[transporter.body]
     points = np.vstack([np.asarray(group.bogies, dtype=np.float64) for group in transporter.groups])
-    if body.type == "flexible":
+    if body.BODY.MODAL:
         points = points - np.array(json.loads(read_header(stages.reduced(transporter.body))["frame_origin"]))
     elif getattr(body.frame, "origin", "") == "centre_of_mass":
         points = points - np.asarray(body.centre_of_mass, dtype=np.float64)

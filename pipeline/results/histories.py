@@ -1,4 +1,4 @@
-"""Time histories on disk: while they grow in numbered segments, each with the state to go on from; by name and unit.
+"""Time histories on disk: while they grow in numbered segments, each with the state to continue from; by name and unit.
 
 A segment is one file, replaced in one step, that holds some records and the complete state after the last of them. So
 whenever a process is killed, the segments on disk form a consistent prefix of the run and its last segment is the
@@ -723,13 +723,13 @@ def _batches(
         if segment is None or segment.mark != mark:
             first = sum(one.records for one in expected[:number])
             there = path.exists()
-            if there:  # also one that is whole in itself: no later run shall go on from it
+            if there:  # also one that is whole in itself: no later run shall continue from it
                 path.replace(path.with_name(path.name + _ASIDE))
             raise StopError(
                 Outcome.INTERRUPTED,
                 f"{path} is {'damaged, and was put aside' if there else 'not there'}: something else has changed the "
-                f"files of this run; the records from number {first} on are not whole, so nothing was merged and "
-                "nothing removed; the same command goes on from what is before them",
+                f"files of this run; the records from number {first} on are incomplete, so nothing was merged and "
+                "nothing removed; the same command continues from what is before them",
             )
         times.append(segment.times)
         records.append(segment.records)
@@ -755,7 +755,7 @@ def _columns(records: list[NDArray[np.float64]]) -> NDArray[np.float64]:
 
 
 def _sum(values: NDArray[np.float64], before: int = 0) -> int:
-    """Checksum of numbers, going on from that of those before them."""
+    """Checksum of numbers, continuing from that of those before them."""
     return zlib.crc32(np.ascontiguousarray(values).ravel().data, before)
 
 

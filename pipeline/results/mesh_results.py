@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
+    from heavylift.solver.scene.meshes import FrameBody, ShellBody
 
 __all__ = [
     "MeshShape",
@@ -51,7 +51,7 @@ _COLUMNS = {
 
 @dataclass(frozen=True, eq=False)
 class MeshShape:
-    """A frame or shell as it was drawn, unloaded; points and vectors in the frame of the body.
+    """A frame or shell in its initial shape, unloaded; points and vectors in the frame of the body.
 
     Attributes
     ----------
@@ -109,14 +109,9 @@ class MeshShape:
         return points
 
 
-def mesh_shape(body: MeshBody) -> MeshShape:
+def mesh_shape(body: Any) -> MeshShape:
     """Shape of a body of a scene."""
-    from heavylift.solver.bodies.ancf.stress import frame_lengths
-    from heavylift.solver.scene.meshes import FRAME_VECTORS, SHELL_VECTORS, FrameBody, ShellBody
-
-    assert isinstance(body, (FrameBody, ShellBody))
-    kind: Literal["frame", "shell"] = "frame" if isinstance(body, FrameBody) else "shell"
-    names = FRAME_VECTORS if kind == "frame" else SHELL_VECTORS
+    kind, names = body.NOUN, body.VECTORS
     fixed = np.zeros((len(body.nodes), len(names), 3), dtype=np.uint8)
     for support in body.supports:
         for vector, axes in support.fixed.items():
@@ -129,12 +124,8 @@ def mesh_shape(body: MeshBody) -> MeshShape:
         type=kind,
         nodes=np.asarray(body.nodes, dtype=np.float64),
         elements=np.asarray(body.elements, dtype=np.int64),
-        vectors=body.tangents[:, np.newaxis, :] if isinstance(body, FrameBody) else body.slopes,
-        lengths=(
-            frame_lengths(body.nodes, body.tangents, body.elements)[:, np.newaxis]
-            if isinstance(body, FrameBody)
-            else body.lengths
-        ),
+        vectors=body.slopes_of_nodes,
+        lengths=body.lengths_of_elements,
         section_columns=_COLUMNS[kind],
         sections=np.array(
             [[getattr(section, column) for column in _COLUMNS[kind]] for section in body.sections]
@@ -144,7 +135,7 @@ def mesh_shape(body: MeshBody) -> MeshShape:
         fixed=fixed,
         position=np.asarray(body.position, dtype=np.float64),
         orientation=np.asarray(body.orientation, dtype=np.float64),
-        model=body.model if isinstance(body, FrameBody) else "",
+        model=getattr(body, "model", ""),
         elasticity=body.elasticity,
     )
 

@@ -203,7 +203,7 @@ def simulate_digest(case: Case) -> str:
     """Digest of all that the time histories depend on."""
     bodies: dict[str, Any] = {}
     for name, body in case.bodies.items():
-        if body.type == "flexible":
+        if body.BODY.MODAL:
             bodies[name] = {
                 "modes": modes_digest(case, body),
                 "damping": [*body.modes.damping_ratio, body.modes.stiffness_damping],
@@ -307,9 +307,9 @@ def _joined(case: Case, name: str) -> dict[str, Any]:
         }
     for other in sorted(members - {name}):
         body = case.bodies[other]
-        if body.type == "rigid":
+        if not body.BODY.DEFORMS:
             found[other] = body.model_dump(mode="json", exclude={"inertia"})
-        elif body.type == "flexible":
+        elif body.BODY.MODAL:
             start = body.model_dump(mode="json", include={"frame", "initial"})
             found[other] = {**start, "mesh": mesh_digest(case, body)}
     return found
@@ -329,7 +329,7 @@ def report_digest(case: Case, folder: OutputFolder) -> str:
     file, is not the report of the whole run. Manifests stand for what they describe; large files count by
     size and time of change, because reading them would take longer than anything else that is unchanged.
     """
-    bodies = {name: body for name, body in case.bodies.items() if body.type == "flexible"}
+    bodies = {name: body for name, body in case.bodies.items() if body.BODY.MODAL}
     current = [modes_digest(case, body) for body in bodies.values()]
     current += [surface_digest(case, surface) for surface in case.surfaces]
     current += [database_digest(case, section) for section in case.databases.values()]

@@ -415,7 +415,7 @@ def _cycles(t: NDArray[np.float64], x: NDArray[np.float64]) -> tuple[NDArray[np.
 
 
 PROBABILITY = 0.9
-"""Of not being exceeded, of the extreme value that is told."""
+"""Of not being exceeded, of the reported extreme value."""
 
 
 LEAST_RUNS = 3
@@ -580,7 +580,7 @@ def _component(results: Results, channel: str, index: int, count: int) -> Column
         column = values if values.ndim == 1 else values[:, index]
         if ".gap" in channel and np.isnan(column).any():
             raise InputError(
-                f"{channel!r} is not known at all times: surfaces were out of reach, and nobody asked how far",
+                f"{channel!r} is not known at all times: surfaces out of reach, and their distance not requested",
                 source=run.source,
                 expected="'clearance = true' in the collision, or a check, criterion or [report] channels that name it",
             )

@@ -39,7 +39,7 @@ FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 
 
 class StopError(RuntimeError):
-    """A stage cannot go on, through no fault of the input; says how it ended and what to do."""
+    """A stage cannot continue, through no fault of the input; says how it ended and what to do."""
 
     def __init__(self, outcome: Outcome, message: str) -> None:
         self.outcome = outcome
@@ -159,7 +159,7 @@ def replacing(path: Path) -> Iterator[Path]:
     except OSError as error:
         if error.errno in FULL or "No space left" in str(error):
             raise StopError(
-                Outcome.DISK_FULL, f"no space left to write {path}; what was written before is intact"
+                Outcome.DISK_FULL, f"no space left to write {path}; earlier files are intact"
             ) from None
         raise
     finally:
@@ -200,7 +200,7 @@ def _alive(process: int) -> bool:
 class _Stream(io.RawIOBase):
     """A file that HDF5 may write into: a fault is kept until HDF5 has closed it.
 
-    A library whose write fails while it closes a file is left with half a file and ends the process; so it is told
+    A library whose write fails while it closes a file is left with half a file and ends the process; so it reports
     that all went well, and whoever opened the file hears of the fault.
     """
 

@@ -38,7 +38,7 @@ PIECE_SECONDS = 0.2
 FIRST_PIECE = 100
 """Steps of the first call."""
 SEGMENT_SECONDS = 5.0
-"""Wall time after which what was computed goes to disk, at most."""
+"""Largest wall time between writes to disk."""
 FIRST_SEGMENT_SECONDS = 0.25
 """The same for the first time, and twice as much each time after: most runs are shorter than `SEGMENT_SECONDS`."""
 WRITING_SHARE = 0.05
@@ -112,7 +112,7 @@ class Advancer:
     adaptive
         Whether a step is an interval between records, whose cost nothing tells before the first one.
     restart_reason
-        Set by `resume`: why it could not go on from what an earlier run left in the folder; empty if it did, or
+        Set by `resume`: why it could not continue the results of an earlier run in the folder; empty if it did, or
         if nothing is there.
     told
         What someone outside says to the run, if it has a scenario.
@@ -148,9 +148,9 @@ class Advancer:
             marks.append(last.mark)
         if last is None or last.header["digest"] != self.digest:
             if last is not None:
-                self.restart_reason = "what an earlier run left belongs to other inputs"
+                self.restart_reason = "the results of an earlier run belong to other inputs"
             elif self.folder.is_dir() and any(self.folder.glob("segment_*")):
-                self.restart_reason = "what an earlier run left is damaged"
+                self.restart_reason = "the results of an earlier run are damaged"
             elif self.folder.is_dir():
                 self.restart_reason = "nothing had been written"
             remove_segments(self.folder)
@@ -214,7 +214,7 @@ class Advancer:
             reached = simulation.step_index * simulation.step
             return (
                 Outcome.INTERRUPTED,
-                f"{stop.signal_name} at t = {reached:.9g} s; the same command goes on from there",
+                f"{stop.signal_name} at t = {reached:.9g} s; the same command continues from there",
             )
         return Outcome.COMPLETED, ""
 
@@ -252,7 +252,7 @@ class Advancer:
                 )
                 raise StopError(
                     Outcome.DISK_FULL,
-                    f"{error}: {kept} kept. Free some space and give the same command: it goes on from there",
+                    f"{error}: {kept} kept. Free some space and give the same command: it continues from there",
                 ) from None
             raise
         self._written_steps = simulation.step_index

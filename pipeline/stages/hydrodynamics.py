@@ -78,7 +78,7 @@ def make_databases(work: Work) -> tuple[bool, float, dict[str, Any]]:
                 _write_manifest(manifest_file, case, items)
                 continue
             if file.is_file():
-                log.say(f"mesh: {name}: {file} is damaged, made anew")
+                log.say(f"mesh: {name}: {file} is damaged, computed again")
         skipped = False
         begin = time.process_time()
         with located(case, f"databases.{name}"):
@@ -149,7 +149,7 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
     refused = work.folder.refused_database(name)
     database = None if "mesh" in work.force else _computed_before(work, name, inputs)
     if database is None:
-        capytaine_version()  # before anything is said: without it nothing can be done
+        capytaine_version()  # before any message: without it nothing can be done
         count = sum(len(hull.panels) for hull in inputs.hulls)
         covers = sum(len(lid.panels) for lid in inputs.lids if lid is not None)
         seconds = expected_seconds(inputs, section.compute.processes)
@@ -255,12 +255,12 @@ def _told(
     )
     for sentence in sentences:
         work.log.say(f"mesh: {name}: REFUSED: {sentence}")
-    work.log.say(f"mesh: {name}: what was computed is kept in {kept}")
+    work.log.say(f"mesh: {name}: the computed database is kept in {kept}")
     shown = "; ".join(sentences[:_SHOWN])
     if len(sentences) > _SHOWN:
         shown += f"; {len(sentences) - _SHOWN} more in {kept.with_suffix('.json').name}"
     return InputError(
-        f"what was computed cannot be: {shown}", key="compute", expected=remedy or error.expected
+        f"the computed database is impossible: {shown}", key="compute", expected=remedy or error.expected
     )
 
 
@@ -274,7 +274,7 @@ def _remedy(section: DatabaseSection, database: HydrodynamicDatabase, faults: Se
     assert compute is not None
     if not faults:
         return ""
-    words = [] if compute.lid else ["'compute.lid = true', which takes irregular frequencies away"]
+    words = [] if compute.lid else ["'compute.lid = true', which removes irregular frequencies"]
     words.append(f"a 'compute.panel_size' below {compute.panel_size:g} m")
     words += [
         f"{word}; nothing is computed again then" for word in remedies(database, faults, section.repair)
@@ -294,7 +294,7 @@ def _write(file: Path, database: HydrodynamicDatabase, digest: str, *, checked: 
 
 
 def _properties(work: Work, name: str, database: HydrodynamicDatabase) -> dict[str, Any]:
-    """What manifest and report say of a database, as plain values; its memory is fitted and stored."""
+    """Summary for manifest and report of a database, as plain values; its memory is fitted and stored."""
     section = work.case.databases[name]
     found: dict[str, Any] = {
         "source": database.source,

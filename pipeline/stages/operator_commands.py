@@ -2,7 +2,7 @@
 
 Words are lines of a file in the output folder. A run reads it between two pieces of its loop and keeps, in a file
 beside it, which word it took at which step; a run that goes on from a checkpoint behind which words were taken, or that
-is made again since its results are gone, takes them at the same steps. So it ends as the one that was told.
+is made again since its results are gone, takes them at the same steps. So it ends as the one that received them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Command", "OperatorCommands", "send", "words_there"]
 
 Command = Literal["continue", "hold", "stop"]
-"""What can be said: go on, wait in this phase, end the run."""
+"""Commands: continue, wait in this phase, end the run."""
 
 WORDS_FILE, TAKEN_FILE = "scenario_words.txt", "scenario_told.json"
 LONGEST = 100_000
@@ -46,7 +46,7 @@ def send(root: Path, word: Command) -> None:
             _append(root / WORDS_FILE, f"{word}\n")
             return
     raise InputError(
-        f"no run works in {root}", source=root, key="--send", expected="a run that goes on, or another --out"
+        f"no run works in {root}", source=root, key="--send", expected="a run in progress, or another --out"
     )
 
 
@@ -131,7 +131,7 @@ class OperatorCommands:
 
     @staticmethod
     def forget(root: Path) -> None:
-        """Before a run that begins anew: nothing has been said."""
+        """Before a run that starts again: no commands."""
         for name in (WORDS_FILE, TAKEN_FILE):
             with contextlib.suppress(FileNotFoundError):
                 (root / name).unlink()

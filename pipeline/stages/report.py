@@ -36,7 +36,7 @@ def report_stage(work: Work) -> StageReport:
                 cpu_s=manifest["cpu_s"],
                 details={"files": files, "verdict": verdict},
             )
-        work.log.say("report: files are missing or damaged, made anew")
+        work.log.say("report: files are missing or damaged, written again")
     from heavylift.pipeline.report.report import write_report
 
     begin = time.process_time()

@@ -91,12 +91,14 @@ def _listed(sentences: Sequence[str]) -> str:
 
 
 def operation_log(operation: Operation) -> dict[str, Any]:
-    """Names of the phases, and what happened, as plain values."""
-    return {
+    """Names of the phases, what happened, and what was heard, as plain values."""
+    tones = [[line.time, line.tone] for line in operation.log if line.tone]
+    found: dict[str, Any] = {
         "phases": [phase.name for phase in operation.scenario.all_phases],
         "first_track": len(operation.scenario.phases),
         "log": [[line.time, line.phase, line.event, line.what, line.value] for line in operation.log],
     }
+    return found | {"tones": tones} if tones else found
 
 
 def steps_taken(simulation: Any) -> int:
@@ -105,7 +107,7 @@ def steps_taken(simulation: Any) -> int:
 
 
 def simulate_stage(work: Work) -> StageReport:
-    """Integrate over the whole duration, going on from what an earlier run left if it fits."""
+    """Integrate over the whole duration, continuing the results of an earlier run if they fit."""
     folder, log = work.folder, work.log
     digest = simulate_digest(work.case)
     manifest = read_json(folder.manifest("simulate")) or {}
@@ -136,14 +138,14 @@ def simulate_stage(work: Work) -> StageReport:
 
 
 def _tipping(scene: Any, log: Log) -> dict[str, dict[str, float]]:
-    """Tilts at which transporters tip over [rad], told before they move."""
+    """Tilts at which transporters tip over [rad], reported before they move."""
     from heavylift.solver.transport.packing import vehicle_tipping
 
     found = vehicle_tipping(scene)
     for name, angles in found.items():
         log.say(
             f"simulate: {name} tips over at {math.degrees(angles.static):.4g} degrees on rigid groups, at "
-            f"{math.degrees(angles.compliant):.4g} degrees of the road with what they give way"
+            f"{math.degrees(angles.compliant):.4g} degrees of the road on compliant groups"
         )
     return {name: angles._asdict() for name, angles in found.items()}
 
@@ -166,7 +168,6 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
     from heavylift.pipeline.assemble.collisions import collision_notes
     from heavylift.pipeline.assemble.scene import assemble_scene
     from heavylift.pipeline.case.places import in_case
-    from heavylift.solver.scene.meshes import MeshBody
     from heavylift.solver.simulation import AT_REST, Simulation
 
     section, folder, log = work.case.simulate, work.folder, work.log
@@ -180,7 +181,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
         for note in draught_notes(work.case, scene):
             log.say(f"simulate: NOTE: {note}")
-    meshes = [mesh_shape(body) for body in scene.bodies if isinstance(body, MeshBody)]
+    meshes = [mesh_shape(body) for body in scene.bodies if body.SHAPE]
     options: dict[str, Any] = {"record_every": section.record_every}
     if section.solver_tolerance is not None:
         options["tolerance"] = section.solver_tolerance
@@ -270,7 +271,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
 
 
 def _hanging(work: Work) -> list[str]:
-    """What is to be told of how loads hang, by the results of the run."""
+    """Warnings of how loads hang, by the results of the run."""
     from heavylift.pipeline.checks.hanging import hanging_warnings
     from heavylift.pipeline.results.histories import load_results
 

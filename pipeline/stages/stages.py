@@ -366,7 +366,7 @@ def _body_stage(
                 work.log.say(f"{stage}: {name}: unchanged, skipped")
                 continue
             if file.is_file():
-                work.log.say(f"{stage}: {name}: {file} is damaged, made anew")
+                work.log.say(f"{stage}: {name}: {file} is damaged, computed again")
         skipped = False
         found = None if stage in work.force else reused(work, work.folder.manifest(stage), name, digest, file)
         if found is not None:

@@ -50,7 +50,7 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
                 log.say(f"mesh: {name}: unchanged, skipped")
                 continue
             if file.is_file():
-                log.say(f"mesh: {name}: {file} is damaged, made anew")
+                log.say(f"mesh: {name}: {file} is damaged, read again")
         skipped = False
         found = None if "mesh" in work.force else reused(work, manifest_file, name, digest, file)
         if found is None:

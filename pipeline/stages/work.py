@@ -48,7 +48,7 @@ class Work:
     Attributes
     ----------
     case, folder, log
-        The case, where its outputs go, and who is told.
+        The case, where its outputs go, and its log.
     force
         Stages that are made again even if they are current.
     reuse
@@ -67,4 +67,4 @@ class Work:
     @property
     def flexible(self) -> dict[str, FlexibleBodySection]:
         """The bodies that have meshes and modes."""
-        return {name: body for name, body in self.case.bodies.items() if body.type == "flexible"}
+        return {name: body for name, body in self.case.bodies.items() if body.BODY.MODAL}

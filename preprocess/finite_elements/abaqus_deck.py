@@ -3,7 +3,7 @@
 What is understood:
 
 * *text*: keywords in any case and with or without inner blanks; comments ``**``; blank lines; a keyword line goes
-  on after a comma at its end; lines of elements, constants and sets go on as long as numbers are missing; commas at
+  on after a comma at its end; lines of elements, constants and sets continue as long as numbers are missing; commas at
   the end of a line; numbers like 1.5D-3; quoted names; ``*INCLUDE``, and ``INPUT=`` of nodes, elements, sets and the
   like (`INPUT_IS_DATA`), of files below the case folder;
 * *mesh*: ``*NODE`` (``NSET``, ``SYSTEM=R|C|S``) and ``*SYSTEM``; ``*ELEMENT`` (``TYPE``, ``ELSET``), of which C3D8,
@@ -13,9 +13,9 @@ What is understood:
 * *parts*: ``*PART``, ``*ASSEMBLY``, ``*INSTANCE`` with translation and rotation; a set ``S`` of an instance ``I`` is
   called ``I.S``, and ``S`` too if no other instance has one; an instance is a set of elements;
 * *materials*: ``*MATERIAL`` with ``*ELASTIC`` (isotropic; of a table over temperature the first row) and
-  ``*DENSITY``; ``*SOLID SECTION``. What is plastic, viscous or thermal besides is left out, and said.
+  ``*DENSITY``; ``*SOLID SECTION``. Plastic, viscous and thermal properties are left out, and reported.
 
-What is left out, and said: constraints, contacts and loads; masses (nonstructural ones too), springs, dashpots, gaps
+Left out, and reported: constraints, contacts and loads; masses (nonstructural ones too), springs, dashpots, gaps
 and couplings; shells, beams and plane elements without a section, which meshers write for groups; sections of no set.
 What is refused when a body is taken, with type and number: shells, beams, trusses, membranes, plane and axisymmetric
 elements, solids with 4, 5, 6, 15 or 27 nodes, orthotropic and hyperelastic materials.
@@ -75,7 +75,7 @@ class _Card:
 
 
 _FIELD = re.compile(r'(?:[^,"]|"[^"]*")+')
-# a line that goes on with a keyword: parameters, and no data as it is
+# a line that continues with a keyword: parameters, and no data as it is
 _PARAMETERS = re.compile(r"[A-Za-z][A-Za-z ]*=|(GENERATE|INTERNAL|UNSORTED)\s*(,|$)", re.IGNORECASE)
 
 
@@ -560,7 +560,7 @@ class _Reader:
     def _one_element(
         self, card: _Card, name: str, words: list[str], at: tuple[Path, int], members: _Set | None
     ) -> None:
-        # couplings and the like may name other things than nodes: their number is enough
+        # couplings and the like may name other items than nodes: their number is enough
         named = _numbers_of(name) is not None
         label, *nodes = _whole(
             card, words if named else words[:1], at, f"whole numbers: element and nodes of {name}"
@@ -1035,7 +1035,7 @@ class _Assembler:
     # -- materials --
 
     def _without_section(self) -> None:
-        """Shells, plane elements, beams of which nothing is said but their nodes: meshers write groups so."""
+        """Shells, plane elements, beams without properties, only with nodes: meshers write groups so."""
         found = [np.empty(0, dtype=np.int64)]
         for place, one in enumerate(self.placed):
             found += [self._elements(one.part, place, elements) for elements, _ in one.part.sections]

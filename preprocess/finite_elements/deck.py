@@ -41,7 +41,7 @@ DECK_SUFFIXES = (".bdf", ".dat", ".fem", ".inp", ".nas")
 KINDS = {"hex8": "8-node bricks", "hex20": "20-node bricks", "tet10": "10-node tetrahedra"}
 _SOLIDS = "solids: 8-node bricks, 20-node bricks or 10-node tetrahedra"
 _SHOWN = 6  # parts, sets or types of a message at most
-_AGREE = 1e-3  # relative difference of one material said twice
+_AGREE = 1e-3  # relative difference of a material that is given twice
 
 
 # ---- text ----
@@ -261,7 +261,7 @@ class ElementBlock:
 
 @dataclass(frozen=True)
 class DeckMaterial:
-    """Material of a deck, in the units of the file; None where it says nothing.
+    """Material of a deck, in the units of the file; None where it gives no information.
 
     Parameters
     ----------
@@ -689,14 +689,14 @@ def material_of(
     source
         The deck, for messages.
     length_unit, mass_unit
-        Metres and kilograms per unit of the deck, if they are said: stress is in mass / (length s^2), density in
+        Metres and kilograms per unit of the deck, if given: stress is in mass / (length s^2), density in
         mass / length^3 (with mm and t: N/mm^2 and t/mm^3).
 
     Raises
     ------
     InputError
         A material that is not linear and isotropic; a property that nobody gives; two values that differ by more
-        than 0.1 %; no unit of mass where one of length is said and stress or density is needed; without units said, a
+        than 0.1 %; no unit of mass where one of length is given and stress or density is needed; without given units, a
         material that does not exist (wave speed, density).
     """
     keys = ("young_modulus", "poisson_ratio", "density")
@@ -769,5 +769,5 @@ def _check_material(material: Material, source: object) -> None:
             f"longitudinal waves of {speed:.4g} m/s, no material is like that",
             source=source,
             expected='the units of the file: length_unit = "1 mm" and mass_unit = "1 t" for N/mm^2 and t/mm^3, '
-            '"1 m" and "1 kg" if it is meant so',
+            '"1 m" and "1 kg" if that is intended',
         )

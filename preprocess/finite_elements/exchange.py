@@ -166,7 +166,7 @@ def read_entries(path: Path, node_count: int) -> EntryTable:
 
 
 def write_table(path: Path, values: NDArray[np.float64]) -> None:
-    """Write rows of numbers with 17 digits, so that reading gives the same bits."""
+    """Write rows of numbers with 17 digits, so that reading gives bitwise identical numbers."""
     template = " ".join(["%24.16e"] * values.shape[1])
     path.write_text("".join(template % tuple(row) + "\n" for row in values.tolist()), encoding="ascii")
 
@@ -256,7 +256,7 @@ def expand_omitted_rows(
     ------
     InputError
         More rows than 3n, a count that is no multiple of 3, no mode that moves, given nodes of another
-        count, or candidates that cannot be told apart.
+        count, or ambiguous candidates.
     """
     n, rows = len(nodes), len(stored)
     if rows > 3 * n or rows % 3 or rows == 0:
@@ -336,7 +336,9 @@ def _best_candidate(
     nf = min(stored.shape[1], _TESTED_MODES)
     remedy = f"the {count} omitted nodes in 'clamped_nodes'"
     if nf < 2:
-        raise InputError(f"omits {count} nodes, and one mode cannot tell which", source=path, expected=remedy)
+        raise InputError(
+            f"omits {count} nodes, and one mode does not determine which", source=path, expected=remedy
+        )
     shapes = stored.reshape(-1, 3, stored.shape[1])[:, :, :nf]
     cosines = _run_cosines(shapes, masses, count)
     results = [(float(c), np.arange(s, s + count)) for s, c in enumerate(cosines)]
@@ -461,7 +463,7 @@ def read_four_files(
         A missing file; a fault of the text (file and line are named); a factor or a mass that is not
         positive; row counts that do not fit the nodes; a matrix given partly as a triangle and partly in
         full, or unsymmetric; a node clamped in some directions only; a mode that moves a clamped node;
-        omitted nodes that cannot be told; an impossible body.
+        unknown omitted nodes; an impossible body.
     """
     folder = Path(folder)
     for key, factor in (

@@ -1,4 +1,4 @@
-"""Named node groups: which nodes of a mesh carry a name, said by plane, by box or by face."""
+"""Named node groups: which nodes of a mesh carry a name, given by plane, by box or by face."""
 
 from __future__ import annotations
 

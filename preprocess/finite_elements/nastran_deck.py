@@ -13,7 +13,7 @@ What is understood:
 * *materials*: ``MAT1``, with ``PARAM, WTMASS`` on its density.
 
 What is refused as text: replicated entries (``=``, ``=(n)``), superelements (``BEGIN SUPER``).
-What is left out, and said: constraints, contacts, masses (``NSM`` too), springs; shells and bars without a property,
+Left out, and reported: constraints, contacts, masses (``NSM`` too), springs; shells and bars without a property,
 which meshers write for groups. What is refused when a body is taken, with type and number: shells, bars, rods, plane
 elements, solids of other numbers of nodes, anisotropic and hyperelastic materials.
 

@@ -114,7 +114,7 @@ def curves_of_groups(
     face_curves
         Border curves of the faces that have a name.
     re_entrant
-        Re-entrant curves; None where they cannot be told.
+        Re-entrant curves; None where they are unknown.
     source
         Named in messages.
 

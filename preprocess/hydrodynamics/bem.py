@@ -261,7 +261,7 @@ def _moonpool_warnings(inputs: BemInputs, omega: NDArray[np.float64]) -> tuple[s
         try:
             pools = moonpools(hull)
         except InputError:
-            continue  # rims that are not clear: nothing can be said
+            continue  # ambiguous rims: no result
         for pool in pools:
             natural = piston_frequency(pool, inputs.gravity)
             near = omega[(omega >= PISTON_BAND[0] * natural) & (omega <= PISTON_BAND[1] * natural)]

@@ -350,7 +350,7 @@ def fault_error(
     limits: Limits = PANEL_ACCURACY,
     remedy: str = "",
 ) -> InputError:
-    """The worst of several faults as an error, with what may be done: if not told, what to compute otherwise."""
+    """The worst of several faults as an error, with a remedy: by default, what to compute instead."""
     worst = max(faults, key=lambda fault: abs(fault.size))
     remedy = remedy or _remedy(database)
     more = f" (the worst of {len(faults)} frequencies)" if len(faults) > 1 else ""

@@ -90,7 +90,7 @@ def normals_of(surface: HullPanels | PatchedSurface) -> tuple[NDArray[np.float64
 
 
 def joined(count: int, pairs: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Numbers of the sets into which pairs join ``count`` things, shape (count,)."""
+    """Numbers of the sets into which pairs join ``count`` items, shape (count,)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

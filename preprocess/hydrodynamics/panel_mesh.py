@@ -179,7 +179,7 @@ def _meshed(part: HullPanels, size: float, curved_size: float) -> tuple[HullPane
     Raises
     ------
     InputError
-        If its edges or patches cannot be told, or gmsh fails.
+        If its edges or patches cannot be found, or gmsh fails.
     """
     extent = float(np.ptp(part.points, axis=0).max())
     triangles = part.triangles

@@ -3,7 +3,7 @@
 Each relation sees some errors and not others:
 
 * The added mass of a coordinate is positive at most frequencies. It may be negative where water between or within hulls
-  resonates, so a single negative value tells nothing; a sign that is turned is seen.
+  resonates, so a single negative value gives no information; a sign that is turned is seen.
 * What changes from one frequency to its neighbours by the same factor in all coordinates is a factor on that frequency.
   A resonance changes the coordinates by different factors, so it is none; an error of one coordinate alone is not seen,
   nor one at the first two and the last two frequencies.
@@ -19,7 +19,7 @@ Each relation sees some errors and not others:
 * In long waves a hull feels the water's weight and acceleration: heave is in phase with the wave (or opposite, below
   the water), surge and sway a quarter of a period apart, and heave is rho g times the water plane. It sees a phase that
   is turned, and nothing if the database has no wave that is long. Weight and acceleration are opposite: columns on
-  pontoons feel little heave already in long waves, so nothing is said where the acceleration counts.
+  pontoons have small heave forces already in long waves, so heave is not judged where the acceleration counts.
 
 Source: Faltinsen, *Sea Loads on Ships and Offshore Structures* (1990), chapter 3; Newman, "The exciting forces on fixed
 bodies in waves", J. Ship Res. 6 (1962).
@@ -83,7 +83,7 @@ SLOPE = 1.0
 WATER_PLANE = 2.0
 """Factor between heave in a long wave and the stiffness of the water plane."""
 ACCELERATION = 0.5
-"""Share of that stiffness which the acceleration of hull and water may take for heave to be told."""
+"""Share of that stiffness which the acceleration of hull and water may take for heave to be judged."""
 
 
 def check_plausibility(database: HydrodynamicDatabase) -> None:
@@ -180,7 +180,7 @@ def _check_outliers(database: HydrodynamicDatabase) -> None:
         for at, factor in outlying_frequencies(database.omega, values, largest):
             omega = database.omega[at]
             raise InputError(
-                f"at {omega:.4g} rad/s all of it is {factor:.2g} times what the frequencies beside it say",
+                f"at {omega:.4g} rad/s all of it is {factor:.2g} times the value of the adjacent frequencies",
                 source=database.source,
                 key=key,
                 expected=f"one that changes steadily; 'leave_out = [{omega:.4g}]' if that is all that is wrong",
@@ -250,7 +250,7 @@ def _widest(database: HydrodynamicDatabase) -> float:
 def _check_haskind(database: HydrodynamicDatabase) -> None:
     own = np.diagonal(database.damping, axis1=1, axis2=2)
     by_waves = haskind_damping(database)
-    # a coordinate that makes hardly any waves against those of its hull says nothing, as yaw of a round one
+    # a coordinate that makes hardly any waves against those of its hull gives no information, as yaw of a round one
     scales = length_scales(database) ** 2
     largest = (own * scales).max(axis=0)
     of_hull = np.repeat(largest.reshape(-1, 6).max(axis=1), 6)

@@ -1,4 +1,4 @@
-"""What panel codes leave missing or wrong in a database, repaired as far as it can be, and told with its size.
+"""What panel codes leave missing or wrong in a database, repaired where possible, and reported with its size.
 
 Panel codes break reciprocity and give damping that drives near irregular frequencies and where waves are shorter
 than a few panels, leave NaN where a problem failed, and are often run without infinite frequency or without waves.
@@ -69,12 +69,12 @@ FEW = 4
 """At most one in so many frequencies is proposed to be left out."""
 
 LARGEST_TOLERANCE = 0.5
-"""Above it nothing of a matrix is to be believed."""
+"""Above it a whole matrix is implausible."""
 
 ROUND = 1e-9
 
 FELT_DAMPING = 1e-3
-"""Of the critical damping: what is changed of less is not told."""
+"""Of the critical damping: smaller changes are not reported."""
 
 PROJECTIONS, ENOUGH = 200, 1e-3
 """At most, and the eigenvalue below zero of correlations at which they end; the rest is scaled away."""
@@ -419,7 +419,7 @@ def _with_limit(database: HydrodynamicDatabase, repair: Repair) -> HydrodynamicD
     return _told(
         replace(database, added_mass_infinite=value),
         "no added mass of infinite frequency: found from the damping by Ogilvie's relation, "
-        f"which scatters by {max(scatter, 1e-4):.2%} over these frequencies and knows nothing of damping beyond them",
+        f"which scatters by {max(scatter, 1e-4):.2%} over these frequencies and neglects damping beyond them",
     )
 
 

@@ -34,7 +34,7 @@ def refined_triangles(
     Returns
     -------
     tuple
-        Points, the given ones first, and triangles wound as those they are part of. Neighbours go on sharing all
+        Points, the given ones first, and triangles wound as those they are part of. Neighbours continue sharing all
         corners along their sides.
 
     Raises

@@ -139,7 +139,7 @@ def check_against_body(name: str, surface: TriangleSurface, body: str, gyration:
     """Say if a surface looks as if it were in another unit than the inertia of its body.
 
     A box has two to four times its radius of gyration as its longest side; so far more than `_LARGEST_RATIO` times is a
-    file in mm that is taken for metres, whatever small and heavy thing stands for the body.
+    file in mm that is taken for metres, whatever small and heavy inertia the body has.
 
     Parameters
     ----------

@@ -23,8 +23,7 @@ from heavylift.solver.scene.contacts import (
     SphereShape,
 )
 from heavylift.solver.scene.descriptions import check_object
-from heavylift.solver.scene.meshes import FrameBody
-from heavylift.solver.scene.scene import FlexibleBody, Scene
+from heavylift.solver.scene.scene import Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.contacts import Contour
@@ -138,7 +137,9 @@ def check_law(name: str, law: Any, friction: float) -> None:
 
 def _check_shape(contact: Contact, contour: Contour, body: Any) -> None:
     shape: Any = contact.shape
-    curve = isinstance(body, FrameBody) or (contour.neutral is not None and len(contour.neutral.spaces) == 1)
+    curve = (body is not None and body.SHAPE == "curve") or (
+        contour.neutral is not None and len(contour.neutral.spaces) == 1
+    )
     if isinstance(contact.law, BilateralLaw) and not isinstance(shape, PointShape):
         _refuse(contact, "shape", "a bilateral contact of more than a point", "a point")
     _check_numbers(contact)
@@ -146,7 +147,7 @@ def _check_shape(contact: Contact, contour: Contour, body: Any) -> None:
         _refuse(
             contact,
             "shape",
-            f"a ring on {contour.name!r}, whose normal is turned round",
+            f"a ring on {contour.name!r}, whose normal is flipped",
             "a contour without 'flip', its rows of points in the opposite order",
         )
     if curve and not isinstance(shape, PointShape | SphereShape):
@@ -223,7 +224,7 @@ def _check_footprint(contact: Contact, contour: Contour, body: Any) -> None:
     if not isinstance(contact.shape, PointShape | SphereShape):
         _refuse(contact, "footprint", f"of a {type(contact.shape).__name__}", "a point or a sphere")
     surface = contour.neutral is not None and len(contour.neutral.spaces) == 2
-    if not (surface and isinstance(body, FlexibleBody)):
+    if not (surface and body is not None and body.MODAL):
         _refuse(
             contact, "footprint", f"{contact.footprint} m on {contour.name!r}", "a surface of a flexible body"
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from heavylift.contours.splines.samples import Samples
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import Records, records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.packing import principal_frame
 from heavylift.solver.contact.checks import check_about_curve
 from heavylift.solver.contact.kind import (
     OF_GROUND,
@@ -29,13 +28,15 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import Contour
-from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import FlexibleBody, RigidBody, Scene
+from heavylift.solver.scene.scene import Scene
 
 if TYPE_CHECKING:
     from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["PackedContours", "pack_contours"]
+
+OWNERS = {"rigid": OF_RIGID, "modes": OF_MODES, "nodes": OF_MESH}
+"""How points of a contour move with a body, as kernels know it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +74,7 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     dofs
         First velocity of each body.
 
@@ -103,8 +104,8 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     modes, normals = [], []
     for i, (contour, one, (_, axes)) in enumerate(zip(scene.contours, moved, frames, strict=True)):
         body = by_name.get(contour.body)
-        data = _control_data(contour, one, body)
-        rows[i].owner = _owner(body)
+        rows[i].owner = _owner(contour, body)
+        data = _control_data(one) if rows[i].owner == OF_MODES else np.zeros(0)
         rows[i].dof = -1 if body is None else dofs[contour.body]
         rows[i].controls = start
         rows[i].dimension = len(one.spaces)
@@ -113,7 +114,7 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
         constants.append(data)
         start += len(data)
         poses[i].rotation[:] = np.eye(3).ravel()
-        if isinstance(body, MeshBody):
+        if rows[i].owner == OF_MESH and body is not None:
             poses[i].rotation[:] = rotation_matrix(body.orientation).ravel()
             poses[i].origin[:] = body.position
         poses[i].reach = np.linalg.norm(one.control, axis=1).max()
@@ -137,12 +138,17 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
     )
 
 
-def _owner(body: AnyBody | None) -> int:
+def _owner(contour: Contour, body: AnyBody | None) -> int:
     if body is None:
         return OF_GROUND
-    if isinstance(body, RigidBody):
-        return OF_RIGID
-    return OF_MODES if isinstance(body, FlexibleBody) else OF_MESH
+    if body.CONTOURS not in OWNERS:
+        raise InputError(
+            f"{contour.body!r} carries no contours",
+            source=contour.name,
+            key="body",
+            expected="a rigid or flexible body, a frame, a shell, or the ground",
+        )
+    return OWNERS[body.CONTOURS]
 
 
 def _neutral(contour: Contour, by_name: Mapping[str, AnyBody]) -> NeutralContour:
@@ -154,8 +160,8 @@ def _neutral(contour: Contour, by_name: Mapping[str, AnyBody]) -> NeutralContour
             key="body",
             expected=f"{GROUND} or one of {', '.join(sorted(by_name))}",
         )
-    body = by_name.get(contour.body)
-    if isinstance(body, MeshBody):
+    body: Any = by_name.get(contour.body)
+    if body is not None and body.SHAPE:
         if contour.neutral is not None:
             raise InputError(
                 f"a spline of its own on {contour.body!r}",
@@ -183,7 +189,7 @@ def _neutral(contour: Contour, by_name: Mapping[str, AnyBody]) -> NeutralContour
                 key="degree",
                 expected="3 or more: the curvature of a contour must not jump",
             )
-    wanted = body.reduced.mode_count if isinstance(body, FlexibleBody) else 0
+    wanted = 0 if body is None else body.mode_count
     if len(contour.neutral.modal) != wanted:
         raise InputError(
             f"{len(contour.neutral.modal)} modes",
@@ -199,21 +205,17 @@ def _frame(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Origin and axes, as columns, of what the solver measures the contour in, in the frame of the body."""
     body = by_name.get(contour.body)
-    if isinstance(body, RigidBody):
-        return principal_frame(body)
-    return np.zeros(3), np.eye(3)
+    return (np.zeros(3), np.eye(3)) if body is None else body.contour_frame()
 
 
-def _control_data(contour: Contour, one: NeutralContour, body: AnyBody | None) -> NDArray[np.float64]:
-    """What control points are made of: of a flexible body position and mode shapes, then the largest of each mode."""
-    if not isinstance(body, FlexibleBody):
-        return np.zeros(0)
+def _control_data(one: NeutralContour) -> NDArray[np.float64]:
+    """What control points of a body with modes are made of: position and mode shapes, then the largest of each."""
     largest = np.linalg.norm(one.modal, axis=2).max(axis=1, initial=0.0)
     return np.concatenate([modal_data(one), largest])
 
 
 def _across(contour: Contour, one: NeutralContour, body: AnyBody | None) -> NDArray[np.float64]:
-    """Two directions square to the first chord of a curve, in the world at the start."""
+    """Two directions perpendicular to the first chord of a curve, in the world at the start."""
     if len(one.spaces) == 2:
         return np.eye(3)[:2]
     chord = one.control[1] - one.control[0]

@@ -239,7 +239,8 @@ class ContactState(Record):
         Of a compliant contact: whether it took part in the last step, and in the one before; mean rate of its gap in
         the last step [m/s], and what it grows by in half a step.
     located
-        Of contours: whether the gap at the end of the last step was searched for; else it is larger than what is told.
+        Of contours: whether the gap at the end of the last step was searched for; else it is larger than the recorded
+        value.
     passed
         Part of this step after which a gap that is open at both of its ends has been smallest, if it may have closed in
         between; else 0.
@@ -414,7 +415,7 @@ class Events(Record):
     effort
         Contacts times iterations of their solver since the last whole step.
     exhausted
-        Whether the rest of the whole step goes on without impacts of its own.
+        Whether the rest of the whole step continues without impacts of its own.
     rough, roughest
         Solutions of this step that were accepted although the solver found none of its accuracy, and their largest
         residual: counted when the step stands.
@@ -457,7 +458,7 @@ class Events(Record):
 
 
 class Tally(Record):
-    """What steps that stand have counted since the start; carried, so that a run that goes on tells what all of it did.
+    """Counts of accepted steps since the start; carried, so that a continued run reports those of all of it.
 
     Attributes
     ----------
@@ -484,7 +485,7 @@ class Colliding(Table):
 
 
 class Reduced(Arrays):
-    """What the solver is told of contacts between rigid bodies; columns are velocities of touched bodies.
+    """Problem of contacts between rigid bodies, for the solver; columns are velocities of touched bodies.
 
     Attributes
     ----------
@@ -541,7 +542,7 @@ class ContactRows(RowArrays):
     delassus
         Rates by impulses of the contacts that are present, shape (3 nc, 3 nc).
     laws, kinds
-        What the solver is told of each of them.
+        Its part for each of them.
     rates
         Rates without contact, impulses and rates for the solver, shape (3, 3 nc).
     column
@@ -554,7 +555,7 @@ class ContactRows(RowArrays):
     control
         Of events.
     tally
-        What is told at the end of a run, one row.
+        What is reported at the end of a run, one row.
     islands, island_loss
         Number of the island of each contact with a contour, then of each pair of surfaces: bodies that contacts, joints
         and ropes of the scene can connect; of each island the energy that its contacts without compliance have lost in

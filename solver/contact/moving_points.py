@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from heavylift.solver.scene.meshes import MeshBody
-
 if TYPE_CHECKING:
     from heavylift.solver.scene.collisions import Collision
     from heavylift.solver.scene.contacts import Contour
@@ -19,7 +17,7 @@ MOST_ON_MESHES = 64
 
 def _mesh_sides(collision: Collision, scene: Scene) -> list[str]:
     """Frames and shells that take part."""
-    meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
+    meshes = {body.name for body in scene.bodies if body.SEEN_AT_POINTS}
     owners = {one.name: one.body for one in scene.surfaces}
     return [owners[name] for name in collision.surfaces if owners.get(name) in meshes]
 
@@ -50,7 +48,7 @@ def moving_points(contour: Contour) -> int:
 def count_moving(scene: Scene) -> dict[str, int]:
     """Contacts on each frame and shell: each touches a point of its own that moves, those of contours first."""
     on = {contour.name: contour for contour in scene.contours}
-    meshes = {body.name for body in scene.bodies if isinstance(body, MeshBody)}
+    meshes = {body.name for body in scene.bodies if body.SEEN_AT_POINTS}
     counts: dict[str, int] = {}
     for contact in scene.contacts:
         contour = on.get(contact.contour)

@@ -126,7 +126,7 @@ def pack_contacts(
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     columns
         First record column of each contact.
     of_collisions

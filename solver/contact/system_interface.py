@@ -23,7 +23,7 @@ def follow(
 
 @optional("contact")
 def before_advance(systems: Systems, bodies: Bodies, work: Workspace, step: float) -> None:
-    """Contacts: keep a copy of the state, to which an impact within the step goes back; how far things move."""
+    """Contacts: keep a copy of the state, to which an impact within the step goes back; how far bodies move."""
 
 
 @optional("contact")

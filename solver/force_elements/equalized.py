@@ -50,7 +50,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import ROPES, RopePoint
+from heavylift.solver.scene.connections import ROPES, AlongPath, RopePoint
 from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, largest, outputs, smallest
 
 __all__ = [
@@ -104,7 +104,7 @@ class EqualizedParts(Parts):
 
 @ROPES.describe("equalized")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SharedLines:
+class SharedLines(AlongPath):
     """Lines of one force: an equalizer without the masses of its pulleys, as `[[equalizers]]` writes it."""
 
     CHANNELS: ClassVar = (*EqualizedOutputs.CHANNELS, *EqualizedParts.CHANNELS)
@@ -163,6 +163,11 @@ class SharedLines:
                 key="up",
                 expected=f"less than {spec.depth:.6g} m",
             )
+
+    def packed_by(self, integrator: str) -> str:
+        """Over sheaves with an efficiency they are another kind."""
+        del integrator
+        return "heavylift.solver.force_elements.equalized_packing"
 
     @property
     def segment_count(self) -> int:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,41 +19,34 @@ from heavylift.solver.force_elements.equalized import (
     SharedLines,
 )
 from heavylift.solver.force_elements.rope_packing import LARGEST_DRIFT, LARGEST_SHARE
-from heavylift.solver.force_elements.system import LawBlock
-from heavylift.solver.force_elements.watched import WatchedRopes
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import placed
-from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND, JointFrame
-from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["pack_equalized"]
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
+
+__all__ = ["pack"]
 
 
-def pack_equalized(
-    members: Sequence[SharedLines],
-    columns: Sequence[Columns],
-    book: MarkerBook,
-    attachment: Callable[[str], Attachment],
-    scales: Callable[[str], tuple[float, float]],
-    bodies: Sequence[AnyBody],
-    add: Callable[[LawBlock], int],
-    watched: WatchedRopes,
-    *,
-    integrator: str,
-) -> EqualizedLines:
-    """Make the kind; `add` takes a row and gives its number, `watched` knows whose pulls something watches.
+def pack(ropes: Sequence[SharedLines], context: PackingContext) -> None:
+    """Make a kind of those without friction, and one of those with.
 
     Raises
     ------
     InputError
         If a line does not reach its lug, or the integrator takes no rows that change at stops.
     """
-    if integrator == "accurate":
+    for rubs in (False, True):
+        members = [rope for rope in ropes if (rope.efficiency < 1.0) is rubs]
+        if members:
+            context.add_rows(_pack_group(members, context))
+
+
+def _pack_group(members: Sequence[SharedLines], context: PackingContext) -> EqualizedLines:
+    """A kind and its rows."""
+    if context.integrator == "accurate":
         raise InputError(
             "'accurate' with lines of one force, whose rows change at stops",
             source=members[0].name,
@@ -62,25 +55,25 @@ def pack_equalized(
         )
     table: list[EqualizedEntry] = []
     lines: list[EqualizedLine] = []
-    for rope, column in zip(members, columns, strict=True):
+    for rope in members:
         count, first = rope.segment_count, len(lines)
         level = FORCES if rope.damping > 0.0 else ROWS
         held = list(dict.fromkeys(stop.body for stop in rope.path if stop.body != GROUND))
-        block = _row(rope.name, held, attachment, scales, add)
+        block = context.block(rope.name, held)
         direction = np.asarray(rope.direction, dtype=np.float64)
         direction = direction / np.linalg.norm(direction)
         for k in range(count):
             outlet, lug = rope.path[2 * k], rope.path[2 * k + 1]
-            cosine = _start_cosine(rope, k, direction, bodies)
+            cosine = _start_cosine(rope, k, direction, context)
             pair = list(dict.fromkeys(stop.body for stop in (outlet, lug) if stop.body != GROUND))
-            own = _row(rope.name, pair, attachment, scales, add)
+            own = context.block(rope.name, pair)
             length = float(rope.lengths[k])
             lines.append(
                 filled(
                     EqualizedLine,
-                    outlet=book.point(outlet.body, outlet.point, level),
-                    lug=book.point(lug.body, lug.point, level),
-                    guide=book.direction(outlet.body, direction, level, at=outlet.point),
+                    outlet=context.point(outlet.body, outlet.point, level),
+                    lug=context.point(lug.body, lug.point, level),
+                    guide=context.direction(outlet.body, direction, level, at=outlet.point),
                     block=own,
                     attachments=len(pair),
                     own_outlet=_side(outlet.body, own, pair),
@@ -95,6 +88,7 @@ def pack_equalized(
                     largest_drift=min(LARGEST_DRIFT, LARGEST_SHARE * length),
                 )
             )
+        column = context.column(rope)
         table.append(
             filled(
                 EqualizedEntry,
@@ -104,7 +98,7 @@ def pack_equalized(
                 count=count,
                 column=column,
                 parts=placed(EqualizedParts, column),
-                shown=watched.first.get(rope.name, -1),
+                shown=context.watched.first.get(rope.name, -1),
                 total=count * rope.depth,
                 compliance=rope.rope_length / (4.0 * rope.axial_stiffness),
                 damping=rope.damping / count,
@@ -117,7 +111,7 @@ def pack_equalized(
         records(EqualizedLine, lines),
         state,
         records(LineState, len(lines)),
-        watched.pulls,
+        context.watched.pulls,
     )
     return _with_friction(kind, members) if members[0].efficiency < 1.0 else kind
 
@@ -159,35 +153,21 @@ def _with_friction(kind: EqualizedLines, members: Sequence[SharedLines]) -> Equa
     )
 
 
-def _row(
-    name: str,
-    held: Sequence[str],
-    attachment: Callable[[str], Attachment],
-    scales: Callable[[str], tuple[float, float]],
-    add: Callable[[LawBlock], int],
-) -> int:
-    """Number of a new row on some bodies."""
-    return add(
-        LawBlock(name, tuple(attachment(body) for body in held), sum(scales(body)[0] for body in held))
-    )
-
-
 def _side(body: str, block: int, held: Sequence[str]) -> int:
     """Attachment of a body in a row on some, -1 on the ground."""
     return -1 if body == GROUND else 2 * block + held.index(body)
 
 
-def _start_cosine(rope: SharedLines, k: int, direction: Any, bodies: Sequence[AnyBody]) -> float:
+def _start_cosine(rope: SharedLines, k: int, direction: Any, context: PackingContext) -> float:
     """Cosine of the angle of a line to its guide as drawn."""
     outlet, lug = (
-        start_frames(
+        context.start_frames(
             FixedJoint(
                 name=rope.name,
                 body_a=GROUND,
                 body_b=stop.body,
                 frame_b=JointFrame(np.asarray(stop.point, dtype=np.float64)),
-            ),
-            bodies,
+            )
         )[1]
         for stop in rope.path[2 * k : 2 * k + 2]
     )

@@ -18,7 +18,7 @@ So a point that sticks is held by a spring, and several bearings beside each oth
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -65,10 +65,9 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import FORCES, GROUND, Between, as_joint
+from heavylift.solver.scene.connections import FORCES, Between
 from heavylift.solver.scene.descriptions import upwards
 from heavylift.solver.scene.outputs import (
-    Columns,
     Components,
     Outputs,
     channel,
@@ -78,12 +77,9 @@ from heavylift.solver.scene.outputs import (
 )
 
 if TYPE_CHECKING:
-    from heavylift.solver.force_elements.system import LawBlock
-    from heavylift.solver.markers import MarkerBook
-    from heavylift.solver.rows.structure import Attachment
-    from heavylift.solver.scene.scene import AnyBody
+    from heavylift.solver.force_elements.packing import PackingContext
 
-__all__ = ["BearingEnd", "BearingState", "LineBearing", "LineBearings", "pack_bearings", "rub"]
+__all__ = ["BearingEnd", "BearingState", "LineBearing", "LineBearings", "pack", "rub"]
 
 NOT_CLOSED = int(Outcome.NOT_CLOSED)
 
@@ -152,6 +148,15 @@ class LineBearing(Between):
     """Of each end, upwards [N s/m]; never so much that it pulls."""
     friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0
     """Coefficient."""
+
+    def obstacle(self, integrator: str) -> str:
+        """Its force has corners."""
+        return "" if integrator == "dele2" else "opens and closes"
+
+    @property
+    def directed(self) -> bool:
+        """It holds a plane."""
+        return True
 
     @staticmethod
     def check(spec: Any) -> None:
@@ -282,15 +287,7 @@ class LineBearings(Arrays):
         )
 
 
-def pack_bearings(
-    bearings: Sequence[LineBearing],
-    columns: Sequence[Columns],
-    bodies: Sequence[AnyBody],
-    book: MarkerBook,
-    attachment: Callable[[str], Attachment],
-    scales: Callable[[str], tuple[float, float]],
-    add: Callable[[LawBlock], int],
-) -> LineBearings:
+def pack(bearings: Sequence[LineBearing], context: PackingContext) -> None:
     """Make the kind and its rows.
 
     Raises
@@ -298,39 +295,34 @@ def pack_bearings(
     InputError
         If an end is not on the deck at the start, or below its plane.
     """
-    from heavylift.solver.force_elements.system import LawBlock
-    from heavylift.solver.joints.packing import start_frames
-
     rows, overlaps = [], []
-    for bearing, column in zip(bearings, columns, strict=True):
+    for bearing in bearings:
         onto, normal = (np.asarray(v, dtype=np.float64) for v in (bearing.inward, bearing.normal))
         onto, normal = onto / np.linalg.norm(onto), normal / np.linalg.norm(normal)
         across = np.cross(normal, onto)
-        deck, line = start_frames(as_joint(bearing), bodies)
+        deck, line = context.start_frames(bearing)
         # the line in the axes of the second body: where it lies across the deck at the start
         half = 0.5 * bearing.length * (line.axes.T @ deck.axes @ across)
         a, b = bearing.body_a, bearing.body_b
         point_a = np.asarray(bearing.point_a, dtype=np.float64)
         point_b = np.asarray(bearing.point_b, dtype=np.float64)
-        border = book.point(a, point_a, ROWS)
-        directions = [book.direction(a, v, ROWS, at=point_a) for v in (normal, onto, across)]
+        border = context.point(a, point_a, ROWS)
+        directions = [context.direction(a, v, ROWS, at=point_a) for v in (normal, onto, across)]
         place = deck.axes.T @ (line.point - deck.point)
         _check_place(bearing, float(normal @ place), float(onto @ place))
-        sides = (attachment(a), attachment(b))
-        scale = sum(scales(name)[0] for name in (a, b) if name != GROUND)
         for left in (True, False):
-            block = add(LawBlock(bearing.name, sides, scale, rows=3))
+            block = context.block(bearing.name, (a, b), rows=3)
             rows.append(
                 filled(
                     BearingEnd,
                     block=block,
-                    column=column,
+                    column=context.column(bearing),
                     left=left,
                     deck=border,
                     normal=directions[0],
                     inward=directions[1],
                     across=directions[2],
-                    point=book.point(b, point_b + half if left else point_b - half, ROWS),
+                    point=context.point(b, point_b + half if left else point_b - half, ROWS),
                     stiffness=bearing.stiffness,
                     damping=bearing.damping,
                     friction=bearing.friction,
@@ -341,7 +333,7 @@ def pack_bearings(
             overlaps.append(float(onto @ place))
     state = records(BearingState, len(rows))
     state["fresh"], state["overlap"] = True, overlaps
-    return LineBearings(records(BearingEnd, rows), state)
+    context.add_rows(LineBearings(records(BearingEnd, rows), state))
 
 
 def _check_place(bearing: LineBearing, height: float, overlap: float) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,6 @@ from heavylift.numerics.records import Records, filled, records
 from heavylift.solver.extremes import Extremes
 from heavylift.solver.force_elements.rope_path import START_WRAP, PlaceGradient, RopePlace
 from heavylift.solver.force_elements.rows import ROWS_A_BLOCK
-from heavylift.solver.force_elements.system import LawBlock
-from heavylift.solver.force_elements.watched import WatchedRopes
 from heavylift.solver.force_elements.wire_rope import (
     LARGEST_STRAIN,
     PlaceMarkers,
@@ -27,10 +25,7 @@ from heavylift.solver.force_elements.wire_rope import (
 )
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.joints.packing import start_frames
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import placed
-from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.connections import (
     GROUND,
@@ -43,31 +38,21 @@ from heavylift.solver.scene.connections import (
     controlled,
     rubbing_places,
 )
-from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.scene import AnyBody
 
-__all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "check_strains_at_rest", "pack_ropes"]
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
+
+__all__ = ["LARGEST_DRIFT", "LARGEST_SHARE", "check_strains_at_rest", "make_ropes", "pack", "start_path"]
 
 LARGEST_DRIFT, LARGEST_SHARE = 1.0, 0.1
 """Of a carried stretch from the path [m], and relative to the length: the smaller one ends the run. Ropes break at a
 strain of two hundredths."""
 
 
-def pack_ropes(
-    ropes: Sequence[Any],
-    columns: Sequence[Columns],
-    first_block: int,
-    book: MarkerBook,
-    attachment: Callable[[str], Attachment],
-    scales: Callable[[str], tuple[float, float]],
-    bodies: Sequence[AnyBody],
-    leaders: Mapping[str, Any],
-    watched: WatchedRopes,
-    *,
-    as_forces: bool,
-    at_rest: bool,
-) -> tuple[Ropes, list[LawBlock]]:
-    """Make the kind and its rows, none if ropes are forces.
+def pack(ropes: Sequence[Any], context: PackingContext) -> None:
+    """Make a kind of ropes that are planned, one of those with sheaves that rub, and one of those with a control.
+
+    The accurate integrator takes them as forces, which have no rows.
 
     Raises
     ------
@@ -75,18 +60,36 @@ def pack_ropes(
         If a rope has fewer than two points, ends on a pulley, has coincident neighbours, no stiffness, or is
         shorter than its path by more than it can stretch, unless the scene comes to rest before time starts.
     """
+    groups: tuple[list[Any], list[Any], list[Any]] = [], [], []
+    for rope in ropes:
+        groups[1 if rubbing_places(rope) else 2 if controlled(rope) else 0].append(rope)
+    for group in filter(None, groups):
+        kind = make_ropes(group, context)
+        if rubbing_places(group[0]):
+            kind = _with_friction(kind, group, context)
+        elif controlled(group[0]):
+            kind = _with_control(kind, group, context)
+        context.add_rows(kind)
+        if context.integrator == "accurate":
+            context.add_forces(kind)
+
+
+def make_ropes(ropes: Sequence[Any], context: PackingContext) -> Ropes:
+    """Ropes of one tension and their rows, from which other kinds of ropes may be made.
+
+    They have a `path`, an `axial_stiffness` or a `stiffness`, a `damping`, and perhaps a `length`, `tension`, `winch`.
+    """
+    as_forces, leaders = context.integrator == "accurate", context.watched.ropes
     table: list[RopeEntry] = []
     places: list[PlaceMarkers] = []
     winches: list[WinchRow] = []
     paths: list[RopePlace] = []
-    blocks: list[LawBlock] = []
     drawn: list[float] = []
-    block = first_block
-    for rope, column in zip(ropes, columns, strict=True):
-        points = rope.path
-        path = start_path(rope, bodies)
+    for rope in ropes:
+        points, block, column = rope.path, context.next_block, context.column(rope)
+        path = start_path(rope, context)
         rows = _rows_of_both(rope, leaders)
-        length = _unstretched(rope, path, rows, at_rest=at_rest)
+        length = _unstretched(rope, path, rows, at_rest=context.scene.at_rest)
         held = list(dict.fromkeys(point.body for point in points if point.body != GROUND))
         level = FORCES if rope.damping > 0.0 or as_forces else ROWS
         first = len(places)
@@ -94,8 +97,8 @@ def pack_ropes(
             side = -1 if point.body == GROUND else 2 * block + held.index(point.body)
             axis = -1
             if point.radius > 0.0:
-                axis = book.direction(point.body, _axes(rope, point)[:, 2], level, at=point.point)
-            marker = book.point(point.body, point.point, level)
+                axis = context.direction(point.body, _axes(rope, point)[:, 2], level, at=point.point)
+            marker = context.point(point.body, point.point, level)
             places.append(filled(PlaceMarkers, marker=marker, axis=axis, attachment=side))
         drawn.append(start_length(path))
         table.append(
@@ -109,7 +112,7 @@ def pack_ropes(
                 winch_rows=len(rows),
                 column=column,
                 parts=placed(RopeParts, column),
-                shown=watched.first.get(rope.name, -1),
+                shown=context.watched.first.get(rope.name, -1),
                 axial_stiffness=getattr(rope, "axial_stiffness", 0.0),
                 stiffness=getattr(rope, "stiffness", 0.0),
                 damping=rope.damping,
@@ -125,19 +128,11 @@ def pack_ropes(
         rows_left = 1 + len(rubbing_places(rope))
         most = _rows_a_block(rows_left)
         while rows_left > 0:
-            blocks.append(
-                LawBlock(
-                    rope.name,
-                    tuple(attachment(name) for name in held),
-                    sum(scales(name)[0] for name in held),
-                    rows=min(rows_left, most),
-                )
-            )
+            context.block(rope.name, held, rows=min(rows_left, most))
             rows_left -= most
-            block += blocks[-1].block_count
     entries, carried = records(RopeEntry, table), records(RopeState, len(table))
     carried["fresh"], carried["stretched"], carried["rest"] = True, drawn, entries["start_length"]
-    kind = Ropes(
+    return Ropes(
         entries,
         records(PlaceMarkers, places),
         records(WinchRow, winches),
@@ -145,13 +140,8 @@ def pack_ropes(
         records(PlaceGradient, len(places)),
         carried,
         np.full(len(places), START_WRAP),
-        watched.pulls,
+        context.watched.pulls,
     )
-    if any(rubbing_places(rope) for rope in ropes):
-        return _with_friction(kind, ropes, columns, leaders, attachment), blocks
-    if any(controlled(rope) for rope in ropes):
-        return _with_control(kind, ropes, columns), blocks
-    return kind, blocks
 
 
 def _rows_a_block(count: int) -> int:
@@ -159,7 +149,7 @@ def _rows_a_block(count: int) -> int:
     return -(-count // -(-count // ROWS_A_BLOCK))
 
 
-def _with_control(kind: Ropes, ropes: Sequence[Any], columns: Sequence[Columns]) -> Ropes:
+def _with_control(kind: Ropes, ropes: Sequence[Any], context: PackingContext) -> Ropes:
     """The kind of ropes whose winches answer to their tension."""
     from heavylift.solver.force_elements.winch_control import (
         PLANNED,
@@ -172,7 +162,7 @@ def _with_control(kind: Ropes, ropes: Sequence[Any], columns: Sequence[Columns])
 
     controls: list[WinchControl] = []
     rows: list[TensionRow] = []
-    for rope, column in zip(ropes, columns, strict=True):
+    for rope in ropes:
         winch, count = rope.winch, len(rope.winch.tensions)
         controls.append(
             filled(
@@ -185,7 +175,7 @@ def _with_control(kind: Ropes, ropes: Sequence[Any], columns: Sequence[Columns])
                 mode=TABLED if count else PLANNED,
                 wanted=0.0,
                 group=0,
-                column=column.at(ControlOutputs),
+                column=context.column(rope).at(ControlOutputs),
             )
         )
         if count:
@@ -199,13 +189,7 @@ def _with_control(kind: Ropes, ropes: Sequence[Any], columns: Sequence[Columns])
     )
 
 
-def _with_friction(
-    kind: Ropes,
-    ropes: Sequence[Any],
-    columns: Sequence[Columns],
-    leaders: Mapping[str, Any],
-    attachment: Callable[[str], Attachment],
-) -> Ropes:
+def _with_friction(kind: Ropes, ropes: Sequence[Any], context: PackingContext) -> Ropes:
     """The kind of ropes over sheaves with an efficiency."""
     from heavylift.solver.force_elements.sheave_friction import (
         Chain,
@@ -220,7 +204,7 @@ def _with_friction(
     sheaves: list[Sheave] = []
     drums: list[WinchRow] = []
     flow = 0
-    for entry, rope, column in zip(kind.table, ropes, columns, strict=True):
+    for entry, rope in zip(kind.table, ropes, strict=True):
         rubbing = rubbing_places(rope)
         rows = _rows_a_block(1 + len(rubbing))
         stride = max(1, (entry.attachments + 1) // 2)
@@ -228,11 +212,11 @@ def _with_friction(
         winch_last = 0.0 if winch is None else {"first": 0.0, "both": 0.5, "last": 1.0}[winch.end]
         last: list[WinchRow] = []
         if rope.other_winch is not None:
-            last = _winch_rows(rope, leaders, "winch" if winch_last == 1.0 else "other_winch")
+            last = _winch_rows(rope, context.watched.ropes, "winch" if winch_last == 1.0 else "other_winch")
         chain = Chain.one()  # the rest is scratch
         chain.first, chain.count = len(sheaves), len(rubbing)
         chain.stride, chain.rows, chain.flow = stride, rows, flow
-        chain["parts"] = placed(SheaveParts, column)
+        chain["parts"] = placed(SheaveParts, context.column(rope))
         chain.winch_last, chain.drum, chain.drum_rows = winch_last, len(drums), len(last)
         chains.append(chain)
         drums += last
@@ -254,7 +238,7 @@ def _with_friction(
         flow += (len(rubbing) // rows + 1) * ROWS_A_BLOCK
     places = len(kind.places)
     held = {stop.body for rope in ropes for stop in rope.path if stop.body != GROUND}
-    widest = max(attachment(name).width for name in held)
+    widest = max(context.attachment(name).width for name in held)
     return SheavedRopes(
         **{name: getattr(kind, name) for name in kind._fields},
         chains=records(Chain, chains),
@@ -280,7 +264,7 @@ def _axes(rope: Any, point: RopePoint) -> NDArray[np.float64]:
     return axes_about(point.axis, source=rope.name) if point.radius > 0.0 else np.eye(3)
 
 
-def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
+def start_path(rope: Any, context: PackingContext) -> Records[RopePlace]:
     """Places in the world at the start; checked.
 
     Raises
@@ -293,14 +277,13 @@ def start_path(rope: Any, bodies: Sequence[AnyBody]) -> Records[RopePlace]:
         raise _error(rope, f"{len(points)} points", "path", "two points or more")
     path = records(RopePlace, len(points))
     for i, point in enumerate(points):
-        place = start_frames(
+        place = context.start_frames(
             FixedJoint(
                 name=rope.name,
                 body_a=GROUND,
                 body_b=point.body,
                 frame_b=JointFrame(np.asarray(point.point, dtype=np.float64), _axes(rope, point)),
-            ),
-            bodies,
+            )
         )[1]
         path[i] = filled(RopePlace, centre=place.point, axis=place.axes[:, 2], radius=point.radius)
     for i, step in enumerate(np.linalg.norm(np.diff(path["centre"], axis=0), axis=1)):

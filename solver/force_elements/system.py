@@ -17,14 +17,14 @@ from heavylift.solver.rows.structure import (
     pack_rows,
 )
 
-__all__ = ["LawBlock", "extend_system"]
+__all__ = ["ElementBlock", "extend_system"]
 
 GROUND_SIDE = Attachment(-1, -1, 0, PRESCRIBED)
 
 
 @dataclass(frozen=True)
-class LawBlock:
-    """Rows of one law on any number of bodies.
+class ElementBlock:
+    """Rows of one force element on any number of bodies.
 
     Attributes
     ----------
@@ -41,6 +41,8 @@ class LawBlock:
         How many, on the same bodies.
     vectors
         Of each row the vector whose component it is, see `heavylift.solver.rows.structure.Row`; none if empty.
+    fitted
+        Whether the rows are fitted to a law by iteration.
     """
 
     name: str
@@ -50,6 +52,7 @@ class LawBlock:
     relaxation: float = 0.0
     rows: int = 1
     vectors: tuple[int, ...] = ()
+    fitted: bool = True
 
     @property
     def block_count(self) -> int:
@@ -59,11 +62,9 @@ class LawBlock:
 
 def extend_system(
     joints: RowSystem | None,
-    blocks: Sequence[LawBlock],
+    blocks: Sequence[ElementBlock],
     inverse_mass: NDArray[np.float64],
     monitor: int,
-    *,
-    laws: bool,
 ) -> RowSystem:
     """Lay out the rows of joints and of what follows them in one system.
 
@@ -75,8 +76,6 @@ def extend_system(
         Rows that follow.
     inverse_mass, monitor
         As in `RowSystem`.
-    laws
-        Whether some of the rows are fitted by iteration.
     """
     counts: list[int] = []
     scales: list[NDArray[np.float64]] = []
@@ -108,7 +107,7 @@ def extend_system(
         made.rows[start].compliance[: block.rows] = block.compliance
         made.rows[start].relaxation[: block.rows] = block.relaxation
         made.rows[start].vector[: len(block.vectors)] = block.vectors
-    return made._replace(laws=laws)
+    return made._replace(laws=any(block.fitted for block in blocks))
 
 
 def _side(system: RowSystem, i: int) -> Attachment:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,26 +14,20 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.force_elements.line_forces import LineForce
 from heavylift.solver.scene.connections import PackedForce
 
+if TYPE_CHECKING:
+    from heavylift.solver.scene.scene import Scene
+
 __all__ = ["WatchedRopes", "WatchesRopes", "watch_ropes_of"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WatchesRopes(PackedForce):
-    """Base of measures of ropes.
-
-    Their module has ``pack(measures, columns, book, watched)``, the last one a `WatchedRopes`; `watched_ropes` are the
-    names of those that one of them watches.
-    """
+    """Base of measures of ropes: they say which, and find them in the `WatchedRopes` of the packing context."""
 
     STEPS: ClassVar[bool] = False
     """Whether it follows from step to step, as `dele2` makes them, and is refused with another integrator."""
 
     name: str
-
-    @property
-    def watched_ropes(self) -> tuple[str, ...]:
-        """Names of the ropes that it watches."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,31 +58,28 @@ class WatchedRopes:
 
     def members(self, rope: str) -> list[list[int]]:
         """Places in `pulls` that have the tensions of the parts of a rope; of lines of one force, of each line."""
-        first, count = self.first[rope], len(self.ropes[rope].path)
-        if self.ropes[rope].WORD == "equalized":
-            return [[first + k] for k in range(0, count, 2)]
-        return [[first + k for k in range(count - 1)]]
+        first, thing = self.first[rope], self.ropes[rope]
+        if hasattr(thing, "legs"):
+            lengths = [len(leg) for leg in thing.legs]
+            starts = np.cumsum([0, *lengths[:-1]])
+            return [[first + int(s)] for s in starts]
+        return [[first + k for k in range(len(thing.path) - 1)]]
 
 
-def watch_ropes_of(
-    measures: Sequence[WatchesRopes],
-    ropes: Sequence[Any],
-    bodies: Sequence[Any],
-    gravity: NDArray[np.float64],
-    integrator: str,
-) -> WatchedRopes:
-    """Give the ropes that measures watch their places.
+def watch_ropes_of(scene: Scene, integrator: str) -> WatchedRopes:
+    """Give the ropes that something watches their places.
 
     Raises
     ------
     InputError
         If one does not exist, or a measure follows steps that the integrator does not make.
     """
-    by_name = {rope.name: rope for rope in ropes}
+    by_name = {rope.name: rope for rope in scene.ropes}
     first: dict[str, int] = {}
     count = 0
-    for measure in measures:
-        if measure.STEPS and integrator != "dele2":
+    measure: Any
+    for measure in scene.forces:
+        if getattr(measure, "STEPS", False) and integrator != "dele2":
             raise InputError(
                 f"it follows the steps of 'dele2', and the integrator is {integrator!r}",
                 source=measure.name,
@@ -105,5 +96,5 @@ def watch_ropes_of(
             if name not in first:
                 first[name] = count
                 count += len(by_name[name].path)
-    known = {body.name: body for body in bodies}
-    return WatchedRopes(records(LineForce, count), first, by_name, known, gravity)
+    bodies = {body.name: body for body in scene.bodies}
+    return WatchedRopes(records(LineForce, count), first, by_name, bodies, scene.gravity)

@@ -70,6 +70,7 @@ from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import (
     ROPES,
+    AlongPath,
     ControlOutputs,
     RopeOutputs,
     RopeParts,
@@ -117,7 +118,7 @@ LARGEST_STRAIN = 0.02
 
 @ROPES.describe("wire")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Rope:
+class Rope(AlongPath):
     """A wire rope through any number of points, with one tension all along but for sheaves with an efficiency."""
 
     CHANNELS: ClassVar = (
@@ -212,7 +213,7 @@ class Rope:
 
 @ROPES.describe("spring")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SpringRope:
+class SpringRope(AlongPath):
     """A rope between two points that pulls like a spring and never pushes."""
 
     CHANNELS: ClassVar = (*RopeOutputs.CHANNELS, *RopeParts.CHANNELS)

@@ -16,9 +16,10 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 
 if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
     from heavylift.solver.scene.scene import Gravity
 
-__all__ = ["UniformGravity", "pack_gravity"]
+__all__ = ["UniformGravity", "pack"]
 
 
 class UniformGravity(Arrays):
@@ -27,9 +28,11 @@ class UniformGravity(Arrays):
     acceleration: Floats1
 
 
-def pack_gravity(entries: Sequence[Gravity]) -> UniformGravity:
+def pack(entries: Sequence[Gravity], context: PackingContext) -> None:
     """Make the kind from the entries of a scene."""
-    return UniformGravity(np.sum([entry.acceleration for entry in entries], axis=0, dtype=np.float64))
+    context.add_forces(
+        UniformGravity(np.sum([entry.acceleration for entry in entries], axis=0, dtype=np.float64))
+    )
 
 
 @implement(add_forces, UniformGravity)

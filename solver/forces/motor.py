@@ -5,9 +5,9 @@ The load acts on the markers of the angle or travel, so that load times rate is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import ByCoordinate, Quantity, Shape
 from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.interface import (
+    FORCES as ACTING,
+)
+from heavylift.solver.interface import (
     Workspace,
     add_forces,
     fill_bias,
@@ -25,14 +28,23 @@ from heavylift.solver.interface import (
     record_joints,
     update_rows,
 )
-from heavylift.solver.joints.coordinate import ANGLE, CoordinateEntry, add_load
+from heavylift.solver.joints.coordinate import (
+    ANGLE,
+    CoordinateEntry,
+    add_load,
+    joint_coordinate,
+    joint_markers,
+)
 from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowSystem
 from heavylift.solver.scene.connections import FORCES, AlongJoint, TorqueOutputs
 from heavylift.solver.scene.descriptions import check_table, no_rows
 
-__all__ = ["JointMotor", "Motors", "pack_motors"]
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
+
+__all__ = ["JointMotor", "Motors", "pack"]
 
 
 @FORCES.describe("motor")
@@ -117,17 +129,43 @@ class Motors(Arrays):
     state: Floats1
 
 
-def pack_motors(motors: Sequence[tuple[JointMotor, Mapping[str, Any]]]) -> Motors:
-    """Make the kind from the entries of a scene and the fields of each beside its load table."""
+def pack(motors: Sequence[JointMotor], context: PackingContext) -> None:
+    """Make the kind: forces, whose work is counted as that of drives.
+
+    Raises
+    ------
+    InputError
+        If its joint has no angle or travel.
+    """
     table: list[MotorEntry] = []
     first = 0
-    for motor, fields in motors:
-        table.append(filled(MotorEntry, **fields, first=first, count=len(motor.times)))
+    for motor in motors:
+        joint = context.joint(motor.joint)
+        coordinate = joint_coordinate(joint, motor)
+        a, b, c = joint_markers(context.book, joint, coordinate, ACTING)
+        side_a, side_b = context.attachment(joint.body_a), context.attachment(joint.body_b)
+        entry = filled(
+            MotorEntry,
+            coordinate=coordinate,
+            a=a,
+            b=b,
+            c=c,
+            column=context.column(motor),
+            dof_a=side_a.dof,
+            width_a=side_a.width,
+            dof_b=side_b.dof,
+            width_b=side_b.width,
+            first=first,
+            count=len(motor.times),
+        )
+        table.append(entry)
         first += len(motor.times)
     loads = records(LoadRow, first)
-    loads["time"] = np.concatenate([motor.times for motor, _ in motors])
-    loads["load"] = np.concatenate([motor.loads for motor, _ in motors])
-    return Motors(records(MotorEntry, table), loads, np.zeros(len(table)))
+    loads["time"] = np.concatenate([motor.times for motor in motors])
+    loads["load"] = np.concatenate([motor.loads for motor in motors])
+    kind = Motors(records(MotorEntry, table), loads, np.zeros(len(table)))
+    context.add_rows(kind)
+    context.add_forces(kind)
 
 
 @kernel(internal=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,20 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity, Shape
 from heavylift.numerics.records import Record, Records, Vector, filled, records
 from heavylift.solver.interface import (
+    FORCES as ACTING,
+)
+from heavylift.solver.interface import (
     Workspace,
     add_forces,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.scene.connections import FORCES, OnBody
+from heavylift.solver.scene.connections import FORCES, OnBody, Stage
 from heavylift.solver.scene.descriptions import check_table, no_rows
 
-__all__ = ["PointForce", "PointForces", "pack_point_forces"]
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
+
+__all__ = ["PointForce", "PointForces", "pack"]
 
 
 @FORCES.describe("point")
@@ -30,6 +36,7 @@ __all__ = ["PointForce", "PointForces", "pack_point_forces"]
 class PointForce(OnBody):
     """A force on a material point, constant or from a table over time."""
 
+    STAGE: ClassVar = Stage.LOADS
     CHANNELS: ClassVar = ()
     SENTENCES: ClassVar = {
         "name": "Its name.",
@@ -55,6 +62,11 @@ class PointForce(OnBody):
             object.__setattr__(self, "times", np.zeros(1))
             object.__setattr__(self, "forces", np.array([self.force]))
             object.__setattr__(self, "force", None)
+
+    @property
+    def directed(self) -> bool:
+        """Whether it follows the axes of its body."""
+        return self.frame == "body"
 
     @staticmethod
     def check(spec: Any) -> None:
@@ -97,27 +109,23 @@ class PointForces(Arrays):
     values: Records[ForceAtTime]
 
 
-def pack_point_forces(entries: Sequence[PointForce], first_markers: Sequence[int]) -> PointForces:
-    """Make the kind from the entries of a scene.
-
-    Parameters
-    ----------
-    entries
-        Forces.
-    first_markers
-        Number of the point marker of each entry; the axes follow it.
-    """
+def pack(loads: Sequence[PointForce], context: PackingContext) -> None:
+    """Make the kind."""
     rows: list[PointForceEntry] = []
     first = 0
-    for entry, marker in zip(entries, first_markers, strict=True):
-        axes = marker + 1 if entry.frame == "body" else -1
-        count = len(entry.times)
+    for load in loads:
+        marker, axes = context.point(load.body, load.point, ACTING), -1
+        if load.frame == "body":
+            axes = marker + 1
+            for axis in np.eye(3):
+                context.direction(load.body, axis, ACTING, at=load.point)
+        count = len(load.times)
         rows.append(filled(PointForceEntry, marker=marker, axes=axes, first=first, count=count))
         first += count
     tables = records(ForceAtTime, first)
-    tables["time"] = np.concatenate([entry.times for entry in entries])
-    tables["force"] = np.concatenate([entry.forces for entry in entries])
-    return PointForces(records(PointForceEntry, rows), tables)
+    tables["time"] = np.concatenate([load.times for load in loads])
+    tables["force"] = np.concatenate([load.forces for load in loads])
+    context.add_forces(PointForces(records(PointForceEntry, rows), tables))
 
 
 @implement(add_forces, PointForces)

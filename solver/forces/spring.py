@@ -13,9 +13,9 @@ corners: `heavylift.solver.force_elements.scalar_laws`, with the same entry and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +24,15 @@ from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, AsDrawn, ByCoordinate, Quantity, Shape
-from heavylift.numerics.records import Record, Records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.extremes import Agreement, Extremes, compare_force, largest_of, note_value, smallest_of
 from heavylift.solver.force_elements.forces import mean_force, spring_force
 from heavylift.solver.force_elements.rows import put_residual, row_rate
 from heavylift.solver.interface import (
+    FORCES as ACTING,
+)
+from heavylift.solver.interface import (
+    ROWS,
     Workspace,
     add_forces,
     fill_bias,
@@ -45,15 +49,23 @@ from heavylift.solver.joints.coordinate import (
     coordinate_rate,
     coordinate_row,
     coordinate_value,
+    joint_coordinate,
+    joint_markers,
+    spring_markers,
 )
 from heavylift.solver.joints.row_writing import near_angle
 from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
-from heavylift.solver.scene.connections import FORCES, AlongJoint, Between, TorqueOutputs
+from heavylift.solver.scene.connections import FORCES, AlongJoint, Between, Joint, TorqueOutputs, as_joint
 from heavylift.solver.scene.descriptions import check_table, named, no_rows
+from heavylift.solver.scene.drawn import Element, Strut
 from heavylift.solver.scene.outputs import Outputs, channel, largest, outputs, smallest
+from heavylift.solver.scene.sliding_joints import SCALAR_LAWS
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = [
     "JointSpring",
@@ -63,10 +75,18 @@ __all__ = [
     "Springs",
     "compare_load",
     "end_rate",
+    "pack",
     "put_spring",
+    "spring_fields",
     "spring_load",
+    "spring_side",
+    "spring_table",
     "stored_energy",
 ]
+
+
+SLOWEST_RATE = 1e-9
+"""Stiffness over damping [1/s] of a row that is a damper only."""
 
 
 def _check_law(
@@ -107,7 +127,7 @@ class Spring(Between):
     """What it records, in the order of its columns."""
 
     length: Annotated[float, Quantity("length", minimum=0.0, closed=True), AsDrawn()]
-    """Unloaded length [m]; as drawn if absent."""
+    """Unloaded length [m]; the initial geometric length if absent."""
     stiffness: Annotated[float, Quantity("stiffness", minimum=0.0, closed=True), Absent()] = 0.0
     """[N/m]."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
@@ -128,6 +148,14 @@ class Spring(Between):
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Its table."""
         return self.elongations, self.forces
+
+    def packed_by(self, integrator: str) -> str:
+        """A table is a row with a law, where there are such."""
+        return _packing_module(self, integrator)
+
+    def drawn(self) -> Iterable[Element]:
+        """As between all points, coiled."""
+        return (replace(one, coiled=True) if isinstance(one, Strut) else one for one in super().drawn())
 
 
 @FORCES.describe("joint_spring")
@@ -174,6 +202,14 @@ class JointSpring(AlongJoint):
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Its table."""
         return self.deflections, self.loads
+
+    def packed_by(self, integrator: str) -> str:
+        """A table is a row with a law, where there are such."""
+        return _packing_module(self, integrator)
+
+
+def _packing_module(spring: Spring | JointSpring, integrator: str) -> str:
+    return SCALAR_LAWS if integrator == "dele2" and len(spring.curve[0]) else __name__
 
 
 class SpringEntry(CoordinateEntry):
@@ -255,6 +291,106 @@ class Springs(Arrays):
     table: Records[SpringEntry]
     curves: Floats2
     state: Records[SpringState]
+
+
+def pack(springs: Sequence[Spring | JointSpring], context: PackingContext) -> None:
+    """Make the kind: linear springs are rows where the integrator takes forces over a step, and forces otherwise.
+
+    Raises
+    ------
+    InputError
+        If the force of a table falls, the ends of a spring coincide, or its joint has no angle or travel.
+    """
+    rows, curves = [], [np.zeros((0, 2))]
+    for spring in springs:
+        curve = spring_table(spring, context)
+        moves = spring.stiffness > 0.0 or spring.damping > 0.0  # nothing at all is no row
+        as_row = context.integrator != "accurate" and not len(curve) and moves
+        fields = spring_fields(spring, context, sum(map(len, curves)), len(curve), as_row=as_row)
+        rows.append(filled(SpringEntry, **fields))
+        curves.append(curve)
+    table, state = records(SpringEntry, rows), records(SpringState, len(rows))
+    state["value"] = table["rest"]
+    kind = Springs(table, np.vstack(curves), state)
+    context.add_rows(kind)
+    if np.any(table["block"] < 0):
+        context.add_forces(kind)
+
+
+def spring_table(spring: Spring | JointSpring, context: PackingContext) -> NDArray[np.float64]:
+    """Rows (elongation, force), shape (n, 2); none of a linear spring. Ends of a spring that coincide are refused.
+
+    Raises
+    ------
+    InputError
+        If the force falls, or a spring has no direction.
+    """
+    x, y = (np.asarray(column, dtype=np.float64) for column in spring.curve)
+    if np.any(np.diff(y) < 0.0):
+        i = int(np.argmax(np.diff(y) < 0.0))
+        raise InputError(
+            f"the force falls from {y[i]:g} to {y[i + 1]:g} between {x[i]:g} and {x[i + 1]:g}",
+            source=spring.name,
+            key="forces" if isinstance(spring, Spring) else "loads",
+            expected="a force that does not fall with the elongation",
+        )
+    if isinstance(spring, Spring):
+        ends = context.start_frames(spring)
+        distance = float(np.linalg.norm(ends[1].point - ends[0].point))
+        if not distance > 1e-9 * (1.0 + float(np.abs(ends[0].point).max())):
+            raise InputError(
+                f"its ends are {distance:.3g} m apart at the start",
+                source=spring.name,
+                key="points",
+                expected="ends apart from each other: a spring has no direction there",
+            )
+    return np.column_stack([x, y])
+
+
+def spring_side(spring: Spring | JointSpring, context: PackingContext) -> tuple[int, Joint]:
+    """Coordinate on which a spring acts, and its joint or what stands for it."""
+    if isinstance(spring, Spring):
+        return DISTANCE, as_joint(spring)
+    joint = context.joint(spring.joint)
+    return joint_coordinate(joint, spring), joint
+
+
+def spring_fields(
+    spring: Spring | JointSpring, context: PackingContext, first: int, count: int, *, as_row: bool
+) -> dict[str, Any]:
+    """Fields of the entry of a spring, whose curve has a first row and a number of rows."""
+    coordinate, joint = spring_side(spring, context)
+    level = ACTING if spring.damping > 0.0 or not as_row else ROWS
+    if isinstance(spring, Spring):
+        (a, b, c), rest = spring_markers(context.book, spring, level), spring.length
+    else:
+        (a, b, c), rest = joint_markers(context.book, joint, coordinate, level), spring.rest
+    block = -1
+    if as_row:
+        k, d = (1.0, 0.0) if count else (spring.stiffness, spring.damping)  # a table is fitted by iteration
+        k = max(k, SLOWEST_RATE * d)
+        sides = (joint.body_a, joint.body_b)
+        block = context.block(
+            spring.name,
+            sides,
+            turns=coordinate == ANGLE,
+            compliance=1.0 / k,
+            relaxation=d / k,
+            fitted=count > 0,
+        )
+    return {
+        "coordinate": coordinate,
+        "a": a,
+        "b": b,
+        "c": c,
+        "column": context.column(spring),
+        "block": block,
+        "rest": float(rest),
+        "stiffness": spring.stiffness,
+        "damping": spring.damping,
+        "first": first,
+        "count": count,
+    }
 
 
 @kernel(inline=True, internal=True)

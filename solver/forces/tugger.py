@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +20,13 @@ from heavylift.numerics.quantity import Quantity
 from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.interface import FORCES, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene import connections
 from heavylift.solver.scene.connections import Between, PackedForce
-from heavylift.solver.scene.outputs import Columns, Outputs, channel, outputs
+from heavylift.solver.scene.outputs import Outputs, channel, outputs
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = ["Tugger", "Tuggers", "pack"]
 
@@ -66,19 +68,19 @@ class Tuggers(Arrays):
     table: Records[TuggerEntry]
 
 
-def pack(forces: Sequence[Tugger], columns: Sequence[Columns], book: MarkerBook) -> Tuggers:
+def pack(tuggers: Sequence[Tugger], context: PackingContext) -> None:
     """Make the kind."""
     rows = [
         filled(
             TuggerEntry,
-            a=book.point(force.body_a, force.point_a, FORCES),
-            b=book.point(force.body_b, force.point_b, FORCES),
-            column=column,
-            tension=force.tension,
+            a=context.point(tugger.body_a, tugger.point_a, FORCES),
+            b=context.point(tugger.body_b, tugger.point_b, FORCES),
+            column=context.column(tugger),
+            tension=tugger.tension,
         )
-        for force, column in zip(forces, columns, strict=True)
+        for tugger in tuggers
     ]
-    return Tuggers(records(TuggerEntry, rows))
+    context.add_forces(Tuggers(records(TuggerEntry, rows)))
 
 
 @kernel(internal=True)

@@ -294,7 +294,7 @@ def _step(
     _add_node(integration, time)
     error = max(error, LEAST_ERROR)
     factor = SAFETY * error ** (-1.0 / ORDER)
-    if progress.error_before > 0.0:  # what makes the error grow goes on
+    if progress.error_before > 0.0:  # what makes the error grow continues
         factor *= min((progress.error_before / error) ** (1.0 / ORDER) * h / control.last_step, 1.0)
     progress.error_before = error
     factor = min(max(factor, SMALLEST_FACTOR), LARGEST_FACTOR)

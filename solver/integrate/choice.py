@@ -1,15 +1,7 @@
-"""Which integrator suits a scene: the accurate one for what is smooth and not stiff, the default for the rest.
-
-How fast a frame or a shell vibrates at most follows from lengths and material alone, before anything is packed.
-The highest frequency of a mesh is below that of its stiffest element with free ends (B. M. Irons and G. Treharne, "A
-bound theorem in eigenvalues and its practical applications", 1971). Of a cubic element of length l with wave speed c
-it is ``c k1/l`` in stretching and ``sqrt(E I / (rho A)) k2/l^2`` in bending; of a rectangle of two such directions
-squares of the first and values of the second add up.
-"""
+"""Which integrator suits a scene: the accurate one for what is smooth and not stiff, the default for the rest."""
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Iterable
 from typing import Any
@@ -20,11 +12,10 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.coordinates import inverse_scales
 from heavylift.solver.scene.connections import GROUND, Between, controlled, rubbing_places
-from heavylift.solver.scene.meshes import FrameBody, MeshBody, ShellBody
-from heavylift.solver.scene.scene import FlexibleBody, Scene
+from heavylift.solver.scene.scene import Scene
 from heavylift.solver.scene.sliding_joints import joint_friction, joint_stops
 
-__all__ = ["check_integrator", "choose_integrator", "highest_rate", "stiff_mesh", "stiff_part"]
+__all__ = ["check_integrator", "choose_integrator", "stiff_mesh", "stiff_part"]
 
 LARGEST_RATE = 60.0
 """Fastest spring, damper or element, times the output interval, that an explicit integrator still follows cheaply."""
@@ -64,7 +55,7 @@ def check_integrator(scene: Scene, name: str) -> None:
     if name == "accurate":
         reason = _phases(scene) or _not_smooth(scene)
     elif name == "thesis":
-        reason = _phases(scene) or _rope(scene) or _law(scene) or _floating(scene)
+        reason = _phases(scene) or _rope(scene) or _law(scene, name) or _floating(scene)
         driven = [
             joint.name
             for joint in scene.joints
@@ -72,9 +63,7 @@ def check_integrator(scene: Scene, name: str) -> None:
         ]
         if not reason and driven:
             reason = f"joint {driven[0]!r} is driven"
-        flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
-        if not reason and flexible and scene.joints:
-            reason = f"joints hold the flexible body {flexible[0]!r}"
+        reason = reason or _refused_by_body(scene, name)
     if reason:
         raise InputError(
             f"{name!r}, but {reason}",
@@ -95,26 +84,33 @@ def _rope(scene: Scene) -> str:
 
 
 def _rubbing(scene: Scene) -> str:
-    """The first rope with friction in a sheave or a winch that answers to its tension, as words; empty if none."""
+    """The first rope with sheave friction or a winch controlled by its tension, in words; empty if none."""
     for rope in scene.ropes:
         if rubbing_places(rope):
             return f"rope {rope.name!r} sticks and slides on its sheaves"
         if controlled(rope):
-            return f"the winch of rope {rope.name!r} answers to its tension"
+            return f"the winch of rope {rope.name!r} is controlled by its tension"
     return ""
 
 
-def _law(scene: Scene) -> str:
+def _obstacle(things: Iterable[Any], integrator: str) -> str:
+    """The first force element that an integrator cannot serve by what it says itself, as words; empty if none."""
+    for thing in things:
+        words = thing.obstacle(integrator) if hasattr(thing, "obstacle") else ""
+        if words:
+            return f"{type(thing).WORD.replace('_', ' ')} {thing.name!r} {words}"
+    return ""
+
+
+def _law(scene: Scene, integrator: str) -> str:
     """The first thing whose force jumps, as words; empty if none."""
     if scene.touches:
         first: Any = (*scene.contacts, *scene.collisions)[0]
         return f"contact {first.name!r} opens and closes"
     if scene.transporters:
         return f"transporter {scene.transporters[0].name!r} rides on bogies without mass"
-    forces: Iterable[Any] = scene.forces
-    bearings = [force.name for force in forces if getattr(force, "WORD", "") == "line_bearing"]
-    if bearings:
-        return f"line bearing {bearings[0]!r} opens and closes"
+    if reason := _obstacle((*scene.ropes, *scene.forces), integrator):
+        return reason
     for joint in scene.joints:
         if any(joint_stops(joint)):
             return f"joint {joint.name!r} has stops"
@@ -123,12 +119,17 @@ def _law(scene: Scene) -> str:
     return ""
 
 
+def _refused_by_body(scene: Scene, integrator: str) -> str:
+    """Why an integrator cannot serve the first body of those that it cannot serve, as words; empty if none."""
+    reasons = (body.refusal(integrator, jointed=bool(scene.joints)) for body in scene.bodies)
+    return next(filter(None, reasons), "")
+
+
 def _not_smooth(scene: Scene) -> str:
     """The first thing that an explicit integrator of high order cannot serve, as words; empty if none."""
-    flexible = [body.name for body in scene.bodies if isinstance(body, FlexibleBody)]
-    if flexible:
-        return f"body {flexible[0]!r} is flexible"
-    reason = _law(scene) or _rubbing(scene) or _floating(scene)
+    reason = (
+        _refused_by_body(scene, "accurate") or _law(scene, "accurate") or _rubbing(scene) or _floating(scene)
+    )
     if reason:
         return reason
     compliant = [joint.name for joint in scene.joints if joint.compliance > 0.0]
@@ -142,7 +143,7 @@ def _floating(scene: Scene) -> str:
     if scene.sea.hulls:
         return f"{scene.sea.hulls[0].body!r} floats"
     names = [line.name for line in scene.sea.lines] + [fender.name for fender in scene.sea.fenders]
-    return f"line {names[0]!r} is soft and stiff by turns" if names else ""
+    return f"line {names[0]!r} is alternately soft and stiff" if names else ""
 
 
 def stiff_part(scene: Scene, interval: float) -> str:
@@ -175,58 +176,13 @@ def stiff_part(scene: Scene, interval: float) -> str:
 def stiff_mesh(scene: Scene, interval: float) -> str:
     """The first frame or shell that vibrates too fast, as words; empty if none."""
     for body in scene.bodies:
-        if isinstance(body, MeshBody):
-            rate = highest_rate(body)
-            if rate * interval > LARGEST_RATE:
-                times = f"{rate * interval:.0f} times that of the output"
-                return f"elements of {body.name!r} vibrate at {rate:.3g} 1/s, {times}"
+        rate = body.highest_rate
+        if rate * interval > LARGEST_RATE:
+            times = f"{rate * interval:.0f} times that of the output"
+            return f"elements of {body.name!r} vibrate at {rate:.3g} 1/s, {times}"
     return ""
 
 
 def _slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> list[float]:
     """Slopes of the table of a spring."""
     return [float(value) for value in np.diff(y) / np.diff(x)] if len(x) > 1 else []
-
-
-@functools.cache
-def _element_numbers() -> tuple[float, float]:
-    """``k1`` and ``k2``: highest frequencies of a cubic of unit length and mass, in stretching and in bending."""
-    x, weights = np.polynomial.legendre.leggauss(4)
-    x, weights = 0.5 * (x + 1.0), 0.5 * weights
-    shape = np.array([1 - 3 * x**2 + 2 * x**3, x - 2 * x**2 + x**3, 3 * x**2 - 2 * x**3, x**3 - x**2])
-    slope = np.array([6 * x**2 - 6 * x, 1 - 4 * x + 3 * x**2, 6 * x - 6 * x**2, 3 * x**2 - 2 * x])
-    bend = np.array([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])
-    mass, stretching, bending = ((values * weights) @ values.T for values in (shape, slope, bend))
-    found = (np.linalg.eigvals(np.linalg.solve(mass, matrix)).real.max() for matrix in (stretching, bending))
-    first, second = (math.sqrt(value) for value in found)
-    return first, second
-
-
-def highest_rate(body: MeshBody) -> float:
-    """Bound of the highest rate [1/s]: circular frequency, or rate of what damping takes away fastest.
-
-    Parameters
-    ----------
-    body
-        Frame or shell, as it is placed and not stressed.
-    """
-    frequency = 0.0
-    of_element: Any = body.element_sections if isinstance(body, FrameBody | ShellBody) else ()
-    k1, k2 = _element_numbers()
-    if isinstance(body, FrameBody):
-        chords = body.nodes[body.elements[:, 1]] - body.nodes[body.elements[:, 0]]
-        lengths = np.linalg.norm(chords, axis=1)
-        for number, length in enumerate(lengths):
-            section = body.sections[of_element[number] if len(of_element) else 0]
-            modulus = section.youngs_modulus / section.density
-            stretching = math.sqrt(modulus) * k1 / length
-            bending = math.sqrt(modulus * section.second_moment / section.area) * k2 / length**2
-            frequency = max(frequency, stretching, bending)
-    elif isinstance(body, ShellBody):
-        for number, (a, b) in enumerate(np.asarray(body.lengths, dtype=np.float64)):
-            plate = body.sections[of_element[number] if len(of_element) else 0]
-            modulus = plate.youngs_modulus / (plate.density * (1.0 - plate.poissons_ratio**2))
-            stretching = math.sqrt(modulus) * k1 * math.hypot(1.0 / a, 1.0 / b)
-            bending = math.sqrt(modulus / 12.0) * plate.thickness * k2 * (1.0 / a**2 + 1.0 / b**2)
-            frequency = max(frequency, stretching, bending)
-    return max(frequency, body.viscous_damping + body.stiffness_damping * frequency**2)

@@ -53,7 +53,7 @@ ACCEPTED, SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 1.5, 0.85, 0.3, 2.0
 STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
 NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 SLIVER = 1e-2
-"""Of the step that was wanted, below which one that was cut tells nothing of its error."""
+"""Of the step that was wanted, below which one that was cut gives no information on its error."""
 
 SHORTEST_PART = 1.5 / 256.0
 """Of a fixed step, to which it is halved while an iteration does not converge."""
@@ -226,7 +226,7 @@ def run(
                 split, control.split, struck = control.split, 0.0, False
                 continue
             if tolerance == 0.0 and split == 0.0:
-                # the rest behind something that a scenario does tells nothing; behind an impact it is grown from
+                # the rest behind something that a scenario does gives no information; behind an impact it is grown from
                 wanted = 2.0 * h if struck else max(2.0 * h, control.next_step)
                 control.next_step, struck = min(wanted, step), False
             natural = tolerance > 0.0 and split == 0.0

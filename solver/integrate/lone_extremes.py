@@ -1,4 +1,4 @@
-"""Extremes that stand alone: each is held against those of the intervals beside it, and told where a step was a sliver.
+"""Extremes that stand alone: each is compared with those of the adjacent intervals, and reported after a cut step.
 
 Where a phase of an operation ends within a step, the step is cut, perhaps to a millionth of what it would be. What is a
 difference over a step is then rounding over next to nothing, and an extreme keeps it. So of each extreme over the steps
@@ -29,7 +29,7 @@ NOTHING = 1e-9
 
 KEPT, FEWEST = 4, 8
 """Largest distances of a channel that are kept: of the largest, of the intervals beside it, and one more; and intervals
-from which on anything is told."""
+from which on it is reported."""
 
 NAMED = 3
 """Channels that a sentence names."""
@@ -147,7 +147,6 @@ class LoneExtremes:
             return ""
         more = f" and {len(words) - NAMED} more" if len(words) > NAMED else ""
         return (
-            f"extremes stand alone where a phase ended within a step: {'; '.join(words[:NAMED])}{more}: what is"
-            " recorded there may be of a step that was cut to next to nothing; let the phase end at a whole step, or"
-            " compare with another step"
+            f"extremes stand alone where a phase ended within a step: {'; '.join(words[:NAMED])}{more}: their"
+            " values may be those of a very short step; let the phase end at a whole step, or compare with another step"
         )

@@ -1,4 +1,4 @@
-"""Drives that change their speed within a step or two: what they drive feels another ramp than was said.
+"""Drives that change their speed within a step or two: the driven motion has another ramp than the given one.
 
 A drive moves exactly as far in a step as its table says, so where it is stays right. How it starts and stops what it
 moves does not: forces are those of the mean speed of the step.
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["short_ramps"]
 
 FEW = 2.0
-"""Steps in a ramp up to which it is told."""
+"""Steps in a ramp up to which it is reported."""
 
 SHARE = 0.5
 """Of the largest speed of a drive, by which a ramp changes it; less is a kink, or a sample of a measured motion."""

@@ -1,6 +1,6 @@
 """Whether a fixed step resolves what moves: periods that a scene is known to have, and steps in a period of its motion.
 
-Before the run the shortest periods are told: of the waves, and of ropes, springs and stops with what hangs on them.
+Before the run the shortest periods are reported: of the waves, and of ropes, springs and stops with what hangs on them.
 They do not tell what moves. A rope that only carries may have any of them: the step takes it implicitly. So a warning
 waits for the run, which has measured how its bodies moved (`heavylift.solver.sensors.step_counts`).
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["ENOUGH", "period_words", "prepare_counts", "step_warning"]
 
 ENOUGH = 20.0
-"""Steps in a period from which on nothing is told: the midpoint rule is then off by pi^2/3/N^2, a hundredth of the
+"""Steps in a period from which on there is no warning: the midpoint rule is then off by pi^2/3/N^2, a hundredth of the
 phase a radian."""
 
 SMALLEST_SHARE = 1e-3
@@ -59,7 +59,7 @@ def _owners(layout: Layout) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         kind.survey(places, inertia, np.zeros(count))
     owner, judged = np.zeros(count, dtype=np.int64), np.zeros(count)
     for kind in layout.bodies:
-        if "frame" not in kind._fields:
+        if not kind.FRAMES:
             continue
         for number in kind.table["number"]:
             of_frame = int(places[number, 0]) + np.arange(6)
@@ -239,15 +239,15 @@ def step_warning(layout: Layout, floor: float) -> str:
     if sudden:
         steps.append(sudden[0][1])
         parts.append(
-            f"a motion is taken up within a few steps by {_listed(sudden)} steps in a period with what it holds: peaks"
-            " of its force, and how the motion goes on, are those of the step"
+            f"a motion is taken up within a few steps by {_listed(sudden)} steps in a period with the mass that it"
+            " holds: peaks of its force, and the motion afterwards, depend on the step"
         )
     turning = _turning(layout, floor)
     if turning:
         steps.append(turning[0][1])
         parts.append(
             f"the speed over sheaves with friction turns within few steps: {_listed(turning)} steps in a period:"
-            " which way sheaves rub, and with that the tensions that stay, are those of the step"
+            " the sliding directions, and with them the remaining tensions, depend on the step"
         )
     words = []
     if parts:
@@ -259,7 +259,7 @@ def step_warning(layout: Layout, floor: float) -> str:
     if ramps:
         words.append(
             f"ramps of drives are passed in a step or two of {counts.step:.3g} s, by {_listed(ramps)} steps in a ramp:"
-            " what they start and stop feels that of the step"
+            " the driven motion starts and stops within these steps instead"
         )
     return "; ".join(words)
 

@@ -1,4 +1,4 @@
-"""Whether a run keeps its balance of energy and its joints closed: what steps gain, lose or open is told."""
+"""Whether a run keeps its balance of energy and its joints closed: gains, losses and openings are reported."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LARGEST_CHANGE = 0.02
 and drives take and give, so what it gains or loses is made by the steps."""
 
 LARGEST_DRIFT = 0.5
-"""The same beyond which a run is not to be believed."""
+"""The same beyond which a run fails."""
 
 FASTEST = 1e5
 """Mean speed of all bodies [m/s] beyond which no balance says anything: an unstable model takes from its drives what it
@@ -66,7 +66,7 @@ class RunWatch:
     mass
         Of all bodies [kg].
     remedy
-        What may help beside a smaller step or tolerance, as words that go on a sentence.
+        What may help beside a smaller step or tolerance, as words that continue a sentence.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class RunWatch:
 
     @property
     def verdict(self) -> tuple[Outcome, str]:
-        """Whether a run that came to its end is to be believed, and why not."""
+        """Whether the energy balance of a completed run is credible, and why not."""
         if not self.finite:
             return Outcome.NOT_FINITE, (
                 f"{Outcome.NOT_FINITE.text} in energies or momenta of records; try a smaller step, or loads and initial"
@@ -167,7 +167,7 @@ class RunWatch:
             )
         if self._mass > 0.0 and self.kinetic > 0.5 * self._mass * FASTEST**2:
             return Outcome.ENERGY_NOT_KEPT, (
-                f"not to be believed: {self.kinetic:.3g} J of kinetic energy would move all bodies with "
+                f"energy balance not credible: {self.kinetic:.3g} J of kinetic energy would move all bodies with "
                 f"{math.sqrt(2.0 * self.kinetic / self._mass):.3g} m/s; the balance is kept, as drives and loads give "
                 "whatever an unstable model takes: look for what has no stiffness, or for a drive that never ends"
             )

@@ -76,7 +76,7 @@ def joint_coordinate(joint: Joint, user: AlongJoint | Joint) -> int:
     Raises
     ------
     InputError
-        If the joint has neither, or both and it is not said which, or not the one that is said.
+        If the joint has neither, or both and none is given, or not the given one.
     """
     spec = getattr(user, "coordinate", None)
     both = {"angle", "travel"} <= {channel.name for channel in joint.CHANNELS}

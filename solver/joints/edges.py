@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.joints.mesh_rows import EdgeSeam, Square, SquareJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.scene.connections import JOINTS, EdgeJoint, Joint, JointFrame
-from heavylift.solver.scene.meshes import MeshBody, ShellBody
+from heavylift.solver.scene.meshes import ShellBody
 from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["EdgeClamp", "EdgeHinge", "expand_edge"]
@@ -102,10 +103,10 @@ def expand_edge(joint: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
     InputError
         If the nodes are no edge of a shell, a hinge is not straight, or the edges of two shells differ.
     """
-    by_name = {body.name: body for body in bodies}
+    by_name: dict[str, Any] = {body.name: body for body in bodies}
     poses = start_frames(Joint(name=joint.name, body_a=joint.body_a, body_b=joint.body_b), bodies)
     a, b = by_name.get(joint.body_a), by_name.get(joint.body_b)
-    if not isinstance(a, ShellBody):
+    if a is None or a.SHAPE != "surface":
         raise InputError(
             f"{joint.body_a!r} is no shell",
             source=joint.name,
@@ -114,9 +115,9 @@ def expand_edge(joint: EdgeJoint, bodies: Sequence[AnyBody]) -> list[Joint]:
         )
     edge = _edge(joint, a, joint.nodes_a, "nodes_a")
     hinge = isinstance(joint, EdgeHinge)
-    if isinstance(b, ShellBody):
+    if b is not None and b.SHAPE == "surface":
         return _seams(joint, edge, _edge(joint, b, joint.nodes_b, "nodes_b"))
-    if isinstance(b, MeshBody) or len(joint.nodes_b):
+    if (b is not None and b.SEEN_AT_POINTS) or len(joint.nodes_b):
         raise InputError(
             f"{joint.body_b!r} is no shell",
             source=joint.name,
@@ -190,7 +191,8 @@ def _seams(joint: EdgeJoint, a: _Edge, b: _Edge) -> list[Joint]:
             of_a, skew_a = a.turn(i, a.normal[i])
             of_b, skew_b = b.turn(i, b.normal[i])
             normal, upright = a.rotation.T @ b.normal[i], a.rotation.T @ a.normal[i]
-            # the edge itself bends into the twist of slopes that are not square to it, more on one side than the other
+            # the edge itself bends into the twist of slopes that are not perpendicular to it, more on one side than the
+            # other
             flat = abs(abs(a.normal[i] @ b.normal[i]) - 1.0) <= STRAIGHT
             same = abs(skew_a - np.sign(a.normal[i] @ b.normal[i]) * skew_b) <= 1e-3
             if (flat and same) or (abs(skew_a) <= 1e-3 and abs(skew_b) <= 1e-3):

@@ -1,4 +1,4 @@
-"""Joints on frames and along edges of shells, told in rows on points and slopes before a scene is packed.
+"""Joints on frames and along edges of shells, expressed as rows on points and slopes before a scene is packed.
 
 Shells carry a triad at every point, so all joints work on them as on rigid bodies. Frames have a tangent and nothing
 else: fixed joints and hinges keep it, others work where all their directions are along it.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,7 @@ from heavylift.solver.joints.packing import JointPlace, start_frames
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.connections import AlongJoint, EdgeJoint, Joint
-from heavylift.solver.scene.meshes import FrameBody, MeshBody
-from heavylift.solver.scene.scene import AnyBody, Scene
+from heavylift.solver.scene.scene import Scene
 
 __all__ = ["expand_joints"]
 
@@ -38,20 +38,20 @@ def expand_joints(scene: Scene) -> Scene:
     InputError
         If a joint is not on the mesh, or wants more of a frame than its tangent; names joint and body.
     """
-    bodies = {body.name: body for body in scene.bodies}
+    bodies: dict[str, Any] = {body.name: body for body in scene.bodies}
     joints: list[Joint] = []
     changed = set()
     for joint in scene.joints:
         sides = [bodies.get(name) for name in (joint.body_a, joint.body_b)]
         if isinstance(joint, EdgeJoint):
             parts = expand_edge(joint, scene.bodies)
-        elif isinstance(joint, (FixedJoint, Hinge)) and any(isinstance(side, FrameBody) for side in sides):
+        elif isinstance(joint, (FixedJoint, Hinge)) and any(map(_is_curve, sides)):
             parts = [_on_frame(joint, bodies)]
         else:
             parts = [joint]
         if parts != [joint]:
             changed.add(joint.name)
-        if any(isinstance(side, MeshBody) for side in sides):
+        if any(side is not None and side.SEEN_AT_POINTS for side in sides):
             for part in parts:
                 _check(part, joint, bodies)
         joints += parts
@@ -66,7 +66,12 @@ def expand_joints(scene: Scene) -> Scene:
     return replace(scene, joints=tuple(joints))
 
 
-def _check(part: Joint, joint: Joint, bodies: Mapping[str, AnyBody]) -> None:
+def _is_curve(side: Any) -> bool:
+    """Whether a side has a tangent and nothing else."""
+    return side is not None and side.SHAPE == "curve"
+
+
+def _check(part: Joint, joint: Joint, bodies: Mapping[str, Any]) -> None:
     """Pack a joint alone: what does not fit its meshes is then known by its name."""
     from heavylift.solver.joints.registry import joint_module
 
@@ -77,7 +82,7 @@ def _check(part: Joint, joint: Joint, bodies: Mapping[str, AnyBody]) -> None:
     joint_module(part).pack([part], [place], book)
     for name in (part.body_a, part.body_b):
         body = bodies.get(name)
-        if not isinstance(body, MeshBody):
+        if body is None or not body.SEEN_AT_POINTS:
             continue
         try:
             plan_bases(body, book.of([name])[0])
@@ -90,7 +95,7 @@ def _check(part: Joint, joint: Joint, bodies: Mapping[str, AnyBody]) -> None:
             ) from None
 
 
-def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint:
+def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, Any]) -> Joint:
     """A fixed joint or hinge with a frame on one side or on both."""
     if isinstance(joint, Hinge):
         for key, used in (
@@ -106,11 +111,10 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
                     expected="none, or a small rigid body between",
                 )
     tangents = [
-        frame.axes.T @ frame_tangent(side, frame.point, joint.name) if isinstance(side, FrameBody) else None
-        for side, frame in (
-            (bodies.get(joint.body_a), joint.frame_a),
-            (bodies.get(joint.body_b), joint.frame_b),
-        )
+        frame.axes.T @ frame_tangent(bodies[name], frame.point, joint.name)
+        if _is_curve(bodies.get(name))
+        else None
+        for name, frame in ((joint.body_a, joint.frame_a), (joint.body_b, joint.frame_b))
     ]
     place = JointPlace(
         0, ChannelBook().add(joint.name, joint.CHANNELS), start_frames(joint, list(bodies.values()))
@@ -145,7 +149,7 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
                 f"the axis is {np.degrees(np.arccos(min(abs(tangent[2]), 1.0))):.4g} deg from the tangent of the frame",
                 source=joint.name,
                 key="axis",
-                expected=f"an axis along the tangent or square to it; else {BETWEEN}",
+                expected=f"an axis along the tangent or perpendicular to it; else {BETWEEN}",
             )
         normals = z[None, :]
     else:
@@ -159,7 +163,7 @@ def _on_frame(joint: FixedJoint | Hinge, bodies: Mapping[str, AnyBody]) -> Joint
 
 
 def _refuse_opposite(joint: Joint, place: JointPlace, tangent: NDArray[np.float64]) -> None:
-    """Rows on tangents vanish for opposite ones too; what the joint wants is told by its axes."""
+    """Rows on tangents vanish for opposite ones too; the intended direction follows from its axes."""
     one, other = (frame.axes @ tangent for frame in place.frames)
     if not one @ other > 0.0:
         raise InputError(
@@ -172,7 +176,7 @@ def _refuse_opposite(joint: Joint, place: JointPlace, tangent: NDArray[np.float6
 
 
 def _across(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Two unit directions square to a unit direction and to each other, as rows."""
+    """Two unit directions perpendicular to a unit direction and to each other, as rows."""
     first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(direction, first)])

@@ -15,7 +15,7 @@ __all__ = ["EdgeSeam", "FrameWeld", "Square", "SquareJoint"]
 
 @dataclass(frozen=True, eq=False)
 class Square:
-    """A row ``factor c . e``: two vectors at the points of a joint that stay square to each other.
+    """A row ``factor c . e``: two vectors at the points of a joint that stay perpendicular to each other.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Square:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SquareJoint(Joint):
-    """The points coincide, and up to four pairs of vectors are square to each other.
+    """The points coincide, and up to four pairs of vectors are perpendicular to each other.
 
     Attributes
     ----------

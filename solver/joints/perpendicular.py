@@ -1,4 +1,4 @@
-"""Joints of points and of vectors that are square to each other: frames, and edges of shells on other bodies.
+"""Joints of points and of vectors that are perpendicular to each other: frames, and edges of shells on other bodies.
 
 "Integrated simulation ... (2018)", sections 2.5.1 and 2.5.2, with independent rows in place of cross products.
 

@@ -1,4 +1,4 @@
-"""Joints of a scene become kinds, one after the other; a sort without members in a scene is not imported."""
+"""Joints of a scene become kinds, one after the other; a type without members in a scene is not imported."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def joint_module(joint: Joint) -> Any:
     Raises
     ------
     InputError
-        If it is of no sort.
+        If its type is unknown.
     """
     module = importlib.import_module(joint.kind_module)
     if not hasattr(module, "pack"):

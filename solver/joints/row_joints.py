@@ -81,7 +81,7 @@ __all__ = [
 ]
 
 LARGEST_COSINE = 0.9
-"""Of the angle between two axes that are square to each other, at the start: the row vanishes if they are parallel."""
+"""Of the angle between two perpendicular axes, at the start: the row vanishes if they are parallel."""
 
 
 class RowPart(Record):
@@ -243,7 +243,7 @@ def _refuse_starts(joint: Joint, rows: Rows, place: JointPlace) -> None:
                 f"the axes are {np.degrees(np.arccos(min(cosine, 1.0))):.1f} deg apart at the start",
                 source=joint.name,
                 key="axes",
-                expected="two axes square to each other",
+                expected="two axes perpendicular to each other",
             )
 
 

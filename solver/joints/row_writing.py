@@ -4,7 +4,7 @@ A row is the rate of a scalar built from markers. Its part on one side is a sum 
 the same few lines serve all joints and all bodies. Three scalars serve nearly all joints; each comes with
 its row and, for the accurate integrator, its second derivative without accelerations of the bodies::
 
-    c . e                                   of two directions: zero if they are square to each other
+    c . e                                   of two directions: zero if they are perpendicular to each other
     e . (p_b - p_a)                         travel along a direction e of a
     atan2( -y_b . x_a, x_b . x_a )          angle that turns x of a into x of b about the common z
 """

@@ -3,7 +3,7 @@
 "Integrated simulation ... (2018)", section 2.4.6, with independent rows in place of cross products.
 
 A cylindrical joint is the slider hinge that slides along its own z axis, so this file describes both. With
-two directions m, n of a, square to e and to each other::
+two directions m, n of a, perpendicular to e and to each other::
 
     m . (p_b - p_a) = 0,    n . (p_b - p_a) = 0,    z_a . x_b = 0,    z_a . y_b = 0
 """

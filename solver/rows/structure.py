@@ -313,7 +313,7 @@ def pack_rows(
     monitor
         As in `RowSystem`.
     owners
-        Block whose rows the two sides of each block belong to: a row on more than two bodies goes on in blocks
+        Block whose rows the two sides of each block belong to: a row on more than two bodies continues in blocks
         without rows of their own. Each block its own if None.
     """
     count = len(row_counts)

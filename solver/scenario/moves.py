@@ -22,14 +22,63 @@ import math
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.records import Record, Records
+from heavylift.solver.scene.operations import GO_BY, GO_TO, SPEED
 
-__all__ = ["MOVE_ROWS", "MoveRow", "plan_move", "plan_speed"]
+__all__ = [
+    "ARRIVED_PART",
+    "MOVE_ROWS",
+    "ActionEntry",
+    "MoveRow",
+    "plan_command",
+    "plan_leg",
+    "plan_move",
+    "plan_speed",
+]
 
 MOVE_ROWS = 10
 """Of a plan at most."""
 BISECTIONS = 60
 SMALLEST = 1e-12
 """Of a ramp, of a piece that is worth a row."""
+
+
+ARRIVED_PART = 1e-9
+"""Of the way at its end, within which a transporter has come to the end of a leg."""
+
+
+class ActionEntry(Record):
+    """A command of an action, `heavylift.solver.scene.actions.Command`, with numbers in place of names.
+
+    Attributes
+    ----------
+    operation, actuator
+        What, with which actuator; -1 is none.
+    value, speed, ramp, acceleration, jerk, ratio, parts, dead_band, group
+        As of the command.
+    leader, signal
+        Actuator that is followed, signal that a way is reckoned from; -1 is none.
+    block, helper
+        Block of a joint; number of a pump or transporter; -1 is none.
+    fails
+        What fails or works again, by number.
+    """
+
+    operation: int
+    actuator: int
+    value: float
+    speed: float
+    ramp: float
+    acceleration: float
+    jerk: float
+    leader: int
+    ratio: float
+    signal: int
+    parts: float
+    dead_band: float
+    group: int
+    block: int
+    helper: int
+    fails: int
 
 
 class MoveRow(Record):
@@ -194,6 +243,91 @@ def plan_move(
     k = _add_ramp(rows, k, 0.0, acceleration, jerk)
     rows[k].value = target
     return k + 1
+
+
+@entry
+def plan_command(
+    action: ActionEntry,
+    empties: bool,
+    value: float,
+    speed: float,
+    present: float,
+    target: float,
+    rows: Records[MoveRow],
+) -> int:
+    """Plan what an actuator does for a command, before a run as within it.
+
+    Parameters
+    ----------
+    action
+        The command. What is neither a speed nor a move to rest stops it at once.
+    empties
+        Whether it stops at the value 0 where its speed is negative, as the pump of a tank does.
+    value, speed, present
+        Where it is, its speed and its acceleration now.
+    target
+        Value at the end of a move to rest.
+    rows
+        Receives the plan, shape (`MOVE_ROWS`,).
+
+    Returns
+    -------
+    int
+        Number of rows; it is at rest behind the last one if that has no speed.
+    """
+    acceleration = action.acceleration
+    if action.operation in (GO_TO, GO_BY):
+        if action.ramp > 0.0:
+            acceleration = action.speed / action.ramp
+        return plan_move(value, speed, present, target, action.speed, acceleration, action.jerk, rows)
+    if action.operation != SPEED:
+        return plan_speed(value, speed, present, 0.0, 0.0, 0.0, rows)
+    if action.ramp > 0.0:
+        acceleration = abs(action.value - speed) / action.ramp
+    if empties and action.value < 0.0:
+        return plan_move(value, speed, present, 0.0, -action.value, acceleration, action.jerk, rows)
+    return plan_speed(value, speed, present, action.value, acceleration, action.jerk, rows)
+
+
+@entry
+def plan_leg(
+    action: ActionEntry,
+    way: float,
+    before: float,
+    end: float,
+    planned: float,
+    gentle: float,
+    rows: Records[MoveRow],
+) -> int:
+    """Plan what a transporter does on the leg on which it is: stop, or go to the end of it.
+
+    It brakes harder than it was commanded if it would not stop before the end.
+
+    Parameters
+    ----------
+    action
+        The command: a speed, or to continue as planned.
+    way, before
+        Distance along the path [m] and speed [m/s] now.
+    end, planned, gentle
+        Of the leg: where it ends [m], its speed [m/s] and acceleration [m/s2].
+    rows
+        Receives the plan, shape (`MOVE_ROWS`,).
+
+    Returns
+    -------
+    int
+        Number of rows.
+    """
+    speed = action.value if action.operation == SPEED else planned
+    acceleration = action.acceleration if action.acceleration > 0.0 else gentle
+    if action.ramp > 0.0:
+        acceleration = max(speed, before) / action.ramp
+    if way + 0.5 * before * before / acceleration > end:
+        acceleration = 0.5 * before * before / max(end - way, ARRIVED_PART * end)
+    if speed == 0.0:
+        return plan_speed(way, before, 0.0, 0.0, acceleration, 0.0, rows)
+    return plan_move(way, before, 0.0, end, speed, acceleration, 0.0, rows)
 
 
 @kernel(internal=True)

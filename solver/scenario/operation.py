@@ -54,6 +54,8 @@ class LogLine:
     value
         Of the signal of a limit; of an action what it was told: speed [m/s], length [m], energy that a rope lost [J],
         its unstretched length [m]; of a phase that is done how long it took [s].
+    tone
+        Frequency that is heard of an action [Hz]; 0 is none.
     """
 
     time: float
@@ -61,6 +63,7 @@ class LogLine:
     event: str
     what: str
     value: float
+    tone: float = 0.0
 
     @property
     def text(self) -> str:
@@ -94,10 +97,10 @@ class Operation:
     @property
     def log(self) -> list[LogLine]:
         """What happened so far."""
-        phases = self.scenario.all_phases
+        phases, actions = self.scenario.all_phases, self.scenario.actions
         limits = [limit.text for phase in phases for limit in phase.limits]
         words = {
-            ACTION: [action.text for action in self.scenario.actions],
+            ACTION: [action.text for action in actions],
             LIMIT_WARNING: limits,
             LIMIT_STOP: limits,
             ROPE_USED_UP: [f"winch of {name!r}" for name in self._ropes],
@@ -110,7 +113,8 @@ class Operation:
             what = words[event][int(line.item)] if event in words else ""
             if event == DONE:
                 what = _waits_for(phase)
-            found.append(LogLine(float(line.time), phase.name, EVENTS[event], what, float(line.value)))
+            tone = actions[int(line.item)].tone() if event == ACTION else 0.0
+            found.append(LogLine(float(line.time), phase.name, EVENTS[event], what, float(line.value), tone))
         return found
 
     @property

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record, Records, lane_records, records
+from heavylift.numerics.records import Record, Records, filled, lane_records, records
 from heavylift.numerics.small import aligned
-from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.carried import LINE
 from heavylift.solver.drive import DRIVE_HEAD
 from heavylift.solver.force_elements.line_forces import LineForce
@@ -28,32 +27,19 @@ from heavylift.solver.force_elements.winch_control import (
 from heavylift.solver.force_elements.wire_rope import PlaceMarkers, RopeEntry, Ropes, RopeState, WinchRow
 from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import Row, RowSystem
-from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow
+from heavylift.solver.scenario.moves import MOVE_ROWS, ActionEntry, MoveRow
 from heavylift.solver.scenario.sequencer import (
-    BRAKE,
-    CONNECT,
     DRIVE,
     DRIVE_BREAKS,
-    FAIL,
+    FAILS_ACTUATOR,
     FAILS_LEVELLING,
-    FAILS_MOVER,
     FAILS_PUMP,
-    FOLLOW,
     FUNCTIONS,
-    GO_BY,
-    GO_TO,
     HELD_ROPE,
-    KEEP,
-    KEEP_LEVEL,
-    NOTE,
     PATH,
     PLAIN_ROPE,
-    RELEASE,
-    RELEASE_JOINT,
     RUBBING_ROPE,
-    SPEED,
     TANK,
-    ActionEntry,
     Actuator,
     ActuatorState,
     ConditionEntry,
@@ -70,42 +56,13 @@ from heavylift.solver.scenario.sequencer import (
     TrackState,
     Worst,
 )
+from heavylift.solver.scene.actions import Command
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.channels import Channel, TrackOutputs
+from heavylift.solver.scene.operation_state import AXES, Movable, drives_of, helpers_of, releases_of
 from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.scenario import (
-    AXES,
-    MOVERS,
-    MOVES,
-    Action,
-    Connect,
-    DriveSpeed,
-    DriveTo,
-    Fail,
-    Movable,
-    Note,
-    PathGoOn,
-    PathSpeed,
-    Release,
-    ReleaseJoint,
-    Restore,
-    Scenario,
-    Signal,
-    TankRate,
-    Term,
-    WinchBrake,
-    WinchFollow,
-    WinchHaul,
-    WinchLength,
-    WinchLevel,
-    WinchSpeed,
-    WinchTension,
-    acted_on,
-    check_scenario,
-    drives_of,
-    helpers_of,
-    releases_of,
-)
+from heavylift.solver.scene.scenario import Scenario, check_scenario
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.transport.paths import Paths
 from heavylift.solver.transport.transporters import (
     GroupData,
@@ -114,9 +71,9 @@ from heavylift.solver.transport.transporters import (
     VehicleData,
     VehicleState,
 )
-from heavylift.solver.water.hulls.kind import Hulls, PumpData, PumpRow, TankData, TankLevel
+from heavylift.solver.water.hulls.kind import PumpData, PumpRow, TankData, TankLevel
 
-__all__ = ["pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
+__all__ = ["action_entry", "pack_scenario", "reserve_tables", "share_profiles", "with_drives"]
 
 TANK_LEVELS = 3
 """Of a tank that is told what to do, at least."""
@@ -155,7 +112,7 @@ def with_drives(scene: Any) -> Any:
         ),
     )
     check_scenario(scene.scenario, movable)
-    told = {name.rpartition(".")[::2] for name in _told_drives(scene.scenario) if "." in name}
+    told = {name.rpartition(".")[::2] for name in _commanded(scene.scenario, "drive") if "." in name}
     standing = Profile(times=np.zeros(1), speeds=np.zeros(1))
 
     def ready(body: Any) -> Any:
@@ -185,8 +142,8 @@ def reserve_tables(
         Of the record, those of the ropes among them.
     """
     scenario, columns = scene.scenario, _first_columns(channels)
-    winches = {columns[name] for name in _told_winches(scene) if name in columns}
-    drives = _told_drives(scenario)
+    winches = {columns[name] for name in _commanded_winches(scene) if name in columns}
+    drives = _commanded(scenario, "drive")
     joints = {columns[name] for name in drives if name in columns}
     frames: dict[int, set[int]] = {
         columns[name.rpartition(".")[0]]: set() for name in drives if name.rpartition(".")[0] in columns
@@ -195,24 +152,23 @@ def reserve_tables(
         owner, _, axis = name.rpartition(".")
         if owner in columns:
             frames[columns[owner]].add(AXES.index(axis))
-    pumped = {action.tank for action in scenario.actions if isinstance(action, TankRate)}
-    pumped |= _failing(scenario, "tank")
+    pumped = set(_commanded(scenario, "tank"))
     bodies = []
     for kind in kinds[0]:
         made = kind
-        if isinstance(kind, Hulls) and pumped:
+        if kind.FLOATS and pumped:
             made = _with_levels(kind, scene.sea.tanks_of(scene.bodies), pumped)
-        if frames and isinstance(kind, FrameBodies):
+        if frames and kind.FRAMES:
             made = _with_frame_profiles(made, frames)
         bodies.append(made)
     connections: list[Any] = []
     longest = max((int(k.table["winch_rows"].max()) for k in kinds[1] if isinstance(k, Ropes)), default=0)
-    follows = any(isinstance(action, WinchFollow) for action in scenario.actions)
+    follows = any(command.leader for command in scenario.commands)
     for kind in kinds[1]:
         if isinstance(kind, Ropes):
             connections.append(_with_winch_rows(kind, winches, max(MOVE_ROWS, longest if follows else 0)))
         elif isinstance(kind, Paths):
-            connections.append(_with_pieces(kind, _told_paths(scene)))
+            connections.append(_with_pieces(kind, _commanded_paths(scene)))
         elif "profiles" in kind._fields and any(int(entry.column) in joints for entry in kind.table):
             connections.append(_with_profiles(kind, joints))
         else:
@@ -228,24 +184,19 @@ def _first_columns(channels: Sequence[Channel]) -> dict[str, int]:
     return found
 
 
-def _told_winches(scene: Any) -> set[str]:
-    """Names of ropes whose winches are told what to do, or follow one that is."""
-    kinds = (*MOVES, WinchFollow, WinchTension, WinchLevel, WinchBrake)
-    told = {action.rope for action in scene.scenario.actions if isinstance(action, kinds)}
-    told |= _failing(scene.scenario, "winch")
-    told |= {action.leader for action in scene.scenario.actions if isinstance(action, WinchFollow)}
-    return told | {name for name, leader in _followers(scene).items() if leader in told}
+def _commanded(scenario: Scenario, sort: str) -> list[str]:
+    """Names of what gets commands, of a sort, each once.
+
+    In order: a checkpoint is of another process, in which a set may have another one.
+    """
+    return list(dict.fromkeys(one.name for one in scenario.commands if one.actuates == sort))
 
 
-def _failing(scenario: Scenario, sort: str) -> set[str]:
-    """Names of what fails, of a sort."""
-    return {a.machine for a in scenario.actions if isinstance(a, Fail) and a.sort == sort}
-
-
-def _told_drives(scenario: Scenario) -> set[str]:
-    """Names of drives that are told what to do, or fail."""
-    told = {a.drive for a in scenario.actions if isinstance(a, (DriveSpeed, DriveTo))}
-    return told | _failing(scenario, "drive")
+def _commanded_winches(scene: Any) -> set[str]:
+    """Names of ropes whose winches get commands, or follow one that does."""
+    found = set(_commanded(scene.scenario, "winch"))
+    found |= {command.leader for command in scene.scenario.commands if command.leader}
+    return found | {name for name, leader in _followers(scene).items() if leader in found}
 
 
 def _followers(scene: Any) -> dict[str, str]:
@@ -345,10 +296,10 @@ def _vehicles(scene: Any) -> list[str]:
     return [one.name for one in scene.transporters if one.legs and one.tyres is None]
 
 
-def _told_paths(scene: Any) -> set[int]:
-    """Numbers of paths that are told something."""
+def _commanded_paths(scene: Any) -> set[int]:
+    """Numbers of paths that get commands."""
     names = _vehicles(scene)
-    return {names.index(a.path) for a in scene.scenario.actions if isinstance(a, (PathSpeed, PathGoOn))}
+    return {names.index(name) for name in _commanded(scene.scenario, "path")}
 
 
 def _with_pieces(kind: Paths, told: set[int]) -> Paths:
@@ -363,32 +314,44 @@ def _with_pieces(kind: Paths, told: set[int]) -> Paths:
     return kind._replace(pieces=np.ascontiguousarray(np.vstack(rows)))
 
 
-class _Movers:
-    """Everything that can be told something, with its place in the tables of its kind."""
+class _Actuators:
+    """Everything that can get commands, with its place in the tables of its kind."""
 
     def __init__(self) -> None:
         self.numbers: dict[str, int] = {}
-        self.rows: list[tuple[Any, ...]] = []
+        self.rows: list[Actuator] = []
 
     def add(
-        self, name: str, sort: int, number: int, *, told: bool, stiffness: float = 0.0, damping: float = 0.0
+        self,
+        name: str,
+        sort: int,
+        number: int,
+        *,
+        commanded: bool = True,
+        axial_stiffness: float = 0.0,
+        damping: float = 0.0,
     ) -> None:
         """One more."""
         self.numbers[name] = len(self.rows)
-        self.rows.append((sort, number, stiffness, damping, told))
+        self.rows.append(
+            filled(
+                Actuator,
+                sort=sort,
+                number=number,
+                axial_stiffness=axial_stiffness,
+                damping=damping,
+                commanded=commanded,
+            )
+        )
 
 
 def share_profiles(
     kinds: tuple[tuple[Any, ...], tuple[Any, ...]], scenario: Scenario
 ) -> tuple[tuple[tuple[Any, ...], tuple[Any, ...]], NDArray[np.float64]]:
     """Kinds whose drives are told what to do keep their profiles in one array, which the scenario changes."""
-    if not _told_drives(scenario):
+    if not _commanded(scenario, "drive"):
         return kinds, np.zeros(0)
-    fields = [
-        (0, i, "constants")
-        for i, kind in enumerate(kinds[0])
-        if isinstance(kind, FrameBodies) and kind.driven
-    ]
+    fields = [(0, i, "constants") for i, kind in enumerate(kinds[0]) if kind.FRAMES and kind.driven]
     fields += [(1, i, "profiles") for i, kind in enumerate(kinds[1]) if "profiles" in kind._fields]
     arrays = [getattr(kinds[row][i], field) for row, i, field in fields]
     starts = np.cumsum([0, *(-(-len(array) // LINE) * LINE for array in arrays)])
@@ -438,34 +401,26 @@ def pack_scenario(
     scenario: Scenario = scene.scenario
     known = {channel.name: channel for channel in channels}
     first_columns = _first_columns(channels)
-    actuators = _Movers()
+    actuators = _Actuators()
     of_sort = _rope_kinds(kinds[1])
     owners = {column: name for name, column in first_columns.items()}
-    told, followers = _told_winches(scene), _followers(scene)
+    commanded, followers = _commanded_winches(scene), _followers(scene)
     ratios = {rope.name: rope.winch.ratio for rope in scene.ropes if rope.name in followers}
     for sort, kind in enumerate(of_sort):
         for i, entry in enumerate(kind.table):
             name = owners[int(entry.column)]
-            given = {"stiffness": float(entry.axial_stiffness), "damping": float(entry.damping)}
-            actuators.add(name, sort, i, told=name in told, **given)
+            given = {"axial_stiffness": float(entry.axial_stiffness), "damping": float(entry.damping)}
+            actuators.add(name, sort, i, commanded=name in commanded, **given)
             if name in scenario.prepared:
                 entry.axial_stiffness = entry.damping = 0.0
-    hulls = next((kind for kind in kinds[0] if isinstance(kind, Hulls)), None)
+    hulls = next((kind for kind in kinds[0] if kind.FLOATS), None)
     for i, tank in enumerate(() if scene.sea is None else scene.sea.tanks_of(scene.bodies)):
-        actuators.add(tank.name, TANK, i, told=True)
-    drives = (
-        dict.fromkeys(  # in order: a checkpoint is of another process, in which a set may have another one
-            acted_on(action)
-            for action in scenario.actions
-            if isinstance(action, (DriveSpeed, DriveTo))
-            or (isinstance(action, Fail) and action.sort == "drive")
-        )
-    )
-    for name in drives:
-        actuators.add(name, DRIVE, _profile_start(name, kinds, first_columns, profiles), told=True)
+        actuators.add(tank.name, TANK, i)
+    for name in _commanded(scenario, "drive"):
+        actuators.add(name, DRIVE, _profile_start(name, kinds, first_columns, profiles))
     paths = next((kind for kind in kinds[1] if isinstance(kind, Paths)), None)
-    for number in sorted(_told_paths(scene)):
-        actuators.add(_vehicles(scene)[number], PATH, number, told=True)
+    for number in sorted(_commanded_paths(scene)):
+        actuators.add(_vehicles(scene)[number], PATH, number)
     states = records(ActuatorState, len(actuators.rows))
     states["leader"], states["arrives"] = -1, math.inf
     for name, leader in followers.items():
@@ -473,12 +428,11 @@ def pack_scenario(
             states[actuators.numbers[name]].leader = actuators.numbers[leader]
             states[actuators.numbers[name]].ratio = ratios[name]
     weight = _Weights(scene)
-    released = [action.joint for action in scenario.actions if isinstance(action, ReleaseJoint)]
-    blocks = {name: block_names.index(name) for name in released}
+    blocks = {name: block_names.index(name) for name in _commanded(scenario, "joint")}
     rolling = next((kind for kind in kinds[1] if isinstance(kind, Transporters)), None)
     helpers = {("pump", pump.name): i for i, pump in enumerate(() if scene.sea is None else scene.sea.pumps)}
     helpers |= {("levelling", one.name): i for i, one in enumerate(scene.transporters)}
-    tables = _Tables(scenario, actuators.numbers | blocks, known, weight, helpers)
+    tables = _Tables(scenario, actuators.numbers, blocks, known, weight, helpers)
     system = next((one for one in kinds[2] if isinstance(one, RowSystem)), None)
     timers = records(Timer, len(tables.conditions))
     timers["since"] = timers["trial"] = math.nan
@@ -517,7 +471,10 @@ def pack_scenario(
         vehicle_state=records(VehicleState, 0) if rolling is None else rolling.vehicle_state,
         profiles=profiles,
         paths=_table(
-            PathPieces, [] if paths is None else [(path.first_piece, path.pieces) for path in paths.table]
+            PathPieces,
+            []
+            if paths is None
+            else [filled(PathPieces, first=path.first_piece, count=path.pieces) for path in paths.table],
         ),
         path_pieces=np.zeros((0, 4)) if paths is None else paths.pieces,
         path_legs=np.zeros((0, 5)) if paths is None else paths.legs,
@@ -566,11 +523,7 @@ def _profile_start(
     for row, group in enumerate(kinds):
         for kind in group:
             array = getattr(kind, ("constants", "profiles")[row], None)
-            if (
-                array is None
-                or (row == 0 and not isinstance(kind, FrameBodies))
-                or not np.may_share_memory(array, profiles)
-            ):
+            if array is None or (row == 0 and not kind.FRAMES) or not np.may_share_memory(array, profiles):
                 continue
             base = (array.ctypes.data - profiles.ctypes.data) // profiles.itemsize
             for entry in kind.table:
@@ -603,17 +556,15 @@ class _Weights:
         total = 0.0
         for name in names:
             body = self.bodies.get(name)
-            mass = getattr(body, "mass", None)
-            if mass is None and body is not None and hasattr(body, "reduced"):
-                mass = body.reduced.integrals.mass
-            if mass is None:
+            known = None if body is None else body.mass_properties
+            if known is None:
                 raise InputError(
                     f"{name!r} is no body with a mass of its own",
                     source="scenario",
                     key="of",
                     expected="rigid bodies, and bodies with modes",
                 )
-            total += float(mass) * self.gravity
+            total += float(known[0]) * self.gravity
         if names and not total > 0.0:
             raise InputError(
                 "a part of a weight without gravity", source="scenario", key="of", expected="[gravity]"
@@ -622,50 +573,77 @@ class _Weights:
 
 
 class _Tables:
-    """Rows of all tables of what was said."""
+    """Rows of all tables of a scenario."""
 
     def __init__(
         self,
         scenario: Scenario,
-        numbers: Mapping[str, int],
+        actuators: Mapping[str, int],
+        blocks: Mapping[str, int],
         known: Mapping[str, Channel],
         weights: _Weights,
         helpers: Mapping[tuple[str, str], int],
     ) -> None:
-        self.tracks: list[tuple[int, int]] = []
-        self.phases: list[tuple[Any, ...]] = []
-        self.conditions: list[tuple[Any, ...]] = []
-        self.limits: list[tuple[Any, ...]] = []
-        self.actions: list[tuple[Any, ...]] = []
-        self.signals: list[tuple[int, int, int]] = []
-        self.terms: list[tuple[int, float]] = []
+        self.tracks: list[TrackEntry] = []
+        self.phases: list[PhaseEntry] = []
+        self.conditions: list[ConditionEntry] = []
+        self.limits: list[LimitEntry] = []
+        self.signals: list[SignalEntry] = []
+        self.terms: list[TermEntry] = []
         for signal in scenario.signals:
             if signal.function == "arrived":
-                parts = [(numbers[term.channel], 1.0) for term in signal.terms]
+                parts = [(actuators[term.channel], 1.0) for term in signal.terms]
             else:
                 parts = [found for term in signal.terms for found in _columns(term, signal, known)]
-            self.signals.append((len(self.terms), len(parts), FUNCTIONS.index(signal.function)))
-            self.terms += parts
+            function = FUNCTIONS.index(signal.function)
+            entry = filled(SignalEntry, first=len(self.terms), terms=len(parts), function=function)
+            self.signals.append(entry)
+            self.terms += [filled(TermEntry, column=column, weight=weight) for column, weight in parts]
         place = {signal: i for i, signal in enumerate(scenario.signals)}
+        actions = 0
         for row in scenario.rows:
-            self.tracks.append((len(self.phases), len(row)))
+            self.tracks.append(filled(TrackEntry, first=len(self.phases), phases=len(row)))
             for phase in row:
-                begin = (len(self.actions), len(phase.actions), len(self.conditions), len(phase.until))
-                timeout = phase.timeout or math.inf
-                end = (len(self.limits), len(phase.limits), phase.ends_with == "any", timeout)
-                self.phases.append((*begin, *end))
-                self.actions += [_action(action, numbers, place, helpers) for action in phase.actions]
-                for one in phase.until:
-                    number = -1 if one.signal is None else place[one.signal]
-                    self.conditions.append(
-                        (number, one.below, one.value * weights.of(one.weight_of), one.hold)
+                self.phases.append(
+                    filled(
+                        PhaseEntry,
+                        first_action=actions,
+                        actions=len(phase.actions),
+                        first_condition=len(self.conditions),
+                        conditions=len(phase.until),
+                        first_limit=len(self.limits),
+                        limits=len(phase.limits),
+                        any_of=phase.ends_with == "any",
+                        timeout=phase.timeout or math.inf,
                     )
-                for limit in phase.limits:
-                    value = limit.value * weights.of(limit.weight_of)
-                    self.limits.append((place[limit.signal], limit.below, value, limit.stop))
+                )
+                actions += len(phase.actions)
+                self.conditions += [
+                    filled(
+                        ConditionEntry,
+                        signal=-1 if one.signal is None else place[one.signal],
+                        below=one.below,
+                        value=one.value * weights.of(one.weight_of),
+                        hold=one.hold,
+                    )
+                    for one in phase.until
+                ]
+                self.limits += [
+                    filled(
+                        LimitEntry,
+                        signal=place[limit.signal],
+                        below=limit.below,
+                        value=limit.value * weights.of(limit.weight_of),
+                        stop=limit.stop,
+                    )
+                    for limit in phase.limits
+                ]
+        self.actions = [
+            action_entry(command, actuators, place, blocks, helpers) for command in scenario.commands
+        ]
 
 
-def _table(of: type[Record], rows: Sequence[tuple[Any, ...]]) -> Records[Any]:
+def _table(of: type[Record], rows: Sequence[Record]) -> Records[Any]:
     """Records of some rows, of none too."""
     return records(of, rows) if rows else records(of, 0)
 
@@ -725,63 +703,50 @@ def _columns(term: Term, signal: Signal, known: Mapping[str, Channel]) -> list[t
     return [(channel.column + i, term.weight) for i in range(len(channel.components))]
 
 
-def _action(
-    action: Action,
-    numbers: Mapping[str, int],
-    signals: Mapping[Signal, int],
-    helpers: Mapping[tuple[str, str], int],
-) -> tuple[int, int, float, float, float, float, float, int, float]:
-    """Entry of an action."""
-    code, actuator, value, speed, ramp, acceleration, jerk, other, factor = (
-        NOTE,
-        -1,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        -1,
-        0.0,
+def action_entry(
+    command: Command,
+    actuators: Mapping[str, int] | None = None,
+    signals: Mapping[Signal, int] | None = None,
+    blocks: Mapping[str, int] | None = None,
+    helpers: Mapping[tuple[str, str], int] | None = None,
+) -> ActionEntry:
+    """Record of a command, with numbers in place of its names; -1 where none are given.
+
+    Parameters
+    ----------
+    command
+        Of an action.
+    actuators, signals, blocks
+        Numbers of actuators, signals, and of the blocks of joints.
+    helpers
+        Numbers of pumps and levelled transporters, by sort and name.
+    """
+    joint, helps = command.actuates == "joint", command.actuates in _FAILS
+    return filled(
+        ActionEntry,
+        operation=command.operation,
+        actuator=_number("" if joint or helps else command.name, actuators),
+        value=command.value,
+        speed=command.speed,
+        ramp=command.ramp,
+        acceleration=command.acceleration,
+        jerk=command.jerk,
+        leader=_number(command.leader, actuators),
+        ratio=command.ratio,
+        signal=-1 if command.signal is None or signals is None else signals[command.signal],
+        parts=command.parts,
+        dead_band=command.dead_band,
+        group=command.group,
+        block=_number(command.name if joint else "", blocks),
+        helper=-1 if not helps or helpers is None else helpers[command.actuates, command.name],
+        fails=_FAILS.get(command.actuates, FAILS_ACTUATOR),
     )
-    if isinstance(action, (Fail, Restore)):
-        code, value = FAIL, float(isinstance(action, Fail))
-        if action.sort in MOVERS:
-            actuator, factor = numbers[action.machine], float(FAILS_MOVER)
-        else:
-            other = helpers[action.sort, action.machine]
-            factor = float(FAILS_PUMP if action.sort == "pump" else FAILS_LEVELLING)
-    elif not isinstance(action, Note):
-        actuator = numbers[acted_on(action)]
-    if isinstance(action, (*MOVES, DriveSpeed, DriveTo, PathSpeed)):
-        speed, ramp, acceleration, jerk = action.speed, action.ramp, action.acceleration, action.jerk
-    if isinstance(action, (WinchSpeed, DriveSpeed, PathSpeed)):
-        code, value = SPEED, action.speed
-    elif isinstance(action, PathGoOn):
-        code = GO_TO
-    elif isinstance(action, WinchLength):
-        code, value = GO_TO, action.length
-    elif isinstance(action, WinchHaul):
-        code, value, factor = GO_BY, action.length, action.parts
-        other = -1 if action.signal is None else signals[action.signal]
-    elif isinstance(action, DriveTo):
-        code, value = GO_BY if action.by else GO_TO, action.place
-    elif isinstance(action, WinchFollow):
-        code, other, factor = FOLLOW, numbers[action.leader], action.ratio
-    elif isinstance(action, WinchTension):
-        code, value, speed, factor = KEEP, action.tension, action.speed, action.dead_band
-    elif isinstance(action, WinchLevel):
-        code, value, speed, factor = KEEP_LEVEL, action.share, action.speed, action.dead_band
-        other = action.group
-    elif isinstance(action, WinchBrake):
-        code, value = BRAKE, float(action.on)
-    elif isinstance(action, TankRate):
-        code, value = SPEED, action.rate
-        if action.mass is not None:
-            code, value, speed = GO_TO, action.mass, abs(action.rate)
-    elif isinstance(action, ReleaseJoint):
-        code, actuator, other = RELEASE_JOINT, -1, actuator
-    elif isinstance(action, Release):
-        code = RELEASE
-    elif isinstance(action, Connect):
-        code, value = CONNECT, action.slack
-    return code, actuator, value, speed, ramp, acceleration, jerk, other, factor
+
+
+def _number(name: str, numbers: Mapping[str, int] | None) -> int:
+    """Number of what has a name; -1 of nothing."""
+    return numbers[name] if name and numbers is not None else -1
+
+
+_FAILS = {"pump": FAILS_PUMP, "levelling": FAILS_LEVELLING}
+"""What fails that is no actuator."""

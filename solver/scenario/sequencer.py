@@ -54,8 +54,30 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import ABSENT, Row
 from heavylift.solver.scenario.interface import direct, keep_state, take_back
-from heavylift.solver.scenario.moves import MoveRow, plan_move, plan_speed
+from heavylift.solver.scenario.moves import (
+    ARRIVED_PART,
+    ActionEntry,
+    MoveRow,
+    plan_command,
+    plan_leg,
+    plan_speed,
+)
 from heavylift.solver.scene.channels import PhaseOutputs, TrackOutputs
+from heavylift.solver.scene.operations import (
+    BRAKE,
+    CONNECT,
+    FAIL,
+    FOLLOW,
+    GO_BY,
+    GO_TO,
+    KEEP,
+    KEEP_LEVEL,
+    MOVES,
+    NOTHING,
+    RELEASE,
+    RELEASE_JOINT,
+    SPEED,
+)
 from heavylift.solver.scene.speed_profiles import FOREVER
 from heavylift.solver.transport.path_distances import way_on_pieces
 from heavylift.solver.transport.transporters import GroupData, GroupState, VehicleData, VehicleState
@@ -65,39 +87,26 @@ from heavylift.solver.water.hulls.tanks import pumped_behind
 __all__ = [
     "ACTION",
     "BEGUN",
-    "BRAKE",
-    "CONNECT",
     "DONE",
     "DRIVE",
     "DRIVE_BREAKS",
     "ENDED",
-    "FAIL",
+    "FAILS_ACTUATOR",
     "FAILS_LEVELLING",
-    "FAILS_MOVER",
     "FAILS_PUMP",
-    "FOLLOW",
     "FUNCTIONS",
-    "GO_BY",
-    "GO_TO",
     "HELD_ROPE",
-    "KEEP",
-    "KEEP_LEVEL",
     "LIMIT_STOP",
     "LIMIT_WARNING",
-    "NOTE",
     "NOT_CONNECTED",
     "PATH",
     "PLAIN_ROPE",
-    "RELEASE",
-    "RELEASE_JOINT",
     "ROPE_USED_UP",
     "RUBBING_ROPE",
-    "SPEED",
     "TANK",
     "TIMED_OUT",
     "TOLD",
     "WORDS",
-    "ActionEntry",
     "Actuator",
     "ActuatorState",
     "ConditionEntry",
@@ -120,15 +129,13 @@ FUNCTIONS = ("sum", "norm", "largest", "smallest", "arrived", "told")
 """Of signals, by their numbers. `arrived`: time since the last of some actuators came to rest where it was told to go;
 `told`: whether someone outside said "continue" since the phase began that waits for it."""
 SUM, NORM, LARGEST, SMALLEST, ARRIVED, CONTINUED = range(6)
-SPEED, GO_TO, GO_BY, FOLLOW, KEEP, KEEP_LEVEL, BRAKE, RELEASE, CONNECT, NOTE, RELEASE_JOINT, FAIL = range(12)
-"""Actions."""
 BEGUN, ACTION, DONE, LIMIT_WARNING, LIMIT_STOP, TIMED_OUT, ROPE_USED_UP, NOT_CONNECTED, TOLD = range(9)
 """Events of the log."""
 WORDS = ("continue", "hold", "stop")
 """What can be told from outside, by number."""
 PLAIN_ROPE, RUBBING_ROPE, HELD_ROPE, TANK, DRIVE, PATH = range(6)
 """Sorts of actuators."""
-FAILS_MOVER, FAILS_PUMP, FAILS_LEVELLING = range(3)
+FAILS_ACTUATOR, FAILS_PUMP, FAILS_LEVELLING = range(3)
 """What fails, or works again: an actuator, a pump that a controller tells, the levelling of a transporter."""
 
 DRIVE_BREAKS = 12
@@ -144,9 +151,6 @@ phase_outputs = outputs_at(PhaseOutputs)
 
 SHORTEST = 1e-6
 """Of a step: an event nearer to its start happens there, one nearer to its end at the end."""
-
-ARRIVED_PART = 1e-9
-"""Of the way at its end, within which a transporter has come to the end of a leg."""
 
 LARGEST_STRAIN = 0.02
 """By which a rope that is connected may be shorter than its path."""
@@ -203,39 +207,6 @@ class TermEntry(Record):
 
     column: int
     weight: float
-
-
-class ActionEntry(Record):
-    """Something to be done.
-
-    Attributes
-    ----------
-    action, actuator
-        What, with which actuator.
-    value
-        Speed, place, way, slack, tension, share of a load or whether a brake is set.
-    speed
-        At most.
-    ramp
-        Time in which the speed changes, or reaches the largest one, [s]; 0 if the limits below say it.
-    acceleration, jerk
-        Limits; 0 is none.
-    other
-        Mover that is followed, signal that a way is reckoned from, number of a group, block of a joint, or number of a
-        pump or transporter; -1 is none.
-    factor
-        Ratio to what is followed, way per difference of the signal, dead band, or what fails.
-    """
-
-    action: int
-    actuator: int
-    value: float
-    speed: float
-    ramp: float
-    acceleration: float
-    jerk: float
-    other: int
-    factor: float
 
 
 class Actuator(Record):
@@ -715,32 +686,19 @@ def _write(kind: Sequencer, actuator: int, count: int, time: float) -> None:
 
 
 @kernel(internal=True)
-def _go_on(
-    kind: Sequencer, actuator: int, time: float, speed: float, acceleration: float, jerk: float
-) -> None:
-    """An actuator comes to a speed; an empty tank stops."""
-    value, before, present = _present(kind, actuator, time)
-    arrives = math.inf
-    if kind.actuators[actuator].sort == TANK and speed < 0.0:
-        count = plan_move(value, before, present, 0.0, -speed, acceleration, jerk, kind.plan)
-        arrives = time + kind.plan[count - 1].time
-    else:
-        count = plan_speed(value, before, present, speed, acceleration, jerk, kind.plan)
-        if speed == 0.0:
-            arrives = time + kind.plan[count - 1].time
-    kind.actuator_state[actuator].arrives = arrives
+def _give_plan(kind: Sequencer, actuator: int, count: int, time: float) -> None:
+    """Let an actuator do the plan; it arrives if it rests behind it."""
+    last = kind.plan[count - 1]
+    kind.actuator_state[actuator].arrives = time + last.time if last.speed == 0.0 else math.inf
     _write(kind, actuator, count, time)
 
 
 @kernel(internal=True)
-def _go_to(
-    kind: Sequencer, actuator: int, time: float, target: float, most: float, acceleration: float, jerk: float
-) -> None:
-    """An actuator comes to rest at a value."""
+def _stop(kind: Sequencer, actuator: int, time: float) -> None:
+    """An actuator stops at once."""
     value, speed, present = _present(kind, actuator, time)
-    count = plan_move(value, speed, present, target, most, acceleration, jerk, kind.plan)
-    kind.actuator_state[actuator].arrives = time + kind.plan[count - 1].time
-    _write(kind, actuator, count, time)
+    count = plan_speed(value, speed, present, 0.0, 0.0, 0.0, kind.plan)
+    _give_plan(kind, actuator, count, time)
 
 
 @kernel(internal=True)
@@ -799,77 +757,66 @@ def _write_path(kind: Sequencer, number: int, count: int, time: float, leg: int)
 
 @kernel(internal=True)
 def _drive_path(kind: Sequencer, action: ActionEntry, time: float) -> float:
-    """Let a transporter stop, go to the end of its leg, or go on as planned; its speed [m/s]."""
+    """Let a transporter stop, go to the end of its leg, or continue as planned; its speed [m/s]."""
     actuator, number = action.actuator, kind.actuators[action.actuator].number
     way, before, _ = _present(kind, actuator, time)
     leg = _leg_at(kind, number, way)
     end, planned, gentle = kind.path_legs[leg, 1], kind.path_legs[leg, 2], kind.path_legs[leg, 3]
-    told = action.action == SPEED
-    speed = action.value if told else planned
-    acceleration = action.acceleration if action.acceleration > 0.0 else gentle
-    if action.ramp > 0.0:
-        acceleration = max(speed, before) / action.ramp
-    if way + 0.5 * before * before / acceleration > end:
-        acceleration = 0.5 * before * before / max(end - way, ARRIVED_PART * end)
-    if speed == 0.0:
-        count = plan_speed(way, before, 0.0, 0.0, acceleration, 0.0, kind.plan)
-    else:
-        count = plan_move(way, before, 0.0, end, speed, acceleration, 0.0, kind.plan)
-    _write_path(kind, number, count, time, -1 if told else leg)
+    commanded = action.operation == SPEED
+    count = plan_leg(action, way, before, end, planned, gentle, kind.plan)
+    _write_path(kind, number, count, time, -1 if commanded else leg)
     path = kind.paths[number]
     kind.actuator_state[actuator].arrives = kind.path_pieces[path.first + path.count - 1, 0]
-    return speed
+    return action.value if commanded else planned
+
+
+@kernel(internal=True)
+def _control(kind: Sequencer, action: ActionEntry, time: float) -> None:
+    """A winch keeps a tension and stops, or a share of a load beside what it does."""
+    control = kind.controls[kind.actuators[action.actuator].number]
+    control.speed, control.band, control.wanted = action.speed, action.dead_band, action.value
+    if action.operation == KEEP:
+        control.mode = CONSTANT
+        _stop(kind, action.actuator, time)
+        return
+    control.mode, control.group = LEVEL, action.group
+    if action.value == 0.0:
+        control.mode, control.speed = PLANNED, math.inf
 
 
 @kernel(internal=True)
 def _move(kind: Sequencer, action: ActionEntry, time: float) -> float:
-    """Let something move; what it was told, for the log."""
-    actuator = action.actuator
-    acceleration, value = action.acceleration, action.value
+    """Let something move; what it was commanded, for the log."""
+    actuator, operation, value = action.actuator, action.operation, action.value
     spec = kind.actuators[actuator]
     if spec.sort == PATH:
         return _drive_path(kind, action, time)
-    if action.action not in (FOLLOW, KEEP_LEVEL):  # it levels beside what it is told
+    if operation not in (FOLLOW, KEEP_LEVEL):  # it levels beside what it is told
         kind.actuator_state[actuator].leader = -1
-    if spec.sort == HELD_ROPE and action.action in (SPEED, GO_TO, GO_BY, BRAKE):
+    if spec.sort == HELD_ROPE and (operation in MOVES or operation == BRAKE):
         control = kind.controls[spec.number]
-        if control.mode != LEVEL or action.action == BRAKE:
+        if control.mode != LEVEL or operation == BRAKE:
             control.mode, control.speed = PLANNED, math.inf
-    if action.action == SPEED:
-        if action.ramp > 0.0:
-            _, speed, _ = _present(kind, actuator, time)
-            acceleration = abs(value - speed) / action.ramp
-        _go_on(kind, actuator, time, value, acceleration, action.jerk)
-        return value
-    if action.action == BRAKE:
+    if operation == BRAKE:
         if value > 0.0:
-            _go_on(kind, actuator, time, 0.0, 0.0, 0.0)
+            _stop(kind, actuator, time)
         return value
-    if action.action == FOLLOW:
-        _follow(kind, actuator, action.other, action.factor, time)
-        return action.factor
-    if action.action in (KEEP, KEEP_LEVEL):
-        control = kind.controls[spec.number]
-        control.mode, control.speed, control.band = CONSTANT, action.speed, action.factor
-        control.wanted = value
-        if action.action == KEEP_LEVEL:
-            control.mode, control.group = LEVEL if value > 0.0 else PLANNED, action.other
-            if value == 0.0:
-                control.speed = math.inf
-        else:
-            _go_on(kind, actuator, time, 0.0, 0.0, 0.0)
+    if operation == FOLLOW:
+        _follow(kind, actuator, action.leader, action.ratio, time)
+        return action.ratio
+    if operation in (KEEP, KEEP_LEVEL):
+        _control(kind, action, time)
         return value
-    if action.ramp > 0.0:
-        acceleration = action.speed / action.ramp
+    place, speed, present = _present(kind, actuator, time)
     target = value
-    if action.action == GO_BY:
-        present, _, _ = _present(kind, actuator, time)
-        if action.other >= 0:
-            value = action.factor * (value - kind.trial[action.other])
-        target = present + value
-    elif spec.sort < TANK:
+    if operation == GO_BY:
+        if action.signal >= 0:
+            value = action.parts * (value - kind.trial[action.signal])
+        target = place + value
+    elif operation == GO_TO and spec.sort < TANK:
         target = _hauled_at(kind, actuator, value)
-    _go_to(kind, actuator, time, target, action.speed, acceleration, action.jerk)
+    count = plan_command(action, spec.sort == TANK, place, speed, present, target, kind.plan)
+    _give_plan(kind, actuator, count, time)
     return value
 
 
@@ -909,14 +856,14 @@ def _let_joint_go(kind: Sequencer, block: int) -> float:
 
 
 @kernel(internal=True)
-def _fail_mover(kind: Sequencer, actuator: int, time: float) -> None:
+def _fail_actuator(kind: Sequencer, actuator: int, time: float) -> None:
     """What drives it is off: its brake holds it where it is, and what follows it, and it does not arrive anywhere."""
     spec = kind.actuators[actuator]
     kind.actuator_state[actuator].leader = -1
     if spec.sort == HELD_ROPE:
         control = kind.controls[spec.number]
         control.mode, control.speed = PLANNED, math.inf
-    _go_on(kind, actuator, time, 0.0, 0.0, 0.0)
+    _stop(kind, actuator, time)
     kind.actuator_state[actuator].arrives = math.inf
     for m in range(kind.actuator_state.shape[0]):
         if kind.actuator_state[m].leader == actuator:
@@ -926,12 +873,12 @@ def _fail_mover(kind: Sequencer, actuator: int, time: float) -> None:
 @kernel(internal=True)
 def _fail(kind: Sequencer, action: ActionEntry, time: float) -> float:
     """Something fails, or works again from now on: it stands until it is told something."""
-    failed, number = action.value > 0.0, action.other
-    if action.factor == FAILS_MOVER:
+    failed, number = action.value > 0.0, action.helper
+    if action.fails == FAILS_ACTUATOR:
         if failed:
-            _fail_mover(kind, action.actuator, time)
+            _fail_actuator(kind, action.actuator, time)
         return action.value
-    if action.factor == FAILS_PUMP:
+    if action.fails == FAILS_PUMP:
         pump = kind.pumps[number]
         row = kind.pump_rows[pump.first]
         _, _, pumped = pumped_behind(row, pump.lag, time)
@@ -981,12 +928,12 @@ def _act(
     time: float,
 ) -> float:
     """Do something; a value for the log, negative for a connection that is too short."""
-    if action.action == RELEASE_JOINT:
-        return _let_joint_go(kind, action.other)
-    if action.action == FAIL:
+    if action.operation == RELEASE_JOINT:
+        return _let_joint_go(kind, action.block)
+    if action.operation == FAIL:
         return _fail(kind, action, time)
-    if action.action not in (RELEASE, CONNECT):
-        if action.action == GO_BY and action.other >= 0:
+    if action.operation not in (RELEASE, CONNECT):
+        if action.operation == GO_BY and action.signal >= 0:
             _measure(kind, forces, bodies, joints, systems, work, time)
         return _move(kind, action, time)
     spec = kind.actuators[action.actuator]
@@ -994,7 +941,7 @@ def _act(
     _measure(kind, forces, bodies, joints, systems, work, time)
     before = _stored(kind)
     value = 0.0
-    if action.action == RELEASE:
+    if action.operation == RELEASE:
         _let_go(kind, spec)
     else:
         value = _hold(kind, spec, time, action.value)
@@ -1002,7 +949,7 @@ def _act(
             return value
     _measure(kind, forces, bodies, joints, systems, work, time)
     gained = _stored(kind) - before
-    if action.action == RELEASE:
+    if action.operation == RELEASE:
         state.loss -= gained
         return -gained
     state.winch_work += gained
@@ -1031,9 +978,9 @@ def _begin_phase(
     for a in range(phase.first_action, phase.first_action + phase.actions):
         action = kind.actions[a]
         value = 0.0
-        if action.action != NOTE:
+        if action.operation != NOTHING:
             value = _act(kind, action, forces, bodies, joints, systems, work, time)
-            if action.action == CONNECT and value <= 0.0:
+            if action.operation == CONNECT and value <= 0.0:
                 _note(kind, time, NOT_CONNECTED, number, action.actuator, -value)
                 state.outcome = LIMIT
                 return
@@ -1062,7 +1009,7 @@ def _watch_ropes(kind: Sequencer, time: float, step: float) -> None:
             if spec.sort == HELD_ROPE:
                 kind.controls[spec.number].mode = PLANNED
             kind.actuator_state[m].leader = -1
-            _go_on(kind, m, time, 0.0, 0.0, 0.0)
+            _stop(kind, m, time)
             kind.state.outcome = LIMIT
 
 

@@ -1,1 +1,1 @@
-"""What a user says: scenes as frozen dataclasses in SI units, without a word of how they are integrated."""
+"""Descriptions: scenes as frozen dataclasses in SI units, independent of how they are integrated."""

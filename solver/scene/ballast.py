@@ -1,4 +1,4 @@
-"""What a user says of pumps between tanks and the sea, and of controllers that tell them how fast; SI units."""
+"""Descriptions of pumps between tanks and the sea, and of controllers that command them; SI units."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Pump:
     lag: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
     """Time constant [s] with which its flow follows what it is told."""
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)
-    """Of its plan [s], increasing; without one it stands still until a controller tells it otherwise."""
+    """Of its plan [s], increasing; without one it stands still until a controller commands it."""
     rates: Annotated[NDArray[np.float64], Quantity(MASS_FLOW), Shape((None,))] = field(
         default_factory=no_rows
     )
@@ -142,7 +142,7 @@ class LevelPoint:
 
 @outputs
 class ControllerParts(Parts):
-    """What a controller records of each thing that it keeps."""
+    """Channels of each quantity that a controller keeps."""
 
     error: Part = channel("number", "what it keeps less what that should be, filtered [m, rad]", None)
 
@@ -157,7 +157,7 @@ class ControllerOutputs(Outputs):
 @AT_SEA.describe("controllers")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Controller:
-    """What keeps a hull level by its pumps: it looks every now and then, and tells the pumps how fast."""
+    """What keeps a hull level by its pumps: it samples at intervals, and commands the pumps."""
 
     SENTENCES: ClassVar = {"name": "Name; the first part of its channels."}
     CHANNELS: ClassVar = (*ControllerParts.CHANNELS, *ControllerOutputs.CHANNELS)

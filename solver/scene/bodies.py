@@ -1,7 +1,8 @@
-"""What a user says of bodies: how a frame moves, rigid bodies and flexible ones with modes; SI units."""
+"""Descriptions of bodies: how a frame moves, rigid bodies and flexible ones with modes; SI units."""
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -19,16 +20,21 @@ from heavylift.numerics.quantity import (
     WorldDirection,
 )
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind, Family, check_table, no_rows
+from heavylift.solver.scene.drawn import At, Element, Mark, ModalShape, Solid
+from heavylift.solver.scene.outlines import inertia_box
 from heavylift.solver.scene.outputs import Components, Outputs, Part, Parts, channel, outputs
 from heavylift.solver.scene.speed_profiles import check_speeds
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from heavylift.modal.reduced import ReducedBody
 
 __all__ = [
     "BODIES",
     "GROUND",
     "MOTIONS",
+    "Body",
     "Driven",
     "Fixed",
     "FlexibleBody",
@@ -38,9 +44,11 @@ __all__ = [
     "HeldOutputs",
     "ModalOutputs",
     "Motion",
+    "Placed",
     "PointOutputs",
     "Profile",
     "RigidBody",
+    "Started",
 ]
 
 GROUND = "ground"
@@ -98,7 +106,7 @@ def _upright() -> NDArray[np.float64]:
 
 MOTIONS: Family[Any] = Family("frame", "heavylift.solver.scene", key="motion", alphabetical=False)
 """How a frame moves, by the motions of a case file."""
-BODIES: Family[Any] = Family("body", "heavylift.solver.scene")
+BODIES: Family[Any] = Family("body", "heavylift.solver.scene", "heavylift.solver.bodies.*")
 """Bodies that are said in numbers alone, by their types in a case file."""
 
 ANGLE_OR_LENGTH = ByCoordinate(Quantity("angle"), Quantity("length"))
@@ -210,15 +218,173 @@ class Driven:
 
 Motion = Free | Fixed | Driven
 
+Holder = Literal["diagonal", "factored", "prescribed"]
+"""What rows find of the mass of a body: reciprocals, a factor of its own, or nothing that moves."""
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Placed:
-    """What bodies with a frame have: how it moves, and where it starts.
+
+class Body:
+    """What a scene asks of a body, whatever it is. A class of bodies says what differs from the answers here.
 
     Attributes
     ----------
-    motion
-        How the frame moves.
+    KIND_MODULE
+        Module whose ``pack(bodies, places)`` makes the kind of all bodies of this class
+        (`heavylift.solver.body_places`); it is imported when a scene has one. Mesh data and whatever else needs
+        kernels is asked of it too.
+    ORDER
+        Kinds are in the order of this number in a scene.
+    NOUN
+        What it is called in messages.
+    DEFORMS
+        Whether it is anything but rigid.
+    MODAL
+        Whether stages compute modes of a finite element model for it.
+    CONTOURS
+        How points of a contour on it move: with the frame, with modes too, or with nodes; empty if it carries none.
+    SHAPE
+        What it is by itself, whose tangents and edges joints hold, and which contacts touch; empty of a solid.
+    SEEN_AT_POINTS
+        Whether its velocities in the workspace are those of the material points that are in use, three each.
+    HAS_AXES
+        Whether directions at a point of it are known, not only its tangent.
+    ITERATES
+        Whether its step is iterated, and may be halved where that fails.
+    FLOATS
+        Whether it is a hull.
+    """
+
+    KIND_MODULE: ClassVar[str]
+    ORDER: ClassVar[int] = 100
+    NOUN: ClassVar[str] = "body"
+    DEFORMS: ClassVar[bool] = True
+    MODAL: ClassVar[bool] = False
+    CONTOURS: ClassVar[Literal["", "rigid", "modes", "nodes"]] = ""
+    SHAPE: ClassVar[Literal["", "curve", "surface"]] = ""
+    SEEN_AT_POINTS: ClassVar[bool] = False
+    HAS_AXES: ClassVar[bool] = True
+    ITERATES: ClassVar[bool] = False
+    FLOATS: ClassVar[bool] = False
+
+    CHANNELS: ClassVar[tuple[ChannelKind, ...]]
+    """What it records, in the order of its columns."""
+
+    if TYPE_CHECKING:  # dataclasses and properties have them in their own ways
+
+        @property
+        def name(self) -> str:
+            """Prefix of its channels."""
+            ...
+
+        @property
+        def motion(self) -> Motion:
+            """How its frame moves."""
+            ...
+
+        @property
+        def position(self) -> NDArray[np.float64]:
+            """Origin of its axes at the start [m], world."""
+            ...
+
+        @property
+        def orientation(self) -> NDArray[np.float64]:
+            """Unit quaternion of its axes at the start, scalar first."""
+            ...
+
+    @property
+    def kind_module(self) -> Any:
+        """The module that packs it."""
+        return importlib.import_module(self.KIND_MODULE)
+
+    @property
+    def place_in_kind(self) -> int:
+        """Bodies of a kind are in the order of this, then in that of the scene."""
+        return 0
+
+    @property
+    def group_names(self) -> tuple[str, ...]:
+        """Names of the bodies that are one body to joints, in order; empty of one that stands alone."""
+        return ()
+
+    @property
+    def mode_count(self) -> int:
+        """Modal coordinates."""
+        return 0
+
+    def velocity_count(self, points: int) -> int:  # noqa: ARG002  of classes that are seen at points
+        """Velocities in the workspace, with a number of material points in use."""
+        return 6 + self.mode_count
+
+    @property
+    def holder(self) -> Holder:
+        """What rows find of its mass."""
+        return "factored"
+
+    @property
+    def inverse_masses(self) -> NDArray[np.float64] | None:
+        """Reciprocals of a diagonal mass matrix [1/kg, 1/(kg m2)], in the axes of the kind; None of any other one."""
+        return None
+
+    def inverse_scales(self) -> tuple[float, float]:
+        """Inverse mass [1/kg] and smallest inverse inertia [1/(kg m2)]; zero for prescribed motion."""
+        raise NotImplementedError
+
+    @property
+    def mass_properties(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+        """Mass [kg], its centre [m] and inertia about it [kg m2] in axes of the body, of the shape it was given.
+
+        None of what has no such shape to speak of: what it weighs is then told otherwise.
+        """
+        return None
+
+    @property
+    def mesh_nodes(self) -> NDArray[np.float64] | None:
+        """Nodes [m], shape (n, 3), to which points on it are attached; None if any point is one of it."""
+        return None
+
+    def nearest(
+        self,
+        point: NDArray[np.float64],
+        *,
+        source: str,  # noqa: ARG002  of classes that refuse
+        key: str,  # noqa: ARG002
+    ) -> NDArray[np.float64]:
+        """Material point [m] next to a place, however far; `source` and `key` are for messages."""
+        return np.asarray(point, dtype=np.float64)
+
+    @property
+    def components(self) -> dict[str, tuple[str, ...]]:
+        """Components of channels that have as many as it has modes, nodes or elements."""
+        return {}
+
+    @property
+    def times(self) -> list[float]:
+        """Times [s] at which what acts on it jumps or has a corner."""
+        return []
+
+    @property
+    def highest_rate(self) -> float:
+        """Bound of the rate of its fastest vibration [1/s] of which an explicit integrator knows; 0 of none."""
+        return 0.0
+
+    def refusal(self, integrator: str, *, jointed: bool) -> str:  # noqa: ARG002  of classes that refuse
+        """Why an integrator cannot serve it, in a scene with joints or without, as words; empty if it can."""
+        return ""
+
+    def start_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Refuse what cannot be packed; shapes of its start values by key."""
+        return {"position": (3,), "orientation": (4,), "velocity": (3,), "angular_velocity": (3,)}
+
+    def contour_frame(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Origin [m] and axes, as columns, of what the solver measures a contour in, in the frame of the body."""
+        return np.zeros(3), np.eye(3)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Started(Body):
+    """Where a body starts.
+
+    Attributes
+    ----------
     position, orientation
         Frame origin [m], world; unit quaternion (scalar first).
     velocity, angular_velocity
@@ -226,11 +392,23 @@ class Placed:
         motion says.
     """
 
-    motion: Motion = field(default_factory=Free)
     position: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     orientation: NDArray[np.float64] = field(default_factory=_upright)
     velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
     angular_velocity: NDArray[np.float64] = field(default_factory=lambda: _zeros(3))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Placed(Started):
+    """What bodies with a frame have.
+
+    Attributes
+    ----------
+    motion
+        How the frame moves.
+    """
+
+    motion: Motion = field(default_factory=Free)
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,6 +427,11 @@ class FlexibleBody(Placed):
         Of critical, per mode, shape (nf,); zero if empty.
     """
 
+    KIND_MODULE: ClassVar = "heavylift.solver.bodies.floating_frame.packing"
+    ORDER: ClassVar = 1
+    NOUN: ClassVar = "flexible body"
+    MODAL: ClassVar = True
+    CONTOURS: ClassVar = "modes"
     CHANNELS: ClassVar = (*FrameOutputs.CHANNELS, *ModalOutputs.CHANNELS)
     """What it records, in the order of its columns."""
 
@@ -258,12 +441,83 @@ class FlexibleBody(Placed):
     modal_velocity: NDArray[np.float64] = field(default_factory=no_rows, kw_only=True)
     damping_ratio: NDArray[np.float64] = field(default_factory=no_rows, kw_only=True)
 
+    @property
+    def place_in_kind(self) -> int:
+        """Those with a fixed frame come last."""
+        return int(isinstance(self.motion, Fixed))
+
+    @property
+    def mode_count(self) -> int:
+        """Modal coordinates."""
+        return self.reduced.mode_count
+
+    def inverse_scales(self) -> tuple[float, float]:
+        """Of the shape without modes."""
+        integrals = self.reduced.integrals
+        largest = float(np.linalg.eigvalsh(integrals.inertia_kl)[1:].sum())
+        held = not isinstance(self.motion, Free) and self.reduced.mode_count == 0
+        return (0.0, 0.0) if held else (1.0 / integrals.mass, 1.0 / largest)
+
+    @property
+    def mass_properties(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+        """Of the shape without modes."""
+        integrals = self.reduced.integrals
+        mass, centre = float(integrals.mass), integrals.first_moment / integrals.mass
+        second = integrals.inertia_kl - mass * np.outer(centre, centre)
+        return mass, centre, np.trace(second) * np.eye(3) - second
+
+    @property
+    def mesh_nodes(self) -> NDArray[np.float64] | None:
+        """Of the finite-element model."""
+        return self.reduced.nodes
+
+    def nearest(self, point: NDArray[np.float64], *, source: str, key: str) -> NDArray[np.float64]:
+        """On the finite-element model."""
+        found, weights = self.reduced.locate(point, source=source, key=key, within=np.inf)
+        return np.asarray(weights @ self.reduced.nodes[found])
+
+    @property
+    def components(self) -> dict[str, tuple[str, ...]]:
+        """By number of the mode."""
+        modes = tuple(str(i + 1) for i in range(self.mode_count))
+        return {"modal_position": modes, "modal_velocity": modes}
+
+    def refusal(self, integrator: str, *, jointed: bool) -> str:
+        """The accurate integrator knows no modes, the thesis none in joints."""
+        if integrator == "accurate":
+            return f"body {self.name!r} is flexible"
+        if integrator == "thesis" and jointed:
+            return f"joints hold the flexible body {self.name!r}"
+        return ""
+
+    def start_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Modal values are as many as modes, or none."""
+        keys = ("modal_position", "modal_velocity", "damping_ratio")
+        modal = {key: (self.mode_count,) for key in keys if np.size(getattr(self, key))}
+        return {**super().start_shapes(), **modal}
+
+    def drawn(self) -> Iterable[Element]:
+        """The surface of its mesh, deformed by its modes."""
+        yield ModalShape(
+            name=self.name,
+            role="body",
+            nodes=self.reduced.nodes,
+            shapes=self.reduced.mode_shapes,
+            amplitudes=f"{self.name}.modal_position",
+            start=self.modal_position,
+        )
+
 
 @BODIES.describe("rigid")
 @dataclass(frozen=True, eq=False)
 class RigidBody(Placed):
     """A body that does not deform."""
 
+    KIND_MODULE: ClassVar[str] = "heavylift.solver.bodies.rigid.packing"
+    ORDER: ClassVar[int] = 2
+    NOUN: ClassVar[str] = "rigid body"
+    DEFORMS: ClassVar[bool] = False
+    CONTOURS: ClassVar = "rigid"
     CHANNELS: ClassVar[tuple[ChannelKind, ...]] = FrameOutputs.CHANNELS
     """What it records, in the order of its columns."""
 
@@ -274,6 +528,12 @@ class RigidBody(Placed):
     """About the centre of mass, body axes [kg m^2]: three principal values or a symmetric 3 x 3 matrix."""
     centre_of_mass: Annotated[NDArray[np.float64], BodyPoint()] = field(default_factory=lambda: _zeros(3))
     """In the coordinates of the geometry [m]."""
+
+    def drawn(self) -> Iterable[Element]:
+        """Its centre of mass; a box of the same mass and inertia, if it has no surface."""
+        box = inertia_box(self.mass, self.inertia, self.centre_of_mass)
+        yield Solid(name=self.name, role="box", body=self.name, points=box.points, triangles=box.triangles)
+        yield Mark(name=self.name, role="centre", at=At(self.name, self.centre_of_mass))
 
     @staticmethod
     def check(spec: Any) -> None:
@@ -295,3 +555,32 @@ class RigidBody(Placed):
         if principal[2] - principal[1] - principal[0] > 2e-9 * principal.sum():
             problem = f"in inertia {J.tolist()} one principal value exceeds the sum of the others"
             raise InputError(problem, key="inertia", expected=expected)
+
+    @property
+    def holder(self) -> Holder:
+        """Its mass matrix is diagonal in principal axes."""
+        return "diagonal" if isinstance(self.motion, Free) else "prescribed"
+
+    @property
+    def inverse_masses(self) -> NDArray[np.float64] | None:
+        """In principal axes."""
+        if not isinstance(self.motion, Free):
+            return None
+        return np.concatenate([np.full(3, 1.0 / self.mass), 1.0 / np.linalg.eigvalsh(self.inertia)])
+
+    def inverse_scales(self) -> tuple[float, float]:
+        """Nothing of a prescribed motion."""
+        if not isinstance(self.motion, Free):
+            return 0.0, 0.0
+        return 1.0 / self.mass, 1.0 / float(np.linalg.eigvalsh(self.inertia)[2])
+
+    @property
+    def mass_properties(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+        """As given."""
+        return self.mass, np.asarray(self.centre_of_mass), np.asarray(self.inertia)
+
+    def contour_frame(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Centre of mass and principal axes."""
+        packing = importlib.import_module(RigidBody.KIND_MODULE)
+        found: tuple[NDArray[np.float64], NDArray[np.float64]] = packing.principal_frame(self)
+        return found

@@ -111,7 +111,7 @@ class Channel:
 
 
 class ChannelBook:
-    """Channels of a record in the order of their columns, and where those of each thing are.
+    """Channels of a record in the order of their columns, and where those of each component are.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a user says of collision: surfaces of triangles on bodies, and which pairs of them may touch; SI units.
+"""Descriptions of collision: surfaces of triangles on bodies, and which pairs of them may touch; SI units.
 
 A *surface* is any set of triangles, open or closed, wound either way. A *collision* lets two surfaces touch anywhere:
 its contacts come and go with the motion, by the same laws as those of contours.
@@ -13,11 +13,16 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 from annotated_types import Interval
 
 from heavylift.numerics.quantity import Absent, Positive, Quantity
+from heavylift.solver.scene.bodies import GROUND
 from heavylift.solver.scene.contacts import COLLISION_LAWS, ContactLaw, RigidLaw
 from heavylift.solver.scene.descriptions import XYZ
+from heavylift.solver.scene.drawn import Drawn, Element, Solid
+from heavylift.solver.scene.outlines import surface_triangles
 from heavylift.solver.scene.outputs import Components, Outputs, channel, largest, outputs, smallest
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 __all__ = [
@@ -54,6 +59,13 @@ class CollisionSurface:
     body: str
     surface: TriangleSurface | None
     facets: int = 2
+
+    def drawn(self) -> Iterable[Element]:
+        """Its triangles; the surface of a frame or shell is drawn by that."""
+        if self.surface is not None:
+            points, triangles, _ = surface_triangles(self.surface)
+            role: Drawn = "ground" if self.body == GROUND else "body"
+            yield Solid(name=self.name, role=role, body=self.body, points=points, triangles=triangles)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,4 +1,4 @@
-"""What a user says of the things between bodies: joints, ropes, springs, drives and motors, in SI units.
+"""Descriptions of components between bodies: joints, ropes, springs, drives and motors, in SI units.
 
 Every joint has a *joint frame* on either side: a point and three axes, in the frame of the body (in
 world axes on the ground). The joint is closed when the two frames fit, each type in its own way.
@@ -32,6 +32,7 @@ from heavylift.solver.scene.descriptions import (
     no_rows,
     upwards,
 )
+from heavylift.solver.scene.drawn import At, Axes, Element, Mark, RopeLine, Stop, Strut, Text
 from heavylift.solver.scene.outputs import (
     Components,
     Outputs,
@@ -45,7 +46,7 @@ from heavylift.solver.scene.outputs import (
 from heavylift.solver.scene.speed_profiles import check_speeds, planned_moves, speed_pieces
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = [
     "FORCES",
@@ -56,10 +57,12 @@ __all__ = [
     "ROW_JOINTS",
     "ROW_WORDS",
     "AlongJoint",
+    "AlongPath",
     "AngleOutputs",
     "Between",
     "ControlOutputs",
     "EdgeJoint",
+    "ForceElement",
     "Joint",
     "JointFrame",
     "Limits",
@@ -72,6 +75,7 @@ __all__ = [
     "RopePoint",
     "Rows",
     "SheaveParts",
+    "Stage",
     "ThrustOutputs",
     "TorqueOutputs",
     "TravelOutputs",
@@ -80,12 +84,13 @@ __all__ = [
     "axes_about",
     "check_path",
     "controlled",
+    "rope_components",
     "rubbing_places",
 ]
 
 
 class Place(Enum):
-    """What a case file says of where a joint is."""
+    """What a case file gives for where a joint is."""
 
     POINT = "point"
     """A point for both sides, or one each."""
@@ -275,7 +280,7 @@ class Limits:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Joint:
-    """What all joints have. Each sort is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
+    """What all joints have. Each type is a subclass in a file of `heavylift.solver.joints`, see `JOINTS`.
 
     Attributes
     ----------
@@ -294,7 +299,7 @@ class Joint:
     WORD: ClassVar[str]
     """Its type in a case file."""
     PLACE: ClassVar[Place] = Place.POINT
-    """What a case file says of where it is."""
+    """What a case file gives for where it is."""
     ROWS: ClassVar[Rows] = ()
     """Its rows in order, if it is a list of them and needs no kernels of its own: ``("point",)``, ``p_b - p_a = 0``,
     three rows, which come first; ``("parallel", d)``, the axes d of both sides are, two rows; ``("travel", d)``,
@@ -350,6 +355,14 @@ class Joint:
         """Direction of its travel in the joint frame of a, any length, shape (3,)."""
         return np.array([0.0, 0.0, 1.0])
 
+    def drawn(self) -> Iterable[Element]:
+        """A dot at its first side, a line to the other one, and its axes."""
+        a, b = At(self.body_a, self.frame_a.point), At(self.body_b, self.frame_b.point)
+        yield Strut(name=self.name, role="joint", ends=(a, b))
+        yield Mark(name=self.name, role="joint", at=a)
+        yield Axes(name=self.name, role="axes", at=a, axes=self.frame_a.axes)
+        yield Text(name=self.name, role="joint", at=a, text=f"{self.name} ({self.WORD})")
+
 
 def _no_nodes() -> NDArray[np.int64]:
     return np.zeros(0, dtype=np.int64)
@@ -378,11 +391,56 @@ class EdgeJoint(Joint):
 
 
 JOINTS: Family[Joint] = Family("joint", "heavylift.solver.joints")
-"""All sorts of joints, by their types in a case file."""
+"""All joints, by their types in a case file."""
+
+
+class Stage(Enum):
+    """When a force element is packed: forces on a body are added up in this order."""
+
+    LOADS = "loads"
+    """First of all: given forces, gravity."""
+    FORCES = "forces"
+    """After the loads of wind and current: what acts on points alone, or only watches."""
+    ROWS = "rows"
+    """After joints: what has rows, or acts along a joint."""
+
+
+class ForceElement:
+    """Base of what acts on bodies or between them, or only watches them: all there is beside bodies and joints.
+
+    Its module has a function ``pack(things, context)``, which makes the kind of all of them in a scene; see
+    `heavylift.solver.force_elements.packing.PackingContext`.
+    """
+
+    STAGE: ClassVar[Stage] = Stage.ROWS
+    """When it is packed."""
+
+    def packed_by(self, integrator: str) -> str:
+        """Name of the module with the `pack` of its kind, with an integrator."""
+        del integrator
+        return type(self).__module__
+
+    def obstacle(self, integrator: str) -> str:
+        """What about it an integrator cannot serve, as words that follow its name; empty if there is nothing."""
+        del integrator
+        return ""
+
+    @property
+    def watched_ropes(self) -> tuple[str, ...]:
+        """Names of the ropes of which it wants to know what they pull with."""
+        return ()
+
+    @property
+    def directed(self) -> bool:
+        """Whether it takes directions of bodies: of one with modes it is told that these are those of its frame.
+
+        One with rows is refused where modes turn such a direction.
+        """
+        return False
 
 
 @dataclass(frozen=True, eq=False)
-class OnBody:
+class OnBody(ForceElement):
     """What all have that is on one body.
 
     Attributes
@@ -399,9 +457,13 @@ class OnBody:
     point: Annotated[NDArray[np.float64], BodyPoint()]
     """Point in the coordinates of the geometry of the body [m]."""
 
+    def drawn(self) -> Iterable[Element]:
+        """Nothing."""
+        return ()
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Between:
+class Between(ForceElement):
     """What all have that is between two points.
 
     Attributes
@@ -434,6 +496,17 @@ class Between:
                 f"both sides are {between[0]!r}", expected="two different bodies, or a body and 'ground'"
             )
 
+    @property
+    def sides(self) -> tuple[At, At]:
+        """Its two points."""
+        return At(self.body_a, self.point_a), At(self.body_b, self.point_b)
+
+    def drawn(self) -> Iterable[Element]:
+        """A line between its points; of a measure, which pulls at nothing, its name alone."""
+        if getattr(self, "FAMILY", None) is not MEASURES:
+            yield Strut(name=self.name, role="spring", ends=self.sides)
+        yield Text(name=self.name, role="spring", at=self.sides[0], text=self.name)
+
 
 def as_joint(spring: Between) -> Joint:
     """What is between two points as a joint that frees everything: its two sides and points."""
@@ -447,7 +520,7 @@ def as_joint(spring: Between) -> Joint:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class AlongJoint:
+class AlongJoint(ForceElement):
     """What all loads have on the angle of a hinge [rad] or the travel of a slider [m].
 
     Attributes
@@ -460,30 +533,39 @@ class AlongJoint:
         "angle": TorqueOutputs.CHANNELS[0],
         "travel": ThrustOutputs.CHANNELS[0],
     }
-    """What it records, by the coordinate of its joint."""
+    """What it records, by the coordinate of its joint; one with `CHANNELS` records these."""
 
     name: str
     joint: Annotated[str, NameOf("joint")]
     """A hinge, whose angle [rad] counts, or a slider, whose travel [m] counts."""
 
+    def drawn(self) -> Iterable[Element]:
+        """Nothing beside its joint."""
+        return ()
 
-class PackedForce:
-    """Base of forces whose module has a function `pack`, beside one of the places above.
 
-    ``pack(forces, columns, book)`` makes the kind from its members, the first record column of each and the book of
-    markers; the kind implements `add_forces` and `record_forces`.
+class PackedForce(ForceElement):
+    """Base of forces on points without rows, and of what only watches, beside one of the places above.
+
+    Its kind implements `add_forces` and `record_forces`.
     """
 
+    STAGE: ClassVar[Stage] = Stage.FORCES
     CHANNELS: ClassVar[tuple[ChannelKind, ...]]
     """What it records, in the order of its columns."""
 
     name: str
 
+    @property
+    def directed(self) -> bool:
+        """It may take any direction."""
+        return True
+
 
 FORCES: Family[Any] = Family(
     "force", "heavylift.solver.forces", "heavylift.solver.force_elements", default="point"
 )
-"""All sorts of forces on bodies, between two points and along joints, by their types in a case file; those that are
+"""All forces on bodies, between two points and along joints, by their types in a case file; those that are
 rows with a law stand among the laws."""
 
 
@@ -492,7 +574,7 @@ MEASURES: Family[Any] = Family("table", "heavylift.solver.sensors", typed=False)
 
 
 ROPES: Family[Any] = Family("rope", "heavylift.solver.force_elements", default="wire")
-"""All sorts of ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
+"""All ropes, by their types in a case file; each has a `path`, and a stiffness of its own or of its length."""
 
 
 @ROPES.part
@@ -538,6 +620,34 @@ class RopePoint:
                 key="friction",
                 expected="one of them: it follows from friction",
             )
+
+
+class AlongPath:
+    """Base of ropes, which run along a path or several legs.
+
+    A rope has `name`, `path`, and `legs` of its own if it is several lines.
+    """
+
+    @property
+    def legs(self: Any) -> Sequence[tuple[RopePoint, ...]]:
+        """Places of each line, from end to end."""
+        return (self.path,)
+
+    def drawn(self: Any) -> Iterable[Element]:
+        """A rope along each leg about its pulleys."""
+        several = len(self.legs) > 1
+        for number, leg in enumerate(self.legs):
+            stops = tuple(Stop(At(stop.body, stop.point), stop.radius, stop.axis) for stop in leg)
+            yield RopeLine(
+                name=self.name,
+                role="rope",
+                stops=stops,
+                tension=f"{self.name}.{'segment_tension' if several else 'tension'}",
+                component=number if several else None,
+            )
+        for k, stop in enumerate(self.legs[0]):
+            text = self.name if k == 0 else f"{self.name}, {k + 1}"
+            yield Text(name=self.name, role="rope", at=At(stop.body, stop.point), text=text)
 
 
 @ROPES.part
@@ -700,6 +810,17 @@ def rubbing_places(rope: Any) -> list[int]:
         for number, stop in enumerate(getattr(rope, "path", ()))
         if stop.efficiency < 1.0 or stop.friction > 0.0
     ]
+
+
+def rope_components(rope: Any) -> dict[str, tuple[str, ...]]:
+    """Components of the channels of a rope: its segments, its places that rub; none of what it does not have."""
+    segments = tuple(str(i + 1) for i in range(len(rope.path) - 1))
+    rubbing = tuple(str(place) for place in rubbing_places(rope))
+    found = {channel.name: rubbing for channel in SheaveParts.CHANNELS}
+    found |= dict.fromkeys(("segment_tension_max", "segment_tension_min"), segments if rubbing else ())
+    if not controlled(rope):
+        found |= {channel.name: () for channel in ControlOutputs.CHANNELS}
+    return {"segment_tension": segments, **found}
 
 
 def check_path(path: Sequence[Any]) -> None:

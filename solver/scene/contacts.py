@@ -1,4 +1,4 @@
-"""What a user says of contact: contours of bodies, what touches them, and by what law; SI units.
+"""Descriptions of contact: contours of bodies, what touches them, and by what law; SI units.
 
 A *contour* is a spline surface or curve that moves with its body: a fit through nodes of a flexible body, the shape of
 a frame or shell itself, or given points of a rigid body or the ground. A *contact* lets one point, ball, ring or convex
@@ -16,9 +16,13 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyDirection, ByExponent, Positive, Quantity, Shape
 from heavylift.solver.scene.descriptions import XYZ, Family
+from heavylift.solver.scene.drawn import At, Element, Mark, Segments, Solid, Spline, Text
+from heavylift.solver.scene.outlines import Outline, ball, bar, box, capsule, ring
 from heavylift.solver.scene.outputs import Components, Outputs, channel, largest, outputs, smallest
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from heavylift.contours.splines.neutral import NeutralContour
 
 __all__ = [
@@ -78,6 +82,11 @@ class Contour:
     width: float = 0.0
     sequencer: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
+    def drawn(self) -> Iterable[Element]:
+        """Its spline; the shape of a frame or shell is drawn by that."""
+        if self.neutral is not None:
+            yield Spline(name=self.name, role="contour", contour=self)
+
 
 CONTACT_SHAPES: Family[Any] = Family("shape", "heavylift.solver.contact.search", alphabetical=False)
 """What touches, about a point of its body."""
@@ -121,6 +130,11 @@ def _check_rounding(rounding: float, size: float, what: str) -> None:
 class PointShape:
     """The point itself."""
 
+    @property
+    def outline(self) -> Outline:
+        """About its point, in the axes of the body."""
+        return Outline(np.zeros((1, 3)))
+
 
 @CONTACT_SHAPES.describe("sphere")
 @dataclass(frozen=True)
@@ -129,6 +143,11 @@ class SphereShape:
 
     radius: Annotated[float, Positive("length")]
     """[m]."""
+
+    @property
+    def outline(self) -> Outline:
+        """About its point, in the axes of the body."""
+        return ball(np.full(3, self.radius))
 
 
 @CONTACT_SHAPES.describe("circle")
@@ -140,6 +159,11 @@ class CircleShape:
     """[m]."""
     axis: Annotated[NDArray[np.float64], BodyDirection()]
     """Normal of its plane, in the coordinates of the body."""
+
+    @property
+    def outline(self) -> Outline:
+        """About its point, in the axes of the body."""
+        return ring(self.radius, self.axis)
 
 
 @CONTACT_SHAPES.describe("ellipsoid")
@@ -156,6 +180,11 @@ class EllipsoidShape:
     def axes(self) -> NDArray[np.float64]:
         """Columns in those of the body, shape (3, 3)."""
         return _axes(self.turned)
+
+    @property
+    def outline(self) -> Outline:
+        """About its point, in the axes of the body."""
+        return ball(self.half_axes, self.axes)
 
 
 @CONTACT_SHAPES.describe("box")
@@ -187,6 +216,11 @@ class BoxShape:
         """Columns in those of the body, shape (3, 3)."""
         return _axes(self.turned)
 
+    @property
+    def outline(self) -> Outline:
+        """About its point, in the axes of the body, with sharp edges."""
+        return box(self.size, self.axes)
+
 
 @CONTACT_SHAPES.describe("capsule")
 @dataclass(frozen=True, eq=False)
@@ -199,6 +233,11 @@ class CapsuleShape:
     """Of its straight part: from centre to centre of its ends [m]."""
     axis: Annotated[NDArray[np.float64], BodyDirection()]
     """In the coordinates of the body."""
+
+    @property
+    def outline(self) -> Outline:
+        """About its point, in the axes of the body."""
+        return capsule(self.radius, self.length, self.axis)
 
 
 @CONTACT_SHAPES.describe("cylinder")
@@ -225,6 +264,11 @@ class CylinderShape:
     def core(self) -> tuple[float, float]:
         """Radius and half length of what is rounded [m]."""
         return self.radius - self.rounding, 0.5 * self.length - self.rounding
+
+    @property
+    def outline(self) -> Outline:
+        """About its point, in the axes of the body, with sharp rims."""
+        return bar(self.radius, self.length, self.axis)
 
 
 ContactShape = (
@@ -365,6 +409,20 @@ class ContactPlace:
     point: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     shape: ContactShape = field(default_factory=PointShape)
     law: ContactLaw = field(default_factory=RigidLaw)
+
+    def drawn(self) -> Iterable[Element]:
+        """Its shape, a dot if that is a point."""
+        at, outline = At(self.body, self.point), self.shape.outline
+        if len(outline.triangles):
+            yield Solid(
+                name=self.name, role="touch", body=self.body, at=self.point, points=outline.points,
+                triangles=outline.triangles,
+            )  # fmt: skip
+        elif len(outline.ends):
+            yield Segments(name=self.name, role="touch", at=at, points=outline.points, ends=outline.ends)
+        else:
+            yield Mark(name=self.name, role="touch", at=at)
+        yield Text(name=self.name, role="touch", at=at, text=f"{self.name} (contact)")
 
 
 @outputs

@@ -1,14 +1,14 @@
-"""Descriptions: all there is to say of a kind of things, said once.
+"""Descriptions: the single definition of each component type.
 
-A *description* is a frozen dataclass, in the file of its kind, of what a user says of one thing: each field is
+A *description* is a frozen dataclass, in the file of its kind, of the values of one component: each field is
 annotated with its quantity, and a sentence stands below it. Its class says under which word a case file knows it, what
 it records, and in ``check`` what its keys must say together. The section of the case file, the JSON schema, the tables
 of keys, the sentences of channels, the object itself and its row of the report are made from it; nothing of it stands
 anywhere else. A *part* is the description of a table within that of another one. An object that was not made from a
 case file is checked by the same words, see `check_object`.
 
-A `Family` finds the descriptions of one sort: each module of a package may bring some. A file that nobody names is not
-looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
+A `Family` finds descriptions that belong together: each module of a package may bring some. A file that nobody names is
+not looked at: a case with hinges knows nothing of screws. And of a file that is named only the description is executed,
 with what it refers to: who reads a case does not import a compiler. When the kernels are wanted, the module is imported
 as any other, and finds its description there already.
 """
@@ -18,6 +18,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import math
 import sys
 import types
 from dataclasses import MISSING, Field, dataclass, fields
@@ -49,6 +50,7 @@ from heavylift.numerics.quantity import (
     ByCoordinate,
     ByExponent,
     NameOf,
+    PointsFile,
     Quantity,
     Shape,
     Square,
@@ -72,8 +74,10 @@ __all__ = [
     "check_table",
     "described_fields",
     "forward",
+    "import_all",
     "interval_extremes",
     "is_described",
+    "is_parallel",
     "known_channels",
     "no_rows",
     "owner_coordinate",
@@ -82,6 +86,8 @@ __all__ = [
     "zero_point",
 ]
 
+PARALLEL = 1e-9
+"""Sine of the angle below which two directions are parallel."""
 LONGEST_WORD = 100
 """Characters of a word that may be the name of a file."""
 
@@ -106,7 +112,7 @@ def interval_extremes(
 
 @dataclass(frozen=True)
 class ChannelKind:
-    """A channel that things of a kind record.
+    """A channel that components of a type record.
 
     Attributes
     ----------
@@ -159,7 +165,15 @@ _CHANNELS: dict[str, list[ChannelKind]] = {}
 
 
 Meaning = (
-    Quantity | ByCoordinate | ByExponent | WorldDirection | BodyDirection | BodyPoint | NameOf | TableFile
+    Quantity
+    | ByCoordinate
+    | ByExponent
+    | WorldDirection
+    | BodyDirection
+    | BodyPoint
+    | NameOf
+    | TableFile
+    | PointsFile
 )
 """Annotations that say what a value is."""
 
@@ -191,7 +205,7 @@ class DescribedField(NamedTuple):
 
 
 class Family(Generic[T]):
-    """Descriptions of one sort, by the words of case files.
+    """Descriptions of one family, by the words of case files.
 
     Parameters
     ----------
@@ -200,15 +214,15 @@ class Family(Generic[T]):
     package
         Modules of this package may describe members; the one with the name of a word is looked at first.
     others
-        Packages after it whose modules may describe members too.
+        Packages after it whose modules may describe members too; ``"name.*"`` is all packages within one.
     default
         Word of a table that says none.
     typed
-        Whether a table says its word, as its ``type``; if not, it is the name of the list in which it stands.
+        Whether a table gives its word, as its ``type``; if not, it is the name of the list in which it stands.
     key
-        In which a table says its word, if not as its ``type``.
+        In which a table gives its word, if not as its ``type``.
     alphabetical
-        Whether its words are told in that order; if not, as they are described.
+        Whether its words are listed in that order, behind those that have an ``ORDER``; if not, as they are described.
     """
 
     def __init__(
@@ -286,16 +300,25 @@ class Family(Generic[T]):
     def words(self) -> tuple[str, ...]:
         """All words in their order."""
         self._read_all()
-        return tuple(sorted(self._members) if self._alphabetical else self._members)
+        if not self._alphabetical:
+            return tuple(self._members)
+        return tuple(
+            sorted(self._members, key=lambda word: (getattr(self._members[word], "ORDER", math.inf), word))
+        )
 
     @property
     def _folders(self) -> list[tuple[str, Path]]:
         """Packages and their folders: another one may be added to the path of a package."""
-        return [
-            (package, Path(folder))
-            for package in self._packages
-            for folder in importlib.import_module(package).__path__
-        ]
+        found = []
+        for named in self._packages:
+            package = named.removesuffix(".*")
+            folders = [Path(folder) for folder in importlib.import_module(package).__path__]
+            if named == package:
+                found += [(package, folder) for folder in folders]
+            else:
+                within = (file.parent for folder in folders for file in sorted(folder.glob("*/__init__.py")))
+                found += [(f"{package}.{folder.name}", folder) for folder in within]
+        return found
 
     def _read_all(self) -> None:
         if not self._complete:
@@ -367,6 +390,24 @@ def _bound(node: ast.stmt) -> list[str]:
     return found
 
 
+def import_all(package: types.ModuleType) -> list[types.ModuleType]:
+    """Import the modules of a package, also those in a folder that was added to its path.
+
+    Raises
+    ------
+    TypeError
+        With both places, if two files have one name.
+    """
+    found = []
+    for folder in package.__path__:
+        for file in sorted(Path(folder).glob("[!_]*.py")):
+            module = importlib.import_module(f"{package.__name__}.{file.stem}")
+            if Path(str(module.__file__)) != file:
+                raise TypeError(f"{file}: another file of this name is {module.__file__}")
+            found.append(module)
+    return found
+
+
 def described_fields(described: Any) -> tuple[DescribedField, ...]:
     """Keys that a description brings beside those of its base, in their order."""
     found: tuple[DescribedField, ...] = described.FIELDS
@@ -374,7 +415,7 @@ def described_fields(described: Any) -> tuple[DescribedField, ...]:
 
 
 def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind, ...]:
-    """What things of a description record.
+    """Channels of components of a description.
 
     Parameters
     ----------
@@ -384,7 +425,7 @@ def recorded_channels(described: Any, coordinate: str = "") -> tuple[ChannelKind
         Coordinate of the joint along which one acts, ``"angle"`` or ``"travel"``; all that may be if empty.
     """
     by_coordinate = getattr(described, "CHANNEL_BY_COORDINATE", None)
-    if by_coordinate is None:
+    if by_coordinate is None or hasattr(described, "CHANNELS"):
         found: tuple[ChannelKind, ...] = getattr(described, "CHANNELS", ())
         return found
     return (by_coordinate[coordinate],) if coordinate else tuple(by_coordinate.values())
@@ -398,7 +439,8 @@ def is_described(hint: Any) -> bool:
 def _find_fields(described: type) -> tuple[DescribedField, ...]:
     """Keys of a description; a field without quantity is a `TypeError`.
 
-    Fields of its bases without annotation are no keys: they say where a thing is, which a case file tells otherwise.
+    Fields of its bases without annotation are no keys: they give where a component is, in another form than a case
+    file.
     """
     hints: dict[str, Any] = {}
     for base in reversed(described.__mro__):
@@ -433,6 +475,8 @@ def _leaves(hint: Any) -> list[Any]:
 
 def _speaks_for_itself(hint: Any) -> bool:
     """Whether a value is a flag, a word of choice, a number that counts, or a table described elsewhere."""
+    if get_origin(hint) is Annotated:
+        return any(isinstance(mark, Meaning) for mark in get_args(hint)[1:])
     return hint in {bool, int} or get_origin(hint) is Literal or is_described(hint)
 
 
@@ -464,6 +508,12 @@ def forward() -> NDArray[np.float64]:
 def upwards() -> NDArray[np.float64]:
     """Default of a direction: along z."""
     return np.array([0.0, 0.0, 1.0])
+
+
+def is_parallel(a: Sequence[float], b: Sequence[float]) -> bool:
+    """Whether two directions, neither zero, are parallel."""
+    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.hypot(*across) <= PARALLEL * math.hypot(*a) * math.hypot(*b)
 
 
 def named(spec: Any, *keys: str) -> bool:
@@ -503,7 +553,7 @@ def owner_coordinate(field: DescribedField) -> str:
 def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     """What a case file is checked for, of an object made otherwise: ranges of numbers, and what its keys say together.
 
-    The ``check`` of a description sees its keys as a case file says them: lists, and None for what it leaves out.
+    The ``check`` of a description sees its keys as in the case file: lists, and None for what it leaves out.
 
     Parameters
     ----------
@@ -512,12 +562,12 @@ def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
     coordinate
         Coordinate of the joint along which it acts, ``"angle"`` or ``"travel"``.
     source
-        Name of the thing, if it has none of its own.
+        Name of the component, if it has none of its own.
 
     Raises
     ------
     InputError
-        With the name of the thing and the key.
+        With the name of the component and the key.
     """
     if not is_described(type(thing)):
         return
@@ -529,7 +579,7 @@ def check_object(thing: Any, coordinate: str = "", source: str = "") -> None:
 
 
 def _spec(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
-    """Keys of a thing as a case file says them; checked."""
+    """Keys of a component as in a case file; checked."""
     spec = types.SimpleNamespace()
     for field in described_fields(type(thing)):
         place = f"{key}{field.name}"
@@ -547,7 +597,7 @@ def _spec(thing: Any, key: str, coordinate: str) -> types.SimpleNamespace:
 
 
 def _as_said(field: DescribedField, value: Any, key: str, coordinate: str) -> Any:
-    """Value of a key as a case file says it."""
+    """Value of a key as in the case file."""
     coordinate = owner_coordinate(field) or coordinate
     if is_described(type(value)):
         return _spec(value, f"{key}.", coordinate)

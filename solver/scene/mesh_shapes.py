@@ -2,17 +2,39 @@
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.solver.scene.descriptions import Family
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["FrameMesh", "ShellMesh", "arc", "grid", "line", "quadrilateral", "rectangle", "spline"]
+__all__ = [
+    "FRAME_SHAPES",
+    "SHELL_SHAPES",
+    "FrameMesh",
+    "FrameShape",
+    "ShellMesh",
+    "ShellShape",
+    "arc",
+    "check_source",
+    "grid",
+    "line",
+    "quadrilateral",
+    "rectangle",
+    "spline",
+]
+
+FRAME_SHAPES: Family[Any] = Family("geometry", "heavylift.solver.scene.frame_shapes")
+"""Geometries of frames, by their types in a case file."""
+SHELL_SHAPES: Family[Any] = Family("geometry", "heavylift.solver.scene.shell_shapes")
+"""Those of shells."""
 
 
 class FrameMesh(NamedTuple):
@@ -58,6 +80,60 @@ class ShellMesh(NamedTuple):
     lengths: NDArray[np.float64]
     edges: dict[str, NDArray[np.int64]]
     corners: NDArray[np.int64]
+
+
+class FrameShape(ABC):
+    """Base of the description of a line that is cut into elements."""
+
+    ORDER: ClassVar[float] = math.inf
+    """Place in lists; those without one follow by the alphabet."""
+    CURVED: ClassVar = False
+    """Whether its elements are curved."""
+
+    @staticmethod
+    def count(spec: Any) -> int:
+        """Elements, as far as they are known without a file."""
+        return int(spec.elements or 1)
+
+    @abstractmethod
+    def mesh(self) -> FrameMesh:
+        """Its mesh."""
+
+
+class ShellShape(ABC):
+    """Base of the description of an outline that is cut into elements, with a key ``elements``."""
+
+    ORDER: ClassVar[float] = math.inf
+    """Place in lists; those without one follow by the alphabet."""
+
+    @staticmethod
+    def counts(spec: Any) -> tuple[int, int]:
+        """Elements along x and y: one number is both."""
+        given = spec.elements
+        return (given, given) if isinstance(given, int) else (given[0], given[1])
+
+    @classmethod
+    def count(cls, spec: Any) -> float:
+        """Elements, a number that may be too large for memory."""
+        nx, ny = cls.counts(spec)
+        return float(nx) * float(ny)
+
+    @abstractmethod
+    def mesh(self) -> ShellMesh:
+        """Its mesh."""
+
+
+def check_source(spec: Any) -> None:
+    """Refuse a geometry that has points and a file, or neither.
+
+    Raises
+    ------
+    InputError
+        If it is so.
+    """
+    if (len(spec.points) > 0) == (spec.file is not None):
+        problem = "both 'points' and 'file'" if len(spec.points) else "neither 'points' nor 'file'"
+        raise InputError(problem, expected="one of them")
 
 
 def _points(name: str, values: ArrayLike, shape: tuple[int, ...] | None = None) -> NDArray[np.float64]:
@@ -223,7 +299,7 @@ def arc(
     n
         Elements.
     axes
-        Two directions of any length that span the plane; the second is made square to the first, shape (2, 3).
+        Two directions of any length that span the plane; the second is made perpendicular to the first, shape (2, 3).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a user says of slender and thin bodies that deform at will: frames and shells of ANCF elements.
+"""Descriptions of slender and thin bodies that deform at will: frames and shells of ANCF elements.
 
 Coordinates of a node are its position and slopes of the reference shape, all in one frame that stands still:
 that of the body as it was placed. Strains are those of Green-Lagrange, so displacements and rotations
@@ -7,13 +7,16 @@ are unlimited: "Integrated simulation ... (2018)", sections 2.2 and 2.3.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import importlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from heavylift.solver.scene.bodies import Free
+from heavylift.solver.scene.bodies import Body, Free
+from heavylift.solver.scene.drawn import Element, Skin
+from heavylift.solver.scene.mesh_rates import highest_frame_frequency, highest_shell_frequency
 from heavylift.solver.scene.outputs import Outputs, Part, Parts, channel, outputs
 
 if TYPE_CHECKING:
@@ -223,7 +226,7 @@ class FollowerLoad:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeshBody:
+class MeshBody(Body):
     """What frames and shells have in common.
 
     Attributes
@@ -251,6 +254,12 @@ class MeshBody:
         Distance of carried strains from those of the shape at which ``"auto"`` changes over [1].
     """
 
+    VECTORS: ClassVar[tuple[str, ...]]
+    """Names of the vectors of a node."""
+    KIND_MODULE: ClassVar = "heavylift.solver.bodies.ancf.packing"
+    CONTOURS: ClassVar = "nodes"
+    SEEN_AT_POINTS: ClassVar = True
+    ITERATES: ClassVar = True
     CHANNELS: ClassVar[tuple[ChannelKind, ...]]
     """What it records, in the order of its columns: vectors of all nodes, then results of all elements."""
 
@@ -271,6 +280,56 @@ class MeshBody:
     def motion(self) -> Free:
         """Always free: supports, not motions, hold it."""
         return Free()
+
+    def velocity_count(self, points: int) -> int:
+        """Three for each of its bases and moving points."""
+        return 3 * points
+
+    def inverse_scales(self) -> tuple[float, float]:
+        """Of the given shape."""
+        mass, inertia = self.kind_module.mass_and_inertia(self)
+        return 1.0 / mass, 1.0 / inertia
+
+    @property
+    def components(self) -> dict[str, tuple[str, ...]]:
+        """By node and axis, or by element."""
+        found: dict[str, tuple[str, ...]] = self.kind_module.mesh_columns(self)
+        return found
+
+    @property
+    def times(self) -> list[float]:
+        """Rows of the tables of its loads."""
+        return [time for load in self.loads for time in np.ravel(load.times)]
+
+    @property
+    def slopes_of_nodes(self) -> NDArray[np.float64]:
+        """Vectors of its nodes but their positions, in its axes, shape (n, vectors - 1, 3)."""
+        raise NotImplementedError
+
+    @property
+    def lengths_of_elements(self) -> NDArray[np.float64]:
+        """Of each, along it or along its sides [m], shape (e, 1 or 2)."""
+        raise NotImplementedError
+
+    @property
+    def highest_frequency(self) -> float:
+        """Bound of its circular frequencies [1/s], as it is placed and not stressed."""
+        raise NotImplementedError
+
+    @property
+    def highest_rate(self) -> float:
+        """Bound of the highest rate [1/s]: circular frequency, or rate of what damping takes away fastest."""
+        frequency = self.highest_frequency
+        return max(frequency, self.viscous_damping + self.stiffness_damping * frequency**2)
+
+    def start_shapes(self) -> dict[str, tuple[int, ...]]:
+        """The mesh is one of its type."""
+        self.kind_module.check_mesh(self)
+        return super().start_shapes()
+
+    def drawn(self) -> Iterable[Element]:
+        """Its skin with the stresses of its elements."""
+        yield Skin(name=self.name, role="body", body=self)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -294,6 +353,11 @@ class FrameBody(MeshBody):
         Strain of each element in the given shape, which pre-stresses it, shape (e,); none if empty.
     """
 
+    ORDER: ClassVar = 4
+    NOUN: ClassVar = "frame"
+    VECTORS: ClassVar = FRAME_VECTORS
+    SHAPE: ClassVar = "curve"
+    HAS_AXES: ClassVar = False
     CHANNELS: ClassVar = (*FrameMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
     tangents: NDArray[np.float64]
@@ -302,6 +366,22 @@ class FrameBody(MeshBody):
     element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     model: FrameModel = "green-lagrange"
     axial_strains: NDArray[np.float64] = field(default_factory=lambda: _zeros(0))
+
+    @property
+    def slopes_of_nodes(self) -> NDArray[np.float64]:
+        """Tangents."""
+        return self.tangents[:, np.newaxis, :]
+
+    @property
+    def lengths_of_elements(self) -> NDArray[np.float64]:
+        """Along their curves."""
+        stress = importlib.import_module("heavylift.solver.bodies.ancf.stress")
+        return np.asarray(stress.frame_lengths(self.nodes, self.tangents, self.elements))[:, np.newaxis]
+
+    @property
+    def highest_frequency(self) -> float:
+        """Of its stiffest element."""
+        return highest_frame_frequency(self.nodes, self.elements, self.sections, self.element_sections)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -312,7 +392,7 @@ class ShellBody(MeshBody):
     ----------
     slopes
         ``r_x``, ``r_y`` and ``r_xy`` at the nodes, shape (n, 3, 3): derivatives of the position by lengths along
-        the two directions of the mesh. They need not be unit vectors or square to each other.
+        the two directions of the mesh. They need not be unit vectors or perpendicular to each other.
     elements
         Nodes of each: origin, along x, opposite, along y; shape (e, 4).
     lengths
@@ -324,6 +404,10 @@ class ShellBody(MeshBody):
         For membrane strains, along each direction, 3 to 7.
     """
 
+    ORDER: ClassVar = 5
+    NOUN: ClassVar = "shell"
+    VECTORS: ClassVar = SHELL_VECTORS
+    SHAPE: ClassVar = "surface"
     CHANNELS: ClassVar = (*ShellMeshOutputs.CHANNELS, *DriftOutputs.CHANNELS)
 
     slopes: NDArray[np.float64]
@@ -332,3 +416,18 @@ class ShellBody(MeshBody):
     sections: tuple[ShellSection, ...]
     element_sections: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     gauss_points: int = 5
+
+    @property
+    def slopes_of_nodes(self) -> NDArray[np.float64]:
+        """Along both sides, and twist."""
+        return self.slopes
+
+    @property
+    def lengths_of_elements(self) -> NDArray[np.float64]:
+        """Along their sides."""
+        return self.lengths
+
+    @property
+    def highest_frequency(self) -> float:
+        """Of its stiffest element."""
+        return highest_shell_frequency(self.lengths, self.sections, self.element_sections)

@@ -1,8 +1,8 @@
-"""Outputs: what things of a kind record, each channel a field of a class, whose kernels write it by its name.
+"""Outputs: what components of a type record, each channel a field of a class, whose kernels write it by its name.
 
 A class of `Outputs` lists channels in the order of their columns. A field is a `channel` with its quantity and its
 sentence: a number, a vector with named components, or another class of outputs (`nested`). In a kernel such a class is
-a record that lies in the columns of a thing, see `heavylift.solver.recording`: ``out.tension = tension`` and
+a record in the columns of a component, see `heavylift.solver.recording`: ``out.tension = tension`` and
 ``out.force[k] = ...`` write a record, and no column has a number. Channels of which the scene decides how many
 components they have, none of them perhaps, are `Parts`: ``part(row, chain.parts.sheave_speed)[k] = speed``.
 
@@ -265,7 +265,7 @@ def _extremes(seen: Any, which: int) -> type[Outputs]:
 
 
 class Columns(int):
-    """Where the outputs of a thing are in a record: its first column, and by name where each of its channels is."""
+    """Where the outputs of a component are in a record: its first column, and by name where each of its channels is."""
 
     _places: Mapping[str, tuple[int, int]]
 
@@ -284,7 +284,7 @@ class Columns(int):
         return PlacedPart(*self._places.get(name, (-1, 0)))
 
     def at(self, declared: type[Outputs]) -> int:
-        """Column where a class of outputs begins; -1 if the thing records nothing of it.
+        """Column where a class of outputs begins; -1 if the component records nothing of it.
 
         Raises
         ------

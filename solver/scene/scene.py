@@ -1,4 +1,4 @@
-"""What a user says: bodies, forces and sensors of a scene, as frozen dataclasses in SI units."""
+"""Descriptions: bodies, forces and sensors of a scene, as frozen dataclasses in SI units."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from heavylift.solver.scene.bodies import (
+    Body,
     Driven,
     Fixed,
     FlexibleBody,
@@ -18,21 +19,19 @@ from heavylift.solver.scene.bodies import (
     Profile,
     RigidBody,
 )
-from heavylift.solver.scene.connections import OnBody
+from heavylift.solver.scene.connections import ForceElement, OnBody, Stage
 from heavylift.solver.scene.descriptions import Family
+from heavylift.solver.scene.drawn import At, Text
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from heavylift.solver.scene.collisions import Collision, CollisionSurface
-    from heavylift.solver.scene.connections import (
-        AlongJoint,
-        Between,
-        Joint,
-        PackedForce,
-    )
+    from heavylift.solver.scene.connections import Joint
     from heavylift.solver.scene.contacts import Contact, Contour
-    from heavylift.solver.scene.meshes import MeshBody
+    from heavylift.solver.scene.drawn import Element
     from heavylift.solver.scene.scenario import Scenario
     from heavylift.solver.scene.sea import Sea
 
@@ -58,10 +57,17 @@ Start = Literal["check", "project", "equilibrium", "relax"]
 
 
 @dataclass(frozen=True, eq=False)
-class Gravity:
+class Gravity(ForceElement):
     """Uniform gravity: acceleration [m/s2], world axes, shape (3,)."""
 
+    STAGE: ClassVar[Stage] = Stage.LOADS
+
     acceleration: NDArray[np.float64]
+
+    def packed_by(self, integrator: str) -> str:
+        """Its kind is a field."""
+        del integrator
+        return "heavylift.solver.forces.gravity"
 
 
 SENSORS: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
@@ -82,8 +88,13 @@ class Sensor(OnBody):
         "its mesh.",
     }
 
+    def drawn(self) -> Iterable[Element]:
+        """Its name."""
+        yield Text(name=self.name, role="body", at=At(self.body, self.point), text=f"{self.name} (sensor)")
 
-AnyBody: TypeAlias = "FlexibleBody | RigidBody | MeshBody"
+
+AnyBody: TypeAlias = Body
+"""A body of any class."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +102,7 @@ class Scene:
     """Everything that is simulated together."""
 
     bodies: tuple[AnyBody, ...]
-    forces: tuple[Gravity | OnBody | Between | AlongJoint | PackedForce, ...] = ()
+    forces: tuple[ForceElement, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     joints: tuple[Joint, ...] = ()
     ropes: tuple[Any, ...] = ()
@@ -105,6 +116,13 @@ class Scene:
     scenario: Scenario | None = None
     at_rest: bool = False
     """It begins where it comes to rest: how far ropes stretch is not known before."""
+
+    @property
+    def gravity(self) -> NDArray[np.float64]:
+        """Acceleration of gravity [m/s2], world axes, shape (3,)."""
+        fields = [np.asarray(one.acceleration) for one in self.forces if isinstance(one, Gravity)]
+        total: NDArray[np.float64] = np.sum([np.zeros(3), *fields], axis=0)
+        return total
 
     @property
     def touches(self) -> bool:

@@ -1,4 +1,4 @@
-"""What a user says of the sea: water, hulls that float, hydrodynamic databases, waves, wind, lines; SI units."""
+"""Descriptions of the sea: water, hulls that float, hydrodynamic databases, waves, wind, lines; SI units."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, BodyPoint, Least, NameOf, Positive, Quantity, Shape, Square
 from heavylift.solver.scene.bodies import RigidBody
 from heavylift.solver.scene.descriptions import XYZ, Family, check_table, no_rows
+from heavylift.solver.scene.drawn import At, Element, Filling, Solid
+from heavylift.solver.scene.outlines import surface_triangles
 from heavylift.solver.scene.outputs import Components, Outputs, channel, outputs
 
 if TYPE_CHECKING:
@@ -137,6 +139,13 @@ class Restored:
     def name(self) -> str:
         """That of its body."""
         return self.body
+
+    def drawn(self) -> Iterable[Element]:
+        """Its plating, if its body has no other surface."""
+        if self.restoring is None or isinstance(self.restoring, LinearRestoring):
+            return
+        points, triangles, _ = surface_triangles(self.restoring)
+        yield Solid(name=self.body, role="hull", body=self.body, points=points, triangles=triangles)
 
 
 def _undamped() -> NDArray[np.float64]:
@@ -358,6 +367,19 @@ class Tank:
             return np.zeros(1), np.array([self.mass], dtype=np.float64)
         return self.times, self.masses
 
+    def drawn(self) -> Iterable[Element]:
+        """A ball of as much water as it holds, about the middle of the tank."""
+        middle = self.point
+        if self.size is not None and self.floor is not None:
+            middle = self.floor + np.array([0.0, 0.0, 0.5 * self.size[2]])
+        elif self.centres is not None:
+            middle = np.mean(self.centres, axis=0)
+        times, masses = self.schedule
+        yield Filling(
+            name=self.name, role="tank", at=At(self.hull, np.asarray(middle, dtype=np.float64)), times=times,
+            masses=masses, density=self.density,
+        )  # fmt: skip
+
     @property
     def start_mass(self) -> float:
         """Mass at the start [kg]."""
@@ -435,7 +457,7 @@ class Sea:
     hulls, radiation, tanks
         What floats.
     pumps, controllers
-        What moves the water of tanks, and what tells pumps how fast.
+        What moves the water of tanks, and what commands pumps.
     waves
         Trains of waves, or None.
     ramp
@@ -487,7 +509,20 @@ class FloatingBody(RigidBody):
         Names of all hulls whose velocities are coupled by water, in order.
     """
 
+    KIND_MODULE: ClassVar[str] = "heavylift.solver.water.hulls.packing"
+    ORDER: ClassVar[int] = 3
+    FLOATS: ClassVar[bool] = True
     CHANNELS: ClassVar = (*RigidBody.CHANNELS, *Hull.CHANNELS)
 
     hull: Hull = field(default_factory=lambda: Hull(body="", restoring=None))
     group: tuple[str, ...] = ()
+
+    @property
+    def group_names(self) -> tuple[str, ...]:
+        """All hulls that water couples with it."""
+        return self.group
+
+    @property
+    def inverse_masses(self) -> NDArray[np.float64] | None:
+        """None: added mass is a matrix."""
+        return None

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 from heavylift.numerics.quantity import Quantity
 from heavylift.solver.scene.connections import (
     AngleOutputs,
+    ForceElement,
     Joint,
     Limits,
     Place,
@@ -17,7 +18,18 @@ from heavylift.solver.scene.connections import (
 )
 from heavylift.solver.scene.outputs import Outputs, nested, outputs
 
-__all__ = ["SlidesAndTurns", "SlidesAndTurnsOutputs", "SlidingOutputs", "joint_friction", "joint_stops"]
+__all__ = [
+    "JointFriction",
+    "JointStop",
+    "SlidesAndTurns",
+    "SlidesAndTurnsOutputs",
+    "SlidingOutputs",
+    "joint_friction",
+    "joint_stops",
+]
+
+SCALAR_LAWS = "heavylift.solver.force_elements.scalar_packing"
+"""Packs what has a corner on a distance, angle or travel."""
 
 
 @outputs
@@ -55,8 +67,36 @@ class SlidesAndTurns(Joint):
     """Dry friction against the travel [N]."""
 
 
-def joint_stops(joint: Joint) -> Iterator[tuple[str, str, Limits]]:
-    """Key, coordinate (``"angle"`` or ``"travel"``) and limits of each stop of a joint."""
+@dataclass(frozen=True, eq=False)
+class _OnCoordinate(ForceElement):
+    """What acts on the angle or travel of a joint and stands in the joint: its key, ``"angle"`` or ``"travel"``."""
+
+    joint: Joint
+    key: str
+    coordinate: str
+
+    def packed_by(self, integrator: str) -> str:
+        """A law of a scalar."""
+        del integrator
+        return SCALAR_LAWS
+
+
+@dataclass(frozen=True, eq=False)
+class JointStop(_OnCoordinate):
+    """Stops of a joint."""
+
+    limits: Limits
+
+
+@dataclass(frozen=True, eq=False)
+class JointFriction(_OnCoordinate):
+    """Dry friction of a joint, its largest load [N m] or [N]."""
+
+    largest: float
+
+
+def joint_stops(joint: Joint) -> Iterator[JointStop]:
+    """Stops of a joint."""
     for key, coordinate in (
         ("limits", joint.COORDINATE),
         ("angle_limits", "angle"),
@@ -64,11 +104,11 @@ def joint_stops(joint: Joint) -> Iterator[tuple[str, str, Limits]]:
     ):
         limits = getattr(joint, key, None)
         if limits is not None:
-            yield key, coordinate, limits
+            yield JointStop(joint, key, coordinate, limits)
 
 
-def joint_friction(joint: Joint) -> Iterator[tuple[str, str, float]]:
-    """Key, coordinate and dry friction [N m] or [N] of each that a joint has."""
+def joint_friction(joint: Joint) -> Iterator[JointFriction]:
+    """Dry friction of a joint."""
     for key, coordinate in (
         ("friction", joint.COORDINATE),
         ("angle_friction", "angle"),
@@ -76,4 +116,4 @@ def joint_friction(joint: Joint) -> Iterator[tuple[str, str, float]]:
     ):
         friction = float(getattr(joint, key, 0.0))
         if friction != 0.0:
-            yield key, coordinate, friction
+            yield JointFriction(joint, key, coordinate, friction)

@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 FOREVER = 1e7
-"""Time behind the last row for which a drive goes on at its last speed [s]."""
+"""Time behind the last row for which a drive continues at its last speed [s]."""
 
 OVERSHOOT = 1e-3
 """Of the range of a table, by how much a smooth curve may leave two neighbours without being told."""

@@ -1,4 +1,4 @@
-"""What a user says of wind and current: how the air and the water move, and what they push on. SI units, radians.
+"""Descriptions of wind and current: how the air and the water move, and what they push on. SI units, radians.
 
 A *field* is a fluid that moves, on one side of the still water; *loads* are pieces of bodies in one of the fields.
 Directions are of propagation ("going to"), from world x, anticlockwise seen from above. Loads with the same name
@@ -175,6 +175,9 @@ def fluctuation_records(
 FLUIDS: Family[Any] = Family("table", "heavylift.solver.scene", typed=False)
 """Winds and currents, by the keys of a case file in which they stand."""
 
+WIND_SPECTRA: Family[Any] = Family("spectrum", "heavylift.solver.water.wind", default="npd")
+"""Spectra of wind, by their types in a case file: each has ``record(speed, duration)``."""
+
 
 def check_heading(angle: float) -> None:
     """Refuse a direction beyond a full turn: in radians, a larger one is meant as degrees.
@@ -195,6 +198,22 @@ def check_heading(angle: float) -> None:
             f"{angle:g} rad is more than a turn",
             expected=f'-2 pi to 2 pi rad; in degrees "{math.fmod(angle, 360.0):g} deg"',
         )
+
+
+@dataclass(frozen=True)
+class _Heading(Quantity):
+    """An angle within a turn."""
+
+    def parse(self, value: object) -> float:
+        """SI number of an input value."""
+        angle = super().parse(value)
+        check_heading(angle)
+        return angle
+
+
+def Heading() -> Quantity:
+    """A direction of propagation [rad]: an angle within a turn."""
+    return _Heading("angle")
 
 
 @FLUIDS.part
@@ -233,7 +252,7 @@ class CurrentProfile:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Fluctuating:
-    """What is made of a spectrum, which a case file says.
+    """What is made of a spectrum of `WIND_SPECTRA`, which a case file gives.
 
     Attributes
     ----------
@@ -338,7 +357,7 @@ class LoadOutputs(Outputs):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FluidLoad:
-    """What all loads of wind and current have. Each sort is a subclass in a file of `heavylift.solver.water.wind`.
+    """What all loads of wind and current have. Each type is a subclass in a file of `heavylift.solver.water.wind`.
 
     Attributes
     ----------
@@ -389,6 +408,6 @@ class DragElement(FluidLoad):
 
 
 FLUID_LOADS: Family[FluidLoad] = Family("load", "heavylift.solver.water.wind")
-"""All sorts of loads of wind and current, by their types in a case file."""
+"""All loads of wind and current, by their types in a case file."""
 
 FluidField = WindField | CurrentField

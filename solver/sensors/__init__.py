@@ -1,1 +1,1 @@
-"""What only watches several bodies: one sort a file."""
+"""Sensors that watch several bodies: one type a file."""

@@ -1,7 +1,7 @@
 """Angles of a rope against where it should point: off and side lead of falls, in and out of the plane of a lug.
 
-On body a the rope should point along an axis t, in a plane with the normal n, both of length 1 and square to each
-other, ``u = t x n``. With r from the point on a to the point on b::
+On body a the rope should point along an axis t, in a plane with the normal n, both of length 1 and perpendicular to
+each other, ``u = t x n``. With r from the point on a to the point on b::
 
     off_lead = atan2(r . u, r . t)       side_lead = asin(r . n / |r|)       angle = acos(r . t / |r|)
 
@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,12 @@ from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.numerics.vectors import cross, dot, subtract, vector
 from heavylift.solver.interface import RECORD, Workspace, add_forces, record_forces
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene.connections import MEASURES, Between, PackedForce
-from heavylift.solver.scene.outputs import Columns, Outputs, channel, outputs
+from heavylift.solver.scene.outputs import Outputs, channel, outputs
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = ["FleetAngle", "FleetAngleEntry", "FleetAngles", "pack"]
 
@@ -70,7 +72,7 @@ class FleetAngle(Between, PackedForce):
     """Where the rope should point, down from a crown and up from a lug, in the coordinates of the geometry of side a;
     of the ground in the world; any length."""
     normal: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=_across)
-    """Normal of the plane of the sheaves or of the eye plate, square to `axis`, in the same coordinates; any length."""
+    """Normal of the plane of the sheaves or of the eye plate, perpendicular to `axis`, same coordinates; any length."""
 
     @staticmethod
     def check(spec: Any) -> None:
@@ -78,9 +80,9 @@ class FleetAngle(Between, PackedForce):
         axis, normal = np.array(spec.axis), np.array(spec.normal)
         if abs(axis @ normal) > SQUARE * float(np.linalg.norm(axis) * np.linalg.norm(normal)):
             raise InputError(
-                f"{normal.tolist()} is not square to axis = {axis.tolist()}",
+                f"{normal.tolist()} is not perpendicular to axis = {axis.tolist()}",
                 key="normal",
-                expected="a direction square to 'axis'",
+                expected="a direction perpendicular to 'axis'",
             )
 
 
@@ -103,16 +105,18 @@ class FleetAngles(Arrays):
     table: Records[FleetAngleEntry]
 
 
-def pack(leads: Sequence[FleetAngle], columns: Sequence[Columns], book: MarkerBook) -> FleetAngles:
+def pack(leads: Sequence[FleetAngle], context: PackingContext) -> None:
     """Make the kind."""
     rows = []
-    for lead, column in zip(leads, columns, strict=True):
-        a, b = book.point(lead.body_a, lead.point_a, RECORD), book.point(lead.body_b, lead.point_b, RECORD)
+    for lead in leads:
+        a = context.point(lead.body_a, lead.point_a, RECORD)
+        b = context.point(lead.body_b, lead.point_b, RECORD)
         directions = (np.asarray(given, dtype=np.float64) for given in (lead.axis, lead.normal))
         units = [given / np.linalg.norm(given) for given in directions]
-        axis, normal = (book.direction(lead.body_a, unit, RECORD, at=lead.point_a) for unit in units)
+        axis, normal = (context.direction(lead.body_a, unit, RECORD, at=lead.point_a) for unit in units)
+        column = context.column(lead)
         rows.append(filled(FleetAngleEntry, a=a, b=b, axis=axis, normal=normal, column=column))
-    return FleetAngles(records(FleetAngleEntry, rows))
+    context.add_forces(FleetAngles(records(FleetAngleEntry, rows)))
 
 
 @implement(add_forces, FleetAngles)

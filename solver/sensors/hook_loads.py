@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,7 @@ from heavylift.numerics.records import Vector as VectorField
 from heavylift.numerics.vectors import dot, vector
 from heavylift.solver.extremes import Extremes
 from heavylift.solver.force_elements.line_forces import LineForce
-from heavylift.solver.force_elements.watched import WatchedRopes, WatchesRopes
+from heavylift.solver.force_elements.watched import WatchesRopes
 from heavylift.solver.interface import (
     FORCES,
     Bodies,
@@ -47,12 +47,10 @@ from heavylift.solver.interface import (
     watch_motions,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at, zeros_of
-from heavylift.solver.scene.bodies import Free, RigidBody
+from heavylift.solver.scene.bodies import Free
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.outputs import (
-    Columns,
     Outputs,
     channel,
     largest_of_all,
@@ -61,6 +59,9 @@ from heavylift.solver.scene.outputs import (
     smallest_of_all,
 )
 from heavylift.solver.sensors.seen import extremes_of, note_seen, put_seen
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = ["HookLoad", "HookLoadEntry", "HookLoads", "HookState", "pack"]
 
@@ -201,9 +202,7 @@ class HookLoads(Arrays):
     gravity: float
 
 
-def pack(
-    hooks: Sequence[HookLoad], columns: Sequence[Columns], book: MarkerBook, watched: WatchedRopes
-) -> HookLoads:
+def pack(hooks: Sequence[HookLoad], context: PackingContext) -> None:
     """Make the kind.
 
     Raises
@@ -211,14 +210,15 @@ def pack(
     InputError
         Without gravity, of a body that is not rigid and free, or of a rope that is not on it.
     """
+    watched = context.watched
     g = float(np.linalg.norm(watched.gravity))
     rows: list[HookLoadEntry] = []
     places: list[int] = []
-    for hook, column in zip(hooks, columns, strict=True):
+    for hook in hooks:
         body = watched.bodies[hook.body]
         if g == 0.0:
             raise InputError("no weight without gravity", source=hook.name, key="body", expected="[gravity]")
-        if not isinstance(body, RigidBody) or not isinstance(body.motion, Free):
+        if body.DEFORMS or not isinstance(body.motion, Free):
             raise InputError(
                 f"{hook.body!r} is no rigid body with a free frame",
                 source=hook.name,
@@ -236,7 +236,7 @@ def pack(
                     expected="ropes that carry this body",
                 )
             places += [watched.first[rope] + place for place in on_body]
-        centre = book.point(hook.body, np.asarray(body.centre_of_mass, dtype=np.float64), FORCES)
+        centre = context.point(hook.body, np.asarray(body.centre_of_mass, dtype=np.float64), FORCES)
         rows.append(
             filled(
                 HookLoadEntry,
@@ -244,10 +244,10 @@ def pack(
                 count=len(places) - first,
                 centre=centre,
                 mass=body.mass,
-                column=column,
+                column=context.column(hook),
             )
         )
-    return HookLoads(
+    kind = HookLoads(
         records(HookLoadEntry, rows),
         records(HookState, len(rows)),
         np.array(places, dtype=np.int64),
@@ -257,6 +257,7 @@ def pack(
         -watched.gravity / g,
         g,
     )
+    context.add_forces(kind)
 
 
 @implement(add_forces, HookLoads)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Interval
@@ -39,11 +39,9 @@ from heavylift.solver.interface import (
     watch_motions,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at, zeros_of
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.outputs import (
-    Columns,
     Outputs,
     channel,
     largest_of_all,
@@ -52,6 +50,9 @@ from heavylift.solver.scene.outputs import (
     smallest_of_all,
 )
 from heavylift.solver.sensors.seen import extremes_of, note_seen, put_seen
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = ["Lug", "LugEntry", "Lugs", "pack"]
 
@@ -132,7 +133,7 @@ class Lugs(Arrays):
     seen: LugSeen
 
 
-def pack(lugs: Sequence[Lug], columns: Sequence[Columns], book: MarkerBook, watched: WatchedRopes) -> Lugs:
+def pack(lugs: Sequence[Lug], context: PackingContext) -> None:
     """Make the kind.
 
     Raises
@@ -140,16 +141,16 @@ def pack(lugs: Sequence[Lug], columns: Sequence[Columns], book: MarkerBook, watc
     InputError
         If the rope is not on the body, or is there at several places and none is said.
     """
-    rows = []
-    for lug, column in zip(lugs, columns, strict=True):
+    rows, watched = [], context.watched
+    for lug in lugs:
         place = _place(lug, watched)
         normal = np.asarray(lug.normal, dtype=np.float64)
         point = watched.ropes[lug.rope].path[place].point
-        marker = book.direction(lug.body, normal / np.linalg.norm(normal), FORCES, at=np.asarray(point))
+        marker = context.direction(lug.body, normal / np.linalg.norm(normal), FORCES, at=np.asarray(point))
         pull = watched.first[lug.rope] + place
-        rows.append(filled(LugEntry, pull=pull, normal=marker, column=column))
+        rows.append(filled(LugEntry, pull=pull, normal=marker, column=context.column(lug)))
     extremes = extremes_of(LugSeen, len(rows))
-    return Lugs(records(LugEntry, rows), watched.pulls, extremes, zeros_of(LugSeen))
+    context.add_forces(Lugs(records(LugEntry, rows), watched.pulls, extremes, zeros_of(LugSeen)))
 
 
 def _place(lug: Lug, watched: WatchedRopes) -> int:

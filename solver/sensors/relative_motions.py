@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,12 +42,10 @@ from heavylift.solver.interface import (
     watch_motions,
 )
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at, zeros_of
 from heavylift.solver.scene.connections import MEASURES, Between, PackedForce
 from heavylift.solver.scene.descriptions import XYZ
 from heavylift.solver.scene.outputs import (
-    Columns,
     Components,
     Outputs,
     channel,
@@ -57,6 +55,9 @@ from heavylift.solver.scene.outputs import (
     smallest_of_all,
 )
 from heavylift.solver.sensors.seen import extremes_of, note_seen, put_seen
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = ["RelativeMotion", "RelativeMotions", "pack"]
 
@@ -135,13 +136,15 @@ class RelativeMotions(Arrays):
     seen: MotionSeen
 
 
-def pack(motions: Sequence[RelativeMotion], columns: Sequence[Columns], book: MarkerBook) -> RelativeMotions:
+def pack(motions: Sequence[RelativeMotion], context: PackingContext) -> None:
     """Make the kind."""
     rows = []
-    for motion, column in zip(motions, columns, strict=True):
+    for motion in motions:
         sides = ((motion.body_a, motion.point_a), (motion.body_b, motion.point_b))
-        points = [book.point(body, point, RECORD) for body, point in sides]
-        axes = [[book.direction(body, axis, RECORD, at=point) for axis in np.eye(3)] for body, point in sides]
+        points = [context.point(body, point, RECORD) for body, point in sides]
+        axes = [
+            [context.direction(body, axis, RECORD, at=point) for axis in np.eye(3)] for body, point in sides
+        ]
         rows.append(
             filled(
                 RelativeMotionEntry,
@@ -149,11 +152,11 @@ def pack(motions: Sequence[RelativeMotion], columns: Sequence[Columns], book: Ma
                 b=points[1],
                 axes_a=axes[0][0],
                 axes_b=axes[1][0],
-                column=column,
+                column=context.column(motion),
             )
         )
     extremes = extremes_of(MotionSeen, len(rows))
-    return RelativeMotions(records(RelativeMotionEntry, rows), extremes, zeros_of(MotionSeen))
+    context.add_forces(RelativeMotions(records(RelativeMotionEntry, rows), extremes, zeros_of(MotionSeen)))
 
 
 @implement(add_forces, RelativeMotions)

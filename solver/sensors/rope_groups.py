@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +25,12 @@ from heavylift.numerics.quantity import Least, NameOf, Positive
 from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.extremes import Extremes
 from heavylift.solver.force_elements.line_forces import LineForce
-from heavylift.solver.force_elements.watched import WatchedRopes, WatchesRopes
+from heavylift.solver.force_elements.watched import WatchesRopes
 from heavylift.solver.interface import Bodies, Workspace, add_forces, record_forces, watch_motions
 from heavylift.solver.kinds import implement
-from heavylift.solver.markers import MarkerBook
 from heavylift.solver.recording import outputs_at, zeros_of
 from heavylift.solver.scene.connections import MEASURES
 from heavylift.solver.scene.outputs import (
-    Columns,
     Outputs,
     channel,
     largest_of_all,
@@ -41,6 +39,9 @@ from heavylift.solver.scene.outputs import (
     smallest_of_all,
 )
 from heavylift.solver.sensors.seen import extremes_of, note_seen, put_seen
+
+if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
 
 __all__ = ["RopeGroup", "RopeGroupEntry", "RopeGroups", "pack"]
 
@@ -146,22 +147,24 @@ class RopeGroups(Arrays):
     seen: RopeGroupSeen
 
 
-def pack(
-    groups: Sequence[RopeGroup], columns: Sequence[Columns], _book: MarkerBook, watched: WatchedRopes
-) -> RopeGroups:
+def pack(groups: Sequence[RopeGroup], context: PackingContext) -> None:
     """Make the kind."""
-    rows, first, parts = [], [0], []
-    for group, column in zip(groups, columns, strict=True):
+    rows, first, parts, watched = [], [0], [], context.watched
+    for group in groups:
         load = math.inf if group.breaking_load is None else group.breaking_load
         members = [member for rope in group.ropes for member in watched.members(rope)]
         entry = filled(
-            RopeGroupEntry, first=len(first) - 1, count=len(members), breaking_load=load, column=column
+            RopeGroupEntry,
+            first=len(first) - 1,
+            count=len(members),
+            breaking_load=load,
+            column=context.column(group),
         )
         rows.append(entry)
         for member in members:
             parts += member
             first.append(len(parts))
-    return RopeGroups(
+    kind = RopeGroups(
         records(RopeGroupEntry, rows),
         np.array(first, dtype=np.int64),
         np.array(parts, dtype=np.int64),
@@ -170,6 +173,7 @@ def pack(
         extremes_of(RopeGroupSeen, len(rows)),
         zeros_of(RopeGroupSeen),
     )
+    context.add_forces(kind)
 
 
 @implement(add_forces, RopeGroups)

@@ -1,4 +1,4 @@
-"""Extremes of all that a measure sees of a thing, over all steps.
+"""Extremes of all that a sensor observes of a component, over all steps.
 
 What it sees is a class of `heavylift.solver.scene.outputs.Outputs`. It records that, then the largest and the smallest
 values of all of it (``largest: LugSeen = largest_of_all(LugSeen)``). Each number has its `Extremes`, in order.
@@ -17,13 +17,13 @@ __all__ = ["extremes_of", "note_seen", "put_seen"]
 
 
 def extremes_of(seen: type[Outputs], count: int) -> Records[Extremes]:
-    """Extremes of what is seen of so many things."""
+    """Extremes of the observations of a number of components."""
     return records(Extremes, width_of(seen) * count)
 
 
 @kernel(internal=True)
 def note_seen(extremes: Records[Extremes], i: int, interval: int, seen: Floats1) -> None:
-    """Take what is seen of thing `i` at the end of a step of an interval."""
+    """Take the observation of component `i` at the end of a step of an interval."""
     first = i * seen.shape[0]
     for k in range(seen.shape[0]):
         note_value(extremes[first + k], interval, seen[k])
@@ -39,7 +39,7 @@ def put_seen(
     largest: Floats1,
     smallest: Floats1,
 ) -> None:
-    """Record what is seen of thing `i`, and the extremes of the interval."""
+    """Record the observation of component `i`, and the extremes of the interval."""
     first = i * seen.shape[0]
     for k in range(seen.shape[0]):
         shown[k] = seen[k]

@@ -148,7 +148,7 @@ def diagnose(rows: StartRows) -> Diagnosis:
     near = _nearby(rows, scaled, lengths, graph, ranks)
     redundant = [
         f"{_joints(rows, bridge.blocks)} hold {names[bridge.bodies[1]]!r} with"
-        f" {plural(more, 'row')} too many: how they share their forces is not unique"
+        f" {plural(more, 'row')} too many: the distribution of their forces is not unique"
         for bridge, more in texts
     ]
     for core, core_rank in zip(graph.cores, ranks, strict=True):
@@ -162,7 +162,7 @@ def diagnose(rows: StartRows) -> Diagnosis:
             motions.append(f"{quoted(loose_bodies)} hang together, and no joint holds them to anything else")
     singular = None if near is None else near.ranks != ranks or near.stuck
     if near is not None and near.stuck:
-        motions.append("in this position only: at second sight the joints allow less motion than that")
+        motions.append("in this position only: to second order the joints allow less motion than that")
     return Diagnosis(
         degrees_of_freedom=len(rows.free) - rank,
         row_count=scaled.matrix.shape[0],
@@ -191,8 +191,7 @@ def _tied(graph: BodyGraph, held: set[int]) -> BodyGraph:
 def _count_with_meshes(rows: StartRows, scaled: _Scaled) -> Diagnosis:
     """Degrees of freedom only: what a mesh that deforms at will leaves free has no name."""
     rank = rank_of(scaled.matrix, scaled.owner, scaled.tolerance)
-    meshes = [kind for kind in rows.layout.bodies if "strain" in kind._fields]
-    coordinates = sum(int(kind.free.sum()) - 3 * int(kind.table["base_count"].sum()) for kind in meshes)
+    coordinates = sum(kind.hidden_coordinates for kind in rows.layout.bodies)
     return Diagnosis(
         degrees_of_freedom=len(rows.free) + coordinates - rank,
         row_count=scaled.matrix.shape[0],
@@ -344,12 +343,12 @@ def _core_redundancy(
                 where = f", {'all' if always == 0 else left.shape[1] - always} of them in this position only"
         texts.append(
             f"{_joints(rows, loop_blocks)} {action} with {plural(more, 'row')} too many{where}:"
-            " how they share their forces is not unique"
+            " the distribution of their forces is not unique"
         )
     if missing:
         texts.append(
             f"{_joints(rows, blocks)} together have {plural(missing, 'row')}"
-            f"{' more' if texts else ''} too many: how they share their forces is not unique"
+            f"{' more' if texts else ''} too many: the distribution of their forces is not unique"
         )
     return texts
 
@@ -464,7 +463,7 @@ def block_rank(matrix: Any, owner: NDArray[np.int64], tolerance: float) -> int:
     Notes
     -----
     All rows on a body are rotated so that as few of them as its own rank, found by QR with exchange of
-    columns, have anything in its columns; these are put aside and counted, the others go on to its neighbours.
+    columns, have anything in its columns; these are put aside and counted, the others continue to its neighbours.
     Rotations keep the rank, so this is a multifrontal QR (T. A. Davis, ACM Trans. Math. Software 38, 2011, on
     SuiteSparseQR) whose fronts are bodies; bodies with few neighbours go first.
     """

@@ -241,7 +241,7 @@ class StartRows:
     @property
     def mesh_bodies(self) -> set[int]:
         """Numbers of frames and shells, whose velocities are those of some of their material points."""
-        numbers = (kind.table["number"] for kind in self.layout.bodies if "strain" in kind._fields)
+        numbers = (kind.table["number"] for kind in self.layout.bodies if not kind.FRAMES)
         return {int(number) for own in numbers for number in own}
 
     def unit_rows(

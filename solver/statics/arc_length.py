@@ -200,7 +200,7 @@ def _step(
             return None
         back, back_l = solver.solve(now.force, -now.gap)
         along, along_l = solver.solve(now.load, np.zeros(len(now.gap)))
-        # |went + back + m along| = length; of the two solutions the one that goes on
+        # |went + back + m along| = length; of the two solutions the one that continues
         a, b = dot(along, along), 2.0 * dot(went + back, along)
         c = dot(went + back, went + back) - length**2
         root = b * b - 4.0 * a * c

@@ -1,14 +1,14 @@
 """Rest of scenes with contacts: a motion in frozen time that loses its velocities whenever its kinetic energy falls.
 
-Contacts, friction and impacts act as in any step, so nothing of them is said twice. Where the kinetic energy has passed
-a peak the forces have gone through their balance; a start anew from there, at rest, is nearer to it (kinetic damping:
-P. A. Cundall, 1976; M. R. Barnes, Int. J. Space Structures 14, 1999).
+Contacts, friction and impacts act as in any step, so nothing of them is defined twice. Where the kinetic energy has
+passed a peak the forces have gone through their balance; a start anew from there, at rest, is nearer to it (kinetic
+damping: P. A. Cundall, 1976; M. R. Barnes, Int. J. Space Structures 14, 1999).
 
 The steps are its own. A swing of frequency w that begins at rest is left after the first step with the part
 ``(1 - s^2) / (1 + s^2)``, s = w h / 2, if the step h is long for it, and goes to its peak if h is short: steps of
 several lengths in turn reach all swings. So that no length of them shows, the way is gone again with shorter steps,
 until two ways end at the same place. Without friction they do; with friction there is no single place of rest, and how
-far two ways end from each other is told.
+far apart two such searches end is reported.
 """
 
 from __future__ import annotations
@@ -177,11 +177,11 @@ def settle_contacts(
     notes = []
     if apart > SAME:
         notes.append(
-            f"{'friction' if rubs else 'what holds it'} leaves the place of rest open: two ways to it put {name!r}"
-            f" {apart * length:.2g} m apart"
+            f"{'friction' if rubs else 'what holds it'} leaves the position of rest undetermined: two searches end with"
+            f" {name!r} {apart * length:.2g} m apart"
         )
     if found.unbalanced > UNBALANCED:
-        notes.append(f"a part of {found.unbalanced:.1g} of the loads is not in balance yet")
+        notes.append(f"a fraction of {found.unbalanced:.1g} of the loads is not balanced yet")
     worth = apart > TOLD or found.unbalanced > UNBALANCED
     return ContactRest("; ".join([text, *notes]), "at the start " + ", ".join(notes) if worth else "")
 
@@ -269,7 +269,7 @@ class _Search:
         """Which body has most of the energy of a motion that does not end."""
         energy = np.bincount(self.rows.owner, weights=inertia * velocity**2, minlength=len(self._mass))
         name = self.rows.layout.body_names[int(np.argmax(np.where(self.moves, energy, -1.0)))]
-        return f"a motion goes on that nothing takes away, most of it of {name!r}"
+        return f"a motion continues that nothing damps, most of it of {name!r}"
 
     def moved(self) -> float:
         """Largest displacement of a body since the start [m]."""

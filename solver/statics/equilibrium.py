@@ -8,7 +8,7 @@ and damped by a multiple of the mass (K. Levenberg, Q. Appl. Math. 2, 1944)::
 
 F is what the joints do not carry. Steps go downhill (``F . dx > 0``) and stop short of the next hill, without
 asking for a potential, so the result is a stable position, if one is in reach. At a position of balance that is
-not stable, e.g. a pendulum upside down, the softest direction gives a push, and the search goes on.
+not stable, e.g. a pendulum upside down, the softest direction gives a push, and the search continues.
 
 Ropes, lines and stops do not push, and which of them are taut changes on the way. So a step goes to the balance of
 the scene that is linear but for them: with their elongations e and rows u a minimum of ::
@@ -38,7 +38,7 @@ from heavylift.solver.statics.problem import Equilibrium
 __all__ = ["find_equilibrium"]
 
 BALANCED = 1e-8
-"""Residual force relative to the loads that counts as equilibrium; steps go on below it while they help."""
+"""Residual force relative to the loads that counts as equilibrium; steps continue below it while they help."""
 
 POLISHED = 1e-12
 ITERATIONS = 400
@@ -92,7 +92,7 @@ def find_equilibrium(rows: StartRows) -> Equilibrium:
     InputError
         If the joints cannot be closed, or no equilibrium is found; says what is left over.
     """
-    if any(type(kind).__name__ in {"FrameMeshes", "ShellMeshes"} for kind in rows.layout.bodies):
+    if any(kind.NODAL for kind in rows.layout.bodies):
         from heavylift.solver.statics.mesh_statics import find_mesh_equilibrium
 
         return find_mesh_equilibrium(rows)
@@ -158,7 +158,7 @@ class _Search:
 
     @one_blas_thread
     def run(self) -> None:
-        """Go on until nothing is left."""
+        """Continue until nothing is left."""
         forces = self.forces
         place = self.look()
         forces.size = max(forces.size, self._slack(place))
@@ -379,7 +379,7 @@ class _Search:
         worst = int(np.argmax(np.bincount(rows.owner, weights=full**2)))
         return InputError(
             f"no stable equilibrium found after {self.iterations} iterations: all loads are carried, but"
-            f" {rows.layout.body_names[worst]!r} leaves each position of balance once it is pushed",
+            f" {rows.layout.body_names[worst]!r} leaves each equilibrium position after a disturbance",
             source="simulation",
             key="start",
             expected="joints, springs or ropes that hold it, or a start nearer to a stable equilibrium",

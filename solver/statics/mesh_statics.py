@@ -163,7 +163,7 @@ def _finish(search: _Search, motions: FreeMotions) -> Equilibrium:
         f" displacement {moved:.4g} m, " + (f"{residual:.1e} of the loads is left" if loaded else "no loads")
     )
     if progress.rounded and loaded:
-        text += ", which is rounding of stiff forces that are far larger"
+        text += ", which is rounding of much larger stiff forces"
     if motions.count:
         text += f"; beside their weight nothing holds this: {motions.text}"
     return Equilibrium(residual, progress.iterations, moved, True, text)

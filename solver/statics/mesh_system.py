@@ -25,7 +25,7 @@ from heavylift.solver.bodies.ancf.at_rest import (
     promise_strains,
 )
 from heavylift.solver.bodies.ancf.frame_data import frame_follower
-from heavylift.solver.bodies.ancf.kind import FOLLOWER_ELEMENT, FOLLOWER_NODE, FrameMeshes, ShellMeshes
+from heavylift.solver.bodies.ancf.kind import FOLLOWER_ELEMENT, FOLLOWER_NODE
 from heavylift.solver.bodies.ancf.sparse_matrices import MeshMatrices, mesh_matrices
 from heavylift.solver.integrate.loop import evaluate_loads
 from heavylift.solver.interface import FORCES, Forces
@@ -73,10 +73,8 @@ class MeshSystem:
 
         self.rows, self.layout = rows, rows.layout
         layout = rows.layout
-        self.meshes = [kind for kind in layout.bodies if isinstance(kind, (FrameMeshes, ShellMeshes))]
-        self.others = tuple(
-            kind for kind in layout.bodies if not isinstance(kind, (FrameMeshes, ShellMeshes))
-        )
+        self.meshes = [kind for kind in layout.bodies if kind.NODAL]
+        self.others = tuple(kind for kind in layout.bodies if not kind.NODAL)
         self.matrices: list[MeshMatrices] = [mesh_matrices(kind) for kind in self.meshes]
         counts = [len(matrices.places) for matrices in self.matrices]
         self.first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)

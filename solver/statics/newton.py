@@ -39,7 +39,7 @@ __all__ = [
 ]
 
 BALANCED = 1e-8
-"""Residual relative to the loads that counts as equilibrium; iterations go on below it while they help."""
+"""Residual relative to the loads that counts as equilibrium; iterations continue below it while they help."""
 
 POLISHED = 1e-11
 CLOSED = 1e-10

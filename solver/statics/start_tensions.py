@@ -52,14 +52,14 @@ def fit_start_tensions(
     search
         Finds the equilibrium from where the scene is.
     text
-        What the first search said.
+        Message of the first search.
     fitted
         Miss of a tension relative to the largest that counts as fitted.
 
     Returns
     -------
     str
-        What the last search said, and the lengths.
+        Message of the last search, and the lengths.
 
     Raises
     ------

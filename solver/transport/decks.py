@@ -16,7 +16,7 @@ cut crosses lines of the grid or diagonals of its cells. The breadth of a tyre i
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
@@ -30,6 +30,8 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import BodyDirection, BodyPoint, NameOf, Quantity, Shape
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.descriptions import forward, no_rows, upwards, zero_point
+from heavylift.solver.scene.drawn import Element, Solid
+from heavylift.solver.scene.outlines import height_grid, profile_strip
 from heavylift.solver.scene.transport import TRANSPORT, Bump, HeightGrid
 
 __all__ = [
@@ -155,6 +157,15 @@ class Deck:
         """Unit vectors along, to the left and upwards, as rows, in the axes of the body, shape (3, 3)."""
         x, z = (np.asarray(v, dtype=np.float64) / np.linalg.norm(v) for v in (self.direction, self.normal))
         return np.array([x, np.cross(z, x), z])
+
+    def drawn(self) -> Iterable[Element]:
+        """Its profile as a strip, or the triangles of its grid."""
+        if self.grid is not None:
+            outline = height_grid(*self.grid.table)
+        else:
+            outline = profile_strip(*self.profile, self.borders[2:])
+        points = np.asarray(self.origin) + outline.points @ self.axes()
+        yield Solid(name=self.name, role="deck", body=self.body, points=points, triangles=outline.triangles)
 
     def check_radius(self, radius: float) -> None:
         """Refuse a profile that a wheel would have to climb too steeply.

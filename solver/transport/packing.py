@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +11,17 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import filled, records
-from heavylift.solver.force_elements.system import LawBlock
+from heavylift.solver.force_elements.system import ElementBlock
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.guide import Guide
 from heavylift.solver.recording import placed
 from heavylift.solver.rows.structure import MOVES
+from heavylift.solver.scene.bodies import Body
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.connectivity import connected_bodies
 from heavylift.solver.scene.outputs import Columns
-from heavylift.solver.scene.scene import FlexibleBody, Free, Gravity, RigidBody, Scene
+from heavylift.solver.scene.scene import Free, Scene
 from heavylift.solver.scene.transport import BogieParts, LevellingParts, TransporterOutputs
 from heavylift.solver.transport.decks import Deck, corner_table
 from heavylift.solver.transport.levelling_growth import LevelledBogies, refuse_growing_levelling
@@ -50,10 +51,10 @@ from heavylift.solver.transport.transporters import (
 from heavylift.solver.transport.tyre_packing import TyrePacking
 
 if TYPE_CHECKING:
+    from heavylift.solver.force_elements.packing import PackingContext
     from heavylift.solver.markers import MarkerBook
-    from heavylift.solver.rows.structure import Attachment
 
-__all__ = ["pack_transporters", "vehicle_tipping"]
+__all__ = ["pack", "vehicle_tipping"]
 
 
 FAR_TOO_MUCH = 2.0
@@ -69,24 +70,8 @@ SAMPLES = 25
 """Along and across an overlap of two decks."""
 
 
-def pack_transporters(
-    scene: Scene,
-    columns: Sequence[Columns],
-    first_block: int,
-    book: MarkerBook,
-    attachment: Callable[[str], Attachment],
-    scales: Callable[[str], tuple[float, float]],
-) -> tuple[list[Any], list[LawBlock]]:
+def pack(transporters: Sequence[Transporter], context: PackingContext) -> None:
     """Make the kinds and their rows.
-
-    Parameters
-    ----------
-    scene
-        Checked for names.
-    columns
-        Where the outputs of each transporter are.
-    first_block, book, attachment, scales
-        As for ropes.
 
     Raises
     ------
@@ -94,6 +79,7 @@ def pack_transporters(
         If a wheel has no road below it at the start, or too much load; a deck is too steep for a wheel; the groups
         cannot hold the body upright; or no load is told of a body whose weight is not known.
     """
+    scene, book, attachment = context.scene, context.book, context.attachment
     decks: Sequence[Deck] = scene.decks
     _refuse_soft_decks(scene)
     corners, grids, deck_places = corner_table(decks)
@@ -102,7 +88,7 @@ def pack_transporters(
         of_deck.origin, of_deck.x, of_deck.y, of_deck.z = _deck_markers(deck, book)
         of_deck.first, of_deck.count, of_deck.across = place
         of_deck.begin, of_deck.end, of_deck.right, of_deck.left = deck.borders
-    vehicles = records(VehicleData, len(scene.transporters))
+    vehicles = records(VehicleData, len(transporters))
     groups: list[Any] = []
     bogies: list[Any] = []
     pumps: list[PumpRow] = []
@@ -110,15 +96,15 @@ def pack_transporters(
     starts: list[list[float]] = []
     stands_on: list[int] = []
     strokes: list[float] = []
-    blocks: list[LawBlock] = []
-    block = free_block = first_block
+    blocks: list[ElementBlock] = []
+    block = free_block = context.next_block
     paths, tyres = PathPacking(scene, book), TyrePacking(scene, book)
-    gravity = _gravity(scene)
-    for transporter in scene.transporters:
+    gravity = scene.gravity
+    for transporter in transporters:
         _check_names(transporter)
         for deck in decks:
             deck.check_radius(transporter.wheel_radius)
-    all_places = [Places(transporter, scene) for transporter in scene.transporters]
+    all_places = [Places(transporter, scene) for transporter in transporters]
     _refuse_overturned(decks, all_places[0])
     _refuse_overlaps(decks, all_places[0])
     asks = any(deck.grid is not None for deck in decks)
@@ -135,8 +121,8 @@ def pack_transporters(
         for party in _parties(scene, all_places)
         for places, loads in zip(party, _start_loads(party, gravity), strict=True)
     }
-    for v, (places, of_vehicle, outputs) in enumerate(zip(all_places, on_decks, columns, strict=True)):
-        vehicle = vehicles[v]
+    for v, (places, of_vehicle) in enumerate(zip(all_places, on_decks, strict=True)):
+        vehicle, outputs = vehicles[v], context.column(places.transporter)
         transporter, loads = places.transporter, loads_of[places.transporter.name]
         weight = transporter.bogie_mass * float(np.linalg.norm(gravity))
         _check_loads(transporter, loads, weight)
@@ -153,7 +139,7 @@ def pack_transporters(
             *dict.fromkeys(d.body for d in decks if d.body not in {GROUND, transporter.body}),
         ]
         ends = list(dict.fromkeys(attachment(name) for name in held))
-        scale = sum(scales(name)[0] for name in held)
+        scale = sum(context.scales(name)[0] for name in held)
         first_bogie = len(bogies)
         counts_of = [len(group.bogies) for group in transporter.groups]
         vehicle.first_group, vehicle.groups = len(groups), len(transporter.groups)
@@ -177,10 +163,10 @@ def pack_transporters(
         starts += [place for _, _, place in of_vehicle]
         lifts = [lift for _, lift, _ in of_vehicle]
         # see `heavylift.solver.transport.transporters`
-        apart = isinstance(places.body, FlexibleBody) and (
+        apart = places.body.mesh_nodes is not None and (
             transporter.line_damping + transporter.tyre_damping > 0.0
         )
-        law = LawBlock(transporter.name, tuple(ends), scale)
+        law = ElementBlock(transporter.name, tuple(ends), scale)
         for number, (group, load) in enumerate(zip(transporter.groups, loads, strict=True)):
             count = len(group.bogies)
             row_count, lane = (count, 0) if apart else (1, number % GROUPS_A_BLOCK)
@@ -254,7 +240,7 @@ def pack_transporters(
             on = stands_on[first_bogie:]
             paths.add(transporter, places, (block, len(ends), outputs), side_of, first_bogie, (on, *on_path))
             blocks.append(
-                LawBlock(
+                ElementBlock(
                     transporter.name, tuple(ends), scale, compliance=0.0, rows=3, vectors=(MOVES, MOVES, 0)
                 )
             )
@@ -281,7 +267,8 @@ def pack_transporters(
         state,
         of_bogies,
     )
-    return [kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind)], blocks
+    context.add_blocks(*blocks)
+    context.add_rows(kind, *paths.kinds(of_bogies, kind.steering), *tyres.kinds(kind))
 
 
 def _fill_levelling(vehicle: VehicleData, transporter: Transporter, outputs: Columns) -> None:
@@ -304,7 +291,7 @@ def _deck_markers(deck: Deck, book: MarkerBook) -> tuple[int, int, int, int]:
 
 def _refuse_soft_decks(scene: Scene) -> None:
     """Refuse decks on bodies that deform: a deck is stiff, and its load would act on the shapes of one point."""
-    rigid = {body.name for body in scene.bodies if isinstance(body, RigidBody)} | {GROUND}
+    rigid = {body.name for body in scene.bodies if not body.DEFORMS} | {GROUND}
     for deck in scene.decks:
         if deck.body not in rigid:
             raise InputError(
@@ -363,12 +350,6 @@ def _refuse_overlaps(decks: Sequence[Deck], places: Places) -> None:
                 )
 
 
-def _gravity(scene: Scene) -> NDArray[np.float64]:
-    """Acceleration of gravity [m/s2], world axes."""
-    fields = [np.asarray(f.acceleration, dtype=np.float64) for f in scene.forces if isinstance(f, Gravity)]
-    return np.sum(fields, axis=0) if fields else np.zeros(3)
-
-
 def _parties(scene: Scene, all_places: Sequence[Places]) -> list[list[Places]]:
     """Transporters that carry one stiff thing together: one body, or bodies that fixed joints hold together."""
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints if isinstance(joint, FixedJoint)]
@@ -403,12 +384,12 @@ def _stand(party: Sequence[Places], gravity: float) -> SupportStatics:
     pairs = [(joint.body_a, joint.body_b) for joint in scene.joints if not isinstance(joint, Guide)]
     hanging = connected_bodies(first.body.name, _free(scene), pairs, apart)[0] - first.carried
     carried = [body for body in scene.bodies if body.name in first.carried]
-    parts = [_mass_of(body, first) for body in carried if isinstance(body, (RigidBody, FlexibleBody))]
+    parts = [_mass_of(body, first) for body in carried if body.mass_properties is not None]
     problem = ""
     if hanging:
         problem = f"body {min(hanging)!r} hangs on it by a joint that is not fixed"
     elif len(parts) < len(carried):
-        problem = f"body {next(b.name for b in carried if not isinstance(b, (RigidBody, FlexibleBody)))!r} is a mesh"
+        problem = f"body {next(b.name for b in carried if b.mass_properties is None)!r} is a mesh"
     elif first.body.name in apart:
         problem = f"body {first.body.name!r} floats, or has a deck"
     if problem:
@@ -446,17 +427,11 @@ def _stand(party: Sequence[Places], gravity: float) -> SupportStatics:
     )
 
 
-def _mass_of(
-    body: RigidBody | FlexibleBody, places: Places
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+def _mass_of(body: Body, places: Places) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
     """Mass [kg], centre in the world at the start [m] and inertia about it in world axes [kg m2]."""
-    if isinstance(body, RigidBody):
-        mass, centre, inertia = body.mass, np.asarray(body.centre_of_mass), np.asarray(body.inertia)
-    else:
-        integrals = body.reduced.integrals
-        mass, centre = float(integrals.mass), integrals.first_moment / integrals.mass
-        second = integrals.inertia_kl - mass * np.outer(centre, centre)
-        inertia = np.trace(second) * np.eye(3) - second
+    known = body.mass_properties
+    assert known is not None
+    mass, centre, inertia = known
     frame = places.frame(body.name, centre)
     return mass, frame.point, frame.axes @ inertia @ frame.axes.T
 
@@ -555,9 +530,9 @@ def vehicle_tipping(scene: Scene) -> dict[str, Tipping]:
     Raises
     ------
     InputError
-        As `pack_transporters`.
+        As `pack`.
     """
-    gravity = _gravity(scene)
+    gravity = scene.gravity
     found: dict[str, Tipping] = {}
     if not float(-gravity[2]) > 0.0:
         return found

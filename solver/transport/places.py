@@ -14,7 +14,6 @@ from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.scene.connections import GROUND, JointFrame
-from heavylift.solver.scene.scene import FlexibleBody
 from heavylift.solver.transport.decks import NO_ROAD, grid_heights, wheel_heights
 from heavylift.solver.transport.lever_arms import PlaceData
 
@@ -81,13 +80,10 @@ class Places:
             If there is no body over it.
         """
         name, none = self.transporter.body, (-1, -1, -1)
-        if not isinstance(self.body, FlexibleBody):
+        nodes = self.body.mesh_nodes
+        if nodes is None:
             return _place(book.point(name, point, FORCES), none, np.zeros(3))
-        nodes = self.body.reduced.nodes
-        found, weights = self.body.reduced.locate(
-            point, source=self.transporter.name, key="groups", within=np.inf
-        )
-        place = weights @ nodes[found]
+        place = self.body.nearest(point, source=self.transporter.name, key="groups")
         arm = np.asarray(point, dtype=np.float64) - place
         near = np.sort(np.linalg.norm(nodes - place, axis=1))[: AROUND + 1][-1]
         if np.linalg.norm(self.axes[:2] @ arm) > max(near, NEAR * float(np.ptp(nodes, axis=0).max())):

@@ -38,6 +38,7 @@ The weight of bogies stands on the road, their inertia is left out.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
@@ -71,7 +72,9 @@ from heavylift.solver.joints.row_writing import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at, part
 from heavylift.solver.rows.structure import RowArrays
+from heavylift.solver.scene.connections import ForceElement
 from heavylift.solver.scene.descriptions import forward
+from heavylift.solver.scene.drawn import At, Element, Offset, Wheel
 from heavylift.solver.scene.transport import (
     TRANSPORT,
     BogieGroup,
@@ -147,7 +150,7 @@ INCLINE_WAY = 1e-3
 
 @TRANSPORT.describe("transporters")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Transporter:
+class Transporter(ForceElement):
     """A body that rolls over all decks, on wheels whose hydraulic cylinders share their oil in groups."""
 
     CHANNELS: ClassVar = (
@@ -204,6 +207,30 @@ class Transporter:
     """What keeps it level; it stays as it is pumped if absent."""
     accept_unstable: bool = False
     """Run although the groups cannot hold the body upright: fewer than three, three in a line, or too soft."""
+
+    def packed_by(self, integrator: str) -> str:
+        """All transporters and decks of a scene are packed together."""
+        del integrator
+        return "heavylift.solver.transport.packing"
+
+    def drawn(self) -> Iterable[Element]:
+        """Its wheels, as far up as the road has pushed them; none of points that follow the road."""
+        if not self.wheel_radius > 0.0:
+            return
+        along = np.asarray(self.direction, dtype=np.float64)
+        upwards = np.array([0.0, 0.0, 1.0]) - along[2] * along / float(along @ along)
+        upwards /= np.linalg.norm(upwards)
+        axle = np.cross(upwards, along)
+        for number, bogie in enumerate(np.vstack([group.bogies for group in self.groups])):
+            yield Wheel(
+                name=self.name,
+                role="wheel",
+                at=At(self.body, bogie + self.wheel_radius * upwards),
+                axis=axle / np.linalg.norm(axle),
+                radius=self.wheel_radius,
+                width=0.6 * self.wheel_radius,
+                offset=Offset(f"{self.name}.stroke_of", number, upwards),
+            )
 
     @staticmethod
     def check(spec: Any) -> None:

@@ -26,7 +26,7 @@ from heavylift.solver.transport.tyres import (
 )
 
 if TYPE_CHECKING:
-    from heavylift.solver.force_elements.system import LawBlock
+    from heavylift.solver.force_elements.system import ElementBlock
     from heavylift.solver.markers import MarkerBook
     from heavylift.solver.rows.structure import Attachment
     from heavylift.solver.scene.outputs import Columns
@@ -71,9 +71,9 @@ class TyrePacking:
         places: Places,
         at: tuple[int, Columns],
         bogies: tuple[int, Sequence[int], NDArray[np.float64], float],
-        law: LawBlock,
+        law: ElementBlock,
         attachment: Callable[[str], Attachment],
-    ) -> list[LawBlock]:
+    ) -> list[ElementBlock]:
         """Add a vehicle.
 
         Parameters
@@ -92,7 +92,7 @@ class TyrePacking:
 
         Returns
         -------
-        list of LawBlock
+        list of ElementBlock
             Its rows.
 
         Raises

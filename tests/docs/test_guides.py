@@ -6,6 +6,7 @@ import functools
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -30,6 +31,7 @@ GUIDES = (
     "editor.md",
     "benchmarks.md",
     "data_flow.md",
+    "glossary.md",
     "inside.md",
     "python.md",
     "transport.md",
@@ -129,6 +131,27 @@ def test_getting_started_runs_as_it_is_written(tmp_path):
                 assert line in spec, f"{line!r} is not in\n{spec}"
     assert seen == {"sh": 6, "toml": 4, "text": 4}
     assert (folder / "out" / "report" / "scene_end.png").is_file()
+
+
+@pytest.mark.slow
+def test_the_page_on_data_flow_prints_what_it_shows(tmp_path, monkeypatch, capsys):
+    """Its Python runs in order, in a folder with the case that the page names."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(ROOT / "pipeline" / "templates" / "lift", tmp_path / "demo")
+    names: dict[str, object] = {}
+    shown = []
+    for language, text in blocks(DOCS / "data_flow.md"):
+        if language == "toml":
+            own = tomllib.loads((tmp_path / "demo" / "case.toml").read_text(encoding="utf-8"))
+            assert tomllib.loads(text)["ropes"][0] == own["ropes"][0]
+        elif language == "python":
+            capsys.readouterr()
+            exec(compile(text, "data_flow.md", "exec"), names)  # noqa: S102
+        else:
+            assert language == "text"
+            assert capsys.readouterr().out == text
+            shown.append(text)
+    assert len(shown) == 5
 
 
 def test_getting_started_ends_with_the_case_that_the_package_brings(tmp_path):

@@ -70,7 +70,7 @@ def collision_scene(
         ({"law": RigidLaw(restitution=1.01)}, "restitution", "1.01", "0 to 1"),
         ({"law": RigidLaw(restitution=NAN)}, "restitution", "nan", "0 to 1"),
         ({"law": RigidLaw(rest_speed=-1.0)}, "rest_speed", "-1.0 m/s", "0 or more"),
-        ({"law": BilateralLaw()}, "law", "bilateral", "a law that lets go"),
+        ({"law": BilateralLaw()}, "law", "bilateral", "a law that can open"),
         ({"law": LinearLaw(0.0)}, "stiffness", "0.0", "a positive number"),
         ({"law": LinearLaw(INF)}, "stiffness", "inf", "a positive number"),
         ({"law": LinearLaw(1e6, -1.0)}, "damping", "-1.0 N s/m", "0 or more"),

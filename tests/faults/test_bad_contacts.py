@@ -163,7 +163,12 @@ CURVE = "{control=[[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], knots=%s}"
         (["contours.skid.degree=3.5"], "contours.skid.degree", "3.5 is not an integer", "3 to 7"),
         (["contours.skid.degree=5"], "contours.skid.points", "5 points for degree 5", "at least 6"),
         (["contours.floor.degree=[3, 4]"], "contours.floor.points", "4 points for degree 4", "lower degree"),
-        (["contours.floor.closed=true"], "contours.floor.closed", "in which direction", "[true, false]"),
+        (
+            ["contours.floor.closed=true"],
+            "contours.floor.closed",
+            "does not give the direction",
+            "[true, false]",
+        ),
         (["contours.rail.closed=false"], "contours.rail.closed", "false with 'circle'", "a circle is"),
         (["contours.floor.points="], "contours.floor", "no points of the ground", "points, file, spline"),
         (

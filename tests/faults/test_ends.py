@@ -49,7 +49,7 @@ def test_a_run_ends_as_if_it_could_speak(small_case, how):
     assert found.returncode == 0
     if how == "output":
         assert found.stderr.decode().splitlines() == [
-            "output is lost: No space left on device; the run itself goes on"
+            "output is lost: No space left on device; the run itself continues"
         ]
     manifest = json.loads((small_case / "out" / "simulate" / "manifest.json").read_text())
     assert manifest["outcome"] == "completed"
@@ -126,7 +126,7 @@ def test_a_signal_while_a_module_loads_waits_for_its_end(tmp_path, number):
     assert out.startswith("whole\n")
     (line,) = error.splitlines()
     assert ("SIGTERM" in line) == (number == signal.SIGTERM)
-    assert "what was written is kept" in line
+    assert "results so far are kept" in line
 
 
 def test_a_signal_where_python_cannot_raise_is_not_lost(tmp_path):
@@ -214,5 +214,5 @@ def test_a_signal_in_a_stage_outside_the_time_loop(small_case):
     _, error = process.communicate(timeout=30)
     assert time.monotonic() - begin < 10.0
     assert process.returncode == Outcome.INTERRUPTED
-    assert error == "SIGTERM: stopped; what was written is kept\n"
+    assert error == "SIGTERM: stopped; results so far are kept\n"
     assert not list((small_case / "out").rglob("*.h5"))

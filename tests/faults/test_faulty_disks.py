@@ -94,7 +94,7 @@ def test_a_segment_that_changes_while_the_run_goes_on(
     assert result.code == Outcome.INTERRUPTED
     (line,) = result.error.splitlines()
     assert str(segment_path(folder.segments, 2)) in line
-    assert "the same command goes on" in line
+    assert "the same command continues" in line
     assert not folder.results.exists()
     assert read_json(folder.manifest("simulate"))["finished"] is False
     assert set(numbers_on_disk(folder.segments)) >= {0, 1, 3, 4, 5, 6, 7}

@@ -1,4 +1,4 @@
-"""Runs that come to their end and are not to be believed: exit codes, and where they are told."""
+"""Completed runs whose energy balance is not credible: exit codes, and where they are reported."""
 
 from __future__ import annotations
 
@@ -56,19 +56,19 @@ def test_a_run_that_loses_most_of_its_energy_has_an_exit_code(heavylift, case):
     """Three steps in its period: most is lost, whatever the tolerance of a check."""
     result = heavylift("simulate", case)
     assert result.code == Outcome.ENERGY_NOT_KEPT == 15
-    assert "not to be believed" in result.error
+    assert "energy balance not" in result.error
     assert "were lost that nothing dissipates" in result.error
     results = load_results(case)
     assert results.outcome == "energy_not_kept"
     assert len(results.time) == 201
     again = heavylift("simulate", case)
     assert again.code == 15
-    assert "unchanged, skipped; it ended: not to be believed" in again.out
+    assert "unchanged, skipped; it ended: energy balance not" in again.out
     verdict = heavylift("verify", case, "--json")
     assert verdict.code == 15
     assert json.loads(verdict.out)["cases"][0]["checks"][0]["passed"] is False
     assert heavylift("run", case).code == 15
-    assert "not to be believed" in (case / "out" / "report" / "report.md").read_text()
+    assert "energy balance not" in (case / "out" / "report" / "report.md").read_text()
 
 
 @pytest.mark.slow

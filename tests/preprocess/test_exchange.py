@@ -294,7 +294,7 @@ def test_what_one_mode_cannot_tell_must_be_named(bar, files):
         files / "modeShapeMatrix.dat",
         lambda lines: [line.split()[0] for line in _without_rows(lines, clamp)],
     )
-    with pytest.raises(InputError, match="one mode cannot tell which; expected the 6 omitted nodes"):
+    with pytest.raises(InputError, match="one mode does not determine which; expected the 6 omitted nodes"):
         read_four_files(files)
     data = read_four_files(files, clamped_nodes=clamp.tolist())
     np.testing.assert_array_equal(data.modes[:, 0], modes[:, 0])

@@ -57,5 +57,5 @@ def test_axis_and_normal_are_square():
     lead = FleetAngle(
         name="seen", body_a=GROUND, point_a=zero, body_b="b", point_b=A, normal=np.array([0.0, 1.0, 0.1])
     )
-    with pytest.raises(InputError, match="is not square to axis"):
+    with pytest.raises(InputError, match="is not perpendicular to axis"):
         check_object(lead)

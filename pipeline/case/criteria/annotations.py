@@ -125,7 +125,7 @@ class OneChannel:
             )
         if quantity.members and not self.group:
             count = len(quantity.members)
-            reject(f"{name!r} is of {count} things", f"one number, e.g. 'sum({name})'")
+            reject(f"{name!r} is of {count} items", f"one number, e.g. 'sum({name})'")
         components = None if quantity.component else single_components(quantity.item, names)
         if not quantity.members and components is not None and len(components) > 1:
             reject(f"{name!r} has {len(components)} components", f"one of them: {', '.join(components)}")

@@ -200,7 +200,7 @@ class RiggedCriterion(LoadedCriterion):
 
 
 def phase_names(case: Any) -> list[str]:
-    """Names of the phases of the operation in their order, as the case file says them; empty if it has none."""
+    """Names of the phases of the operation in their order, as in the case file; empty if it has none."""
     scenario = case.document.get("scenario")
     phases = scenario.get("phases") if isinstance(scenario, dict) else None
     entries = phases if isinstance(phases, list) else []

@@ -104,7 +104,9 @@ class CraneCriterion(LoadedCriterion):
                 key="radius",
             )
         if self.hook is not None and self.reach is None:
-            reject("'hook' without 'reach'", "'reach', which says where the falls begin", key="hook")
+            reject(
+                "'hook' without 'reach'", "'reach', which gives the point where the falls begin", key="hook"
+            )
         for key in ("off_lead", "side_lead", "fall"):
             if getattr(self, key) is not None and self.hook is None:
                 reject(f"{key!r} without 'hook'", "'reach' and 'hook', between which the falls are", key=key)
@@ -255,7 +257,7 @@ class CraneCriterion(LoadedCriterion):
         if not (length > 0.0).all():
             raise run.error(
                 "the tip is on the axis of the crane",
-                "a tip beside the axis, which says where the boom points",
+                "a tip beside the axis, which gives the direction of the boom",
             )
         out = out / length
         down = -np.sum(fall * up, axis=1)

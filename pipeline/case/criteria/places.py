@@ -38,7 +38,7 @@ def sensor_at(case: Any, body: str, point: Sequence[float]) -> str | None:
 
 def check_place(case: Any, body: str, point: Sequence[float], key: str) -> None:
     """A place moves with a rigid body, or a sensor records where it is."""
-    if body == GROUND or case.bodies[body].type == "rigid" or sensor_at(case, body, point):
+    if body == GROUND or not case.bodies[body].BODY.DEFORMS or sensor_at(case, body, point):
         return
     at = ", ".join(f"{x:g}" for x in point)
     reject(f"where the point ({at}) of {body!r} is, is not recorded", "a sensor at this point", key=key)
@@ -46,8 +46,9 @@ def check_place(case: Any, body: str, point: Sequence[float], key: str) -> None:
 
 def check_axes(case: Any, body: str, key: str) -> None:
     """A body with a frame has axes, one of nodes has none."""
-    if body != GROUND and case.bodies[body].type in {"frame", "shell"}:
-        reject(f"{body!r} is a {case.bodies[body].type}, which has no axes", "a body with a frame", key=key)
+    if body != GROUND and not case.bodies[body].has_frame:
+        noun = case.bodies[body].BODY.NOUN
+        reject(f"{body!r} is a {noun}, which has no axes", "a body with a frame", key=key)
 
 
 def check_path(case: Any, name: str, key: str) -> None:

@@ -42,7 +42,7 @@ class Factor(NamedTuple):
         None of what the run has and no number says.
     where
         ``"in the run"``: the value has it by simulation; ``"on the value"`` or ``"on the limit"``: multiplied there;
-        ``"table, not applied"``: told for comparison.
+        ``"table, not applied"``: for comparison.
     """
 
     name: str
@@ -85,7 +85,7 @@ class CriterionResult:
     note
         What else is to be known; a warning if `warns`.
     warns
-        Whether it passes, but is told.
+        Whether it passes with a warning.
     history
         Times [s] and utilisations over the run, of the one that governs; None if there are none.
     """
@@ -121,7 +121,7 @@ class CriterionResult:
 
     @property
     def utilisation(self) -> float | None:
-        """Value over limit, of a least value limit over value; None where that says nothing: limits of zero."""
+        """Value over limit, of a least value limit over value; None where that gives no information: limits of zero."""
         used = float(utilisation(np.array(self.value), self.limit, self.side))
         return used if math.isfinite(used) else None
 

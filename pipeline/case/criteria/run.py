@@ -45,7 +45,7 @@ class Run(ABC):
     @property
     @abstractmethod
     def metadata(self) -> Mapping[str, Any]:
-        """What the run says of itself."""
+        """Summary of the run by itself."""
 
     @abstractmethod
     def history(self, name: str, side: str = "end") -> NDArray[np.float64]:
@@ -56,7 +56,7 @@ class Run(ABC):
 
     @abstractmethod
     def at_rest(self, name: str) -> float:
-        """Value of a channel when the criterion says that it is at rest."""
+        """Value of a channel at the time at which the criterion takes it to be at rest."""
 
     @abstractmethod
     def number(self, text: str) -> float:

@@ -56,7 +56,7 @@ class TransportCriterion(CriterionSection):
         rows = []
         assumed = {
             "static_tipping": "7 deg on rigid groups",
-            "tipping": "2 deg with what groups give way",
+            "tipping": "2 deg on compliant groups",
             "group_share": "all groups carry",
             "stroke_reserve": "within the strokes",
             "drive_share": "0.8 of the drives",
@@ -66,7 +66,7 @@ class TransportCriterion(CriterionSection):
         clauses = {key: (run.default(key, Clause(words, "assumption")),) for key, words in assumed.items()}
         for key, item, what in (
             ("static_tipping", "static", "tilt at which it tips over, rigid groups"),
-            ("tipping", "compliant", "tilt at which it tips over, groups that give way"),
+            ("tipping", "compliant", "tilt at which it tips over, compliant groups"),
         ):
             if name in run.metadata.get("tipping", {}):
                 value = np.array([run.number(f"tipping.{name}.{item}")])

@@ -511,6 +511,7 @@ class Meshes(BodyKind):
         Block shape for `heavylift.numerics.lanes`, which is known when a kernel is compiled.
     """
 
+    NODAL: ClassVar[bool] = True
     shape: ClassVar[Any]
     kernel_modules: ClassVar[tuple[str, ...]] = (
         "heavylift.solver.bodies.ancf.accurate",
@@ -567,6 +568,15 @@ class Meshes(BodyKind):
     sensors: Records[MeshSensor]
     loads: Records[MeshLoad]
     moving: MovingPoints
+
+    def lengths(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Masses and largest extensions."""
+        return self.body["mass"], self.body["size"]
+
+    @property
+    def hidden_coordinates(self) -> int:
+        """Free ones of the nodes beyond those of the bases."""
+        return int(self.free.sum()) - 3 * int(self.table["base_count"].sum())
 
     def _nodes(self, body: int) -> slice:
         """Places of the nodes of a body."""

@@ -48,6 +48,7 @@ from heavylift.solver.bodies.ancf.kind import (
 )
 from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
+from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.recording import placed
 from heavylift.solver.scene.meshes import DistributedLoad, DriftOutputs, FollowerLoad, FrameBody, MeshBody
@@ -61,8 +62,10 @@ __all__ = [
     "clears",
     "mass_and_inertia",
     "mesh_columns",
+    "pack",
     "pack_meshes",
     "pack_moving",
+    "point_count",
 ]
 
 
@@ -377,6 +380,11 @@ def mass_and_inertia(body: MeshBody) -> tuple[float, float]:
     return float(mass), float(np.linalg.eigvalsh(np.trace(second) * np.eye(3) - second)[2])
 
 
+def point_count(body: MeshBody, markers: BodyMarkers) -> int:
+    """Bases that some markers on a body take."""
+    return len(plan_bases(body, markers).bases)
+
+
 def mesh_columns(body: MeshBody) -> dict[str, tuple[str, ...]]:
     """Components of the channels of a body: of nodal vectors and velocities by node, of results by element."""
     of_type = type_of(body)
@@ -635,6 +643,19 @@ def _weigh(kind: Meshes) -> None:
                 place = element.nodes[i] + 3 * a
                 weight[place : place + 3] += force[i * vectors + a]
     assert weight.shape[0] % lanes == 0
+
+
+def pack(bodies: Sequence[MeshBody], places: BodyPlaces) -> Meshes:
+    """Make the kind of some frames or shells of a scene, see `pack_meshes`."""
+    return pack_meshes(
+        bodies,
+        places.number,
+        places.dofs,
+        places.columns,
+        places.markers,
+        places.sensors,
+        places.moving,
+    )
 
 
 def pack_meshes(

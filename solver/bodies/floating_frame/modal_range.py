@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,14 +121,10 @@ class ModalRange:
     """
 
     def __init__(
-        self, bodies: Sequence[object], channels: Sequence[Channel], joints: Sequence[Joint] = ()
+        self, bodies: Sequence[Any], channels: Sequence[Channel], joints: Sequence[Joint] = ()
     ) -> None:
         columns = {channel.name: channel.column for channel in channels}
-        self._bodies = [
-            _watched(body, columns, joints)
-            for body in bodies
-            if isinstance(body, FlexibleBody) and body.reduced.continuum and body.reduced.mode_count
-        ]
+        self._bodies = [_watched(body, columns, joints) for body in bodies if body.reduced.continuum]
         self.state = np.zeros((len(self._bodies), SHARES))
         self._largest = np.array([body.largest for body in self._bodies]).reshape(-1, SHARES)
 

@@ -13,13 +13,14 @@ from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.floating_frame.kind import FlexibleIndex, FloatingFrame, FloatingFrameBodies
 from heavylift.solver.bodies.frames.base import SLENDER
+from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, PackedMarker, pack_markers
 from heavylift.solver.recording import placed
 from heavylift.solver.scene.bodies import Driven, Fixed, FlexibleBody, Free, HeldOutputs, ModalOutputs
 from heavylift.solver.scene.outputs import Columns
 
-__all__ = ["frame_inertia", "pack_floating_frames", "pack_shape"]
+__all__ = ["frame_inertia", "pack", "pack_floating_frames", "pack_shape"]
 
 
 SMALLEST_FRAME_SHARE = 0.1
@@ -53,6 +54,13 @@ def pack_shape(integrals: ShapeIntegrals) -> NDArray[np.float64]:
         ]
     )
     return np.concatenate([block, np.zeros(-len(block) % 8)])  # the next block begins at a cache line too
+
+
+def pack(bodies: Sequence[FlexibleBody], places: BodyPlaces) -> FloatingFrameBodies:
+    """Make the kind of some bodies of a scene, see `pack_floating_frames`."""
+    return pack_floating_frames(
+        bodies, places.number, places.dofs[0], places.columns, places.markers, places.sensors
+    )
 
 
 def pack_floating_frames(

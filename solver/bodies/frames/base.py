@@ -147,6 +147,7 @@ class FrameBodies(BodyKind):
         "heavylift.solver.bodies.frames.motion",
     )
 
+    FRAMES: ClassVar[bool] = True
     largest_turn: ClassVar[float]
 
     table: Records[FrameIndex]
@@ -155,6 +156,10 @@ class FrameBodies(BodyKind):
     markers: Records[PackedMarker]
     sensors: Records[PackedMarker]
     driven: bool
+
+    def lengths(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Masses, and how far what is attached reaches."""
+        return self.frame["mass"], self.frame["reach"]
 
     def _dofs(self) -> NDArray[np.int64]:
         """Places of the velocities of the frames, shape (bodies, 6)."""

@@ -104,6 +104,10 @@ class RigidBodies(RigidFrames):
 
     carried_fields: ClassVar[tuple[str, ...]] = ("frame",)
 
+    def straighten(self) -> None:
+        """Of all bodies."""
+        self.frame["arc"] = 0.0
+
     def place_coordinates(self, place: int) -> tuple[Records[Coordinates], int]:
         """Coordinates in a state vector of the accurate integrator, from a place on, and the place behind them."""
         table, found = self.table, records(Coordinates, len(self.table))

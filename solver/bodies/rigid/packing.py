@@ -12,12 +12,20 @@ from heavylift.numerics.records import records
 from heavylift.numerics.rotation import quaternion_from_matrix, rotation_matrix
 from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame, RigidIndex
+from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
 from heavylift.solver.markers import BodyMarkers, pack_markers
 from heavylift.solver.scene.bodies import Driven, Fixed, Free, HeldOutputs, RigidBody
 from heavylift.solver.scene.outputs import Columns
 
-__all__ = ["pack_rigid_bodies", "principal_frame"]
+__all__ = ["pack", "pack_rigid_bodies", "principal_frame"]
+
+
+def pack(bodies: Sequence[RigidBody], places: BodyPlaces) -> RigidBodies:
+    """Make the kind of some bodies of a scene."""
+    return pack_rigid_bodies(
+        bodies, places.number, places.dofs[0], places.columns, places.markers, places.sensors
+    )
 
 
 def pack_rigid_bodies(

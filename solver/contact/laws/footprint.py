@@ -58,7 +58,7 @@ def weigh_footprint(
         share = SHARES[i] * (1.0 - GAUSS[i]) ** 2 / whole
         for k in range(ANGLES):
             angle = 2.0 * math.pi * (k + 0.5) / ANGLES
-            # along S_u and square to it in the tangent plane
+            # along S_u and perpendicular to it in the tangent plane
             x, y = r * math.cos(angle), r * math.sin(angle)
             dv = y / across
             du = x / size - b / a * dv

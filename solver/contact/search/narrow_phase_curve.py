@@ -124,7 +124,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
         for k in range(3):
             scratch.arm[k] = 0.0
     elif pose.width > 0.0:
-        # the director lies along the width; the normal is square to it and to the curve
+        # the director lies along the width; the normal is perpendicular to it and to the curve
         n1, n2, n3 = cross(pose.sequencer, (t1, t2, t3))
         size = contacts.contours[contour].flip / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = size * n1, size * n2, size * n3

@@ -2,9 +2,9 @@
 
 The time is found by Newton's method on the gap at the end of the step, with the rate of the gap there, inside a
 bracket. A contact that touches at the start of the step and would be inside at its end, without a time between
-that could be told from the start, joins the closed ones and the step is repeated. What may have gone through the other
+that could be known at the start, joins the closed ones and the step is repeated. What may have gone through the other
 and out again within the step is looked at in between first. After `MOST_EVENTS` impacts in a
-whole step the rest of it goes on without restitution and without splitting: so a bouncing ball comes to rest. So it
+whole step the rest of it continues without restitution and without splitting: so a bouncing ball comes to rest. So it
 does for all contacts where impacts follow each other without end, as where a pile rocks or an arch comes apart; there
 surfaces look ahead for the rest of the step.
 """

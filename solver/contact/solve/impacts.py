@@ -162,7 +162,7 @@ def _project(
     for j in range(count):
         _tell_end(contacts, j, smooth, work)
     assemble_response(contacts, rows, count)
-    for j in range(count):  # whether it rests afterwards is told by the rate before
+    for j in range(count):  # whether it rests afterwards follows from the rate before
         c = present_at(contacts, j)
         contacts.state[c].rate = contact_rates(contacts, c, work.velocity)[0]
     if not solve_present(contacts, count, work):

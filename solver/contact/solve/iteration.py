@@ -238,7 +238,7 @@ def iterate(
     limit
         Most iterations.
     accepted
-        Residual of a solution, relative to the rates; ACCEPTED: go on from there to the limit of rounding.
+        Residual of a solution, relative to the rates; ACCEPTED: continue from there to the limit of rounding.
 
     Returns
     -------

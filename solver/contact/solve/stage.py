@@ -102,7 +102,7 @@ def looks_ahead(contacts: ContactRows, c: int) -> bool:
 def _passes_by(contacts: ContactRows, c: int) -> bool:
     """Whether features that are apart will be beside each other when their gap closes, or never close it.
 
-    Gap and distance beside them go on through the step as they have changed up to its predicted middle.
+    Gap and distance beside them continue through the step as they have changed up to its predicted middle.
     """
     state = contacts.state[c]
     gap, beside = state.gap, state.start_beside

@@ -1,4 +1,4 @@
-"""Contacts between triangles that go on with other features, and what jumps of their gaps do to the energy."""
+"""Contacts between triangles that continue with other features, and what jumps of their gaps do to the energy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from heavylift.solver.contact.triangles.sides import ALIGNED, aligned, evaluate,
 __all__ = ["book_jump", "goes_on", "turn_memory"]
 
 WAYS = 4.0
-"""Ways of the step, and of the contact beyond its border, within which it goes on."""
+"""Ways of the step, and of the contact beyond its border, within which it continues."""
 
 SAME_PLACE = 1e-7
 """Of the size: places that differ by less are the same."""

@@ -60,7 +60,7 @@ def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
 def _tangent(
     meshes: SurfacePairs, pair: int, kind: int, feature: int, other: int, n1: float, n2: float, n3: float
 ) -> Direction:
-    """A unit vector square to the normal, in the axes of the first surface; it moves with the features.
+    """A unit vector perpendicular to the normal, in the axes of the first surface; it moves with the features.
 
     Elastic slip is carried along it, so it is no matter of how the bodies lie in the world.
     """

@@ -1,4 +1,4 @@
-"""Which way is out of closed surfaces: told by windings and places at the start, which no search of contacts reads.
+"""Outward directions of closed surfaces: from windings and positions at the start, which no search of contacts reads.
 
 So it can judge them: a face of a closed surface pushes what was outside of it outwards, and what was within it inwards.
 """

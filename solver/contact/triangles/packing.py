@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from heavylift.contours.triangles.surface_layout import RelativeMotion, Relative
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.rotation import rotation_matrix
-from heavylift.solver.bodies.rigid.packing import principal_frame
 from heavylift.solver.contact.checks import check_law, check_motion
 from heavylift.solver.contact.kind import (
     COMPLIANT,
@@ -43,7 +42,7 @@ from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.contacts import BilateralLaw, RigidLaw
 from heavylift.solver.scene.meshes import MeshBody
-from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.scene import Scene
 
 if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
@@ -88,7 +87,7 @@ def pack_collisions(
     Parameters
     ----------
     scene, ordered
-        What the user said, and its bodies in the order of their kinds.
+        The scene, and its bodies in the order of their kinds.
     columns
         First record column of each collision, and of those of its contacts that are recorded.
     attachment, dofs, scales
@@ -316,10 +315,10 @@ def _pack_surface(
             key="body",
             expected=f"{GROUND} or one of {', '.join(sorted(by_name))}",
         )
-    body = by_name.get(one.body)
-    if isinstance(body, MeshBody):
+    body: Any = by_name.get(one.body)
+    if body is not None and body.SHAPE:
         return _pack_own_surface(one, body, list(by_name).index(one.body), dofs)
-    if one.surface is None or not (body is None or isinstance(body, RigidBody)):
+    if one.surface is None or not (body is None or body.CONTOURS == "rigid"):
         raise InputError(
             f"no triangles on {one.body!r}" if one.surface is None else f"triangles on {one.body!r}",
             source=one.name,
@@ -329,7 +328,7 @@ def _pack_surface(
                 "bodies with modes touch by contours"
             ),
         )
-    origin, axes = principal_frame(body) if body is not None else (np.zeros(3), np.eye(3))
+    origin, axes = body.contour_frame() if body is not None else (np.zeros(3), np.eye(3))
     surface = TriangleSurface(
         (one.surface.points - origin) @ axes, one.surface.triangles, one.surface.radius, one.name
     )
@@ -385,7 +384,12 @@ def _check(collision: Collision, scene: Scene, scales: Callable[[str], tuple[flo
         _refuse(collision, "between", f"{bodies[0]!r} touches itself", "surfaces of two bodies")
     check_motion(collision.name, bodies[0], bodies[1], scales)
     if isinstance(collision.law, BilateralLaw):
-        _refuse(collision, "law", "bilateral, between surfaces that come and go", "a law that lets go")
+        _refuse(
+            collision,
+            "law",
+            "bilateral, between surfaces whose contacts open and close",
+            "a law that can open",
+        )
     check_law(collision.name, collision.law, collision.friction)
     if collision.method not in METHODS:
         _refuse(collision, "method", f"{collision.method!r}", " or ".join(map(repr, METHODS)))

@@ -2,7 +2,7 @@
 
 The search begins at the poses of the last end and goes to those of this one. What it finds is looked up among the
 contacts that are there; what is new becomes one if its patch needs it. A contact that slides over the border of its
-face goes on with the face that was found beyond it.
+face continues with the face that was found beyond it.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def search_mesh_surfaces(
         relative_pose(placed_pose(first_placed, 0), placed_pose(second_placed, 0), motion.start)
         relative_pose(contacts.poses[a], contacts.poses[b], motion.end)
         copy_pose(motion.end, meshes.relative[pair])
-        if meshes.pairs[pair].deforms:  # its points are those of the end, so paths say nothing
+        if meshes.pairs[pair].deforms:  # its points are those of the end, so paths give no information
             copy_pose(motion.end, motion.start)
         moved = contacts.poses[a].step_shift + contacts.poses[b].step_shift
         _search_pair(meshes, contacts, bodies, pair, moved, step, first, work)
@@ -219,7 +219,7 @@ def _hand_over(
     moved: float,
     work: Workspace,
 ) -> bool:
-    """A contact that holds and has left its face or edge goes on with what was found there, its memory kept."""
+    """A contact that holds and has left its face or edge continues with what was found there, its memory kept."""
     c, side = goes_on(meshes, contacts, pair, i, moved)
     if c < 0:
         return False

@@ -1,4 +1,4 @@
-"""On which side of each other features are that were found: told by where they begin, or by what touches already."""
+"""The side of each other on which found features are: from their start, or from existing contacts."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 ALIGNED = 0.9
-"""Cosine between normals of contacts that lie on the same side of the same thing."""
+"""Cosine between normals of contacts that lie on the same side of the same part."""
 
 ABOUT_NOTHING = 1e-6
 """Of the size: a gap that does not tell the side."""
@@ -129,9 +129,9 @@ def _told(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, ne
 
 @kernel(internal=True)
 def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, first: bool) -> None:
-    """Sides of what was found and is no contact yet; what was inside before, and has none to go on from, is unknown.
+    """Sides of what was found and is no contact yet; what was inside before, and has none to continue from, is unknown.
 
-    Which side it comes from is told by what touches already, and it may be as deep inside as that.
+    Its side follows from existing contacts, and it may be as deep inside as these.
     """
     size = meshes.pair_values[pair].length_scale
     nothing = ABOUT_NOTHING * size + 2.0 * deepest_of(meshes, contacts, pair)

@@ -1,7 +1,7 @@
 """Fillings of tanks for the stages of an operation, and the hull girder in still water; plain NumPy.
 
-At each stage the hull is to lie with a given heel and trim, and a given draft if one is said. Weight, buoyancy and free
-surfaces give three equations for the masses m of the tanks, linear but for the centres of water in tanks of odd
+At each stage the hull is to lie with a given heel and trim, and a given draft if there is one. Weight, buoyancy and
+free surfaces give three equations for the masses m of the tanks, linear but for the centres of water in tanks of odd
 shapes, so Newton's method on them ends in a few rounds. Of all fillings that fulfil them the one is taken that pumps
 least after the stage before,
 
@@ -200,7 +200,7 @@ def plan_stages(
         if abs(position.pose.trim - stage.trim) + abs(position.pose.list - stage.heel) > 1e-6:
             raise InputError(
                 f"stage {stage.name!r}: the hull does not stay at a heel of {math.degrees(stage.heel):.4g} and a trim"
-                f" of {math.degrees(stage.trim):.4g} deg, it goes to {math.degrees(position.pose.list):.4g} and"
+                f" of {math.degrees(stage.trim):.4g} deg, it moves to {math.degrees(position.pose.list):.4g} and"
                 f" {math.degrees(position.pose.trim):.4g} deg",
                 source=hull.name,
                 key="tanks",
@@ -287,7 +287,7 @@ def _fill(
         f"stage {stage.name!r}: no filling found in {ROUNDS} rounds",
         source=hull.name,
         key="tanks",
-        expected="tanks whose centres go evenly with their water",
+        expected="tanks whose centres vary smoothly with their water",
     )
 
 

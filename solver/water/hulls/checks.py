@@ -137,12 +137,12 @@ def left_because(bodies: Bodies, number: int) -> tuple[str, str]:
                 )
             if least > 0.0 and volume < least:
                 return (
-                    f"it displaces {volume:.3g} m3 and is as good as out of the water",
+                    f"it displaces {volume:.3g} m3 and is almost out of the water",
                     "lower waves, the right mass, or no database for a hull that leaves the water",
                 )
             if least > 0.0:
                 return (
-                    "it is wholly under water",
+                    "it is completely submerged",
                     "lower waves, more freeboard or stability, the right mass, or no database for a hull that sinks",
                 )
     return "", "a database that covers the motion"

@@ -10,7 +10,7 @@ kilogram of each pump does to them, A, follows from the stiffness of the hull in
 is the least of all flows q of the pumps that does it, besides those f that have no room: a pump that would run its
 tank over or dry within a period, with the water that still follows by its lag, or that cannot turn round. The share
 s <= 1 keeps every pump within its rate. The flow of a pump follows c with its own lag, exactly, so nothing depends on
-the steps but the times of the looks, which are whole steps; all is carried, so a run goes on bit for bit.
+the steps but the times of the looks, which are whole steps; all is carried, so a continued run is bitwise identical.
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ class Controllers(Arrays):
     Attributes
     ----------
     table, aims, served, plans
-        What was said.
+        The description.
     state, aim_state
         Carried.
     effects
@@ -447,7 +447,7 @@ def pack_controllers(
     Parameters
     ----------
     sea
-        What the user said.
+        The scene.
     hulls
         The kind of all hulls.
     names
@@ -561,7 +561,7 @@ def begin_controllers(kind: Controllers, names: Sequence[str]) -> None:
         values = np.linalg.svd(unit, compute_uv=False)
         if not (sizes > 0.0).all() or len(values) < len(A) or values[-1] < DEPENDENT * values[0]:
             raise InputError(
-                f"{len(A)} things to keep, and the pumps can change {int((values > DEPENDENT * values[0]).sum())}"
+                f"{len(A)} quantities to keep, and the pumps can change {int((values > DEPENDENT * values[0]).sum())}"
                 " of them by themselves",
                 source=name,
                 key="pumps",

@@ -22,7 +22,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.preprocess.hydrodynamics.plausibility import check_long_waves
-from heavylift.solver.scene.scenario import TankRate
+from heavylift.solver.scene.operations import MOVES
 from heavylift.solver.scene.sea import LinearRestoring, RestoringOfSurface
 from heavylift.solver.water.hulls.checks import check_places
 from heavylift.solver.water.hulls.clipping import Clip, clip_surface_now
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 __all__ = ["check_databases", "check_rest", "weight_words"]
 
 TOLD = 0.05
-"""Difference from which on a user is told: of a volume, area or second moment, of a length against the gyradius of the
-water plane."""
+"""Difference from which on there is a warning: of a volume, area or second moment, of a length against the gyradius of
+the water plane."""
 REFUSED = 0.2
 """Difference that is refused."""
 VOLUME_REFUSED = 0.1
@@ -183,7 +183,7 @@ def _check_hull(database: HydrodynamicDatabase, row: int, body: FloatingBody) ->
 
 
 def _in_numbers(body: FloatingBody) -> bool:
-    """Whether buoyancy is given in numbers, which stand for no surface: they are told of, never refused."""
+    """Whether buoyancy is given in numbers, without a surface: differences are reported, never refused."""
     restoring = body.hull.restoring
     return isinstance(restoring, LinearRestoring) and not isinstance(restoring, RestoringOfSurface)
 
@@ -382,7 +382,7 @@ def weight_words(
     at: str = "at rest",
     scenario: Scenario | None = None,
 ) -> str:
-    """What is to be told of what a hull displaces at rest against its database; empty if they agree.
+    """Warning if a hull displaces at rest another volume than its database; empty if they agree.
 
     Parameters
     ----------
@@ -430,7 +430,9 @@ def _pumped(sea: Sea, name: str, scenario: Scenario | None) -> bool:
     """Whether tanks of a hull fill or empty, so that its draught at the start is not that of the database."""
     of_pumps = {end for pump in sea.pumps for end in (pump.source, pump.target)}
     if scenario is not None:
-        of_pumps |= {action.tank for action in scenario.actions if isinstance(action, TankRate)}
+        of_pumps |= {
+            one.name for one in scenario.commands if one.actuates == "tank" and one.operation in MOVES
+        }
     return any(
         tank.hull == name and (tank.name in of_pumps or len(tank.schedule[0]) > 1) for tank in sea.tanks
     )

@@ -321,7 +321,7 @@ def settle(floating: FloatingHull, start: Pose, *, heeled: bool = False) -> Pose
     Newton's method on the gradient, with eigenvalues of the stiffness replaced by their absolute values, a largest
     step, and bisection of the step while the potential does not fall (Nocedal and Wright, *Numerical Optimization*,
     2006, section 3.4). At a position that is not stable, as upright with a negative metacentric height, the hull is
-    given a small list or trim, and goes on from there.
+    given a small list or trim, and continues from there.
     """
     free = np.array([0, 2] if heeled else [0, 1, 2])
     scale = np.array([floating.size, 1.0, 1.0])[free]

@@ -264,7 +264,7 @@ class PumpData(Record):
 
 
 class PumpRow(Record):
-    """From a time on [s], what a pump is told [kg/s], with its flow [kg/s] and the mass that it has moved [kg] then."""
+    """From a time on [s], the command of a pump [kg/s], with its flow [kg/s] and the mass moved [kg] then."""
 
     time: float
     command: float
@@ -375,7 +375,7 @@ class Hulls(RigidFrames):
     tanks, tank_levels, tank_rows
         Tanks; rows of their schedules and of their shapes.
     pumps, pump_rows, tide
-        Pumps, and what they are told, which is carried: who commands one writes its rows; levels of the still water.
+        Pumps, and their commands, which are carried: the commander of one writes its rows; levels of the still water.
     tangents, rate_tangents, line_ends
         Stiffness and damping matrices of lines and fenders, shared with them, shapes (n, 9); their ends.
     state
@@ -388,6 +388,7 @@ class Hulls(RigidFrames):
         Undisturbed waves, for records.
     """
 
+    FLOATS: ClassVar[bool] = True
     kernel_modules: ClassVar[tuple[str, ...]] = (
         *RigidFrames.kernel_modules,
         "heavylift.solver.water.hulls.record",

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase, over_full_circle
-from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.scene import Scene
 from heavylift.solver.water.hulls.frequency_domain import LinearHulls, linear_hulls, rigid_body_mass
 from heavylift.solver.water.waves.spectra import dispersion
 from heavylift.solver.water.waves.wave_transfer import excitation_at
@@ -349,7 +349,7 @@ def _check(scene: Scene) -> None:
             key="sea",
             expected="hulls with a hydrodynamic database, which have response operators",
         )
-    soft = [body.name for body in scene.bodies if not isinstance(body, RigidBody) and _moves(body)]
+    soft = [body.name for body in scene.bodies if body.DEFORMS and _moves(body)]
     if soft:
         raise InputError(
             f"{soft[0]!r} is no rigid body",
@@ -372,12 +372,14 @@ def _without_waves(sea: Sea) -> Sea:
     fields = tuple(
         replace(one, fluctuation=None) if isinstance(one, WindField) else one for one in sea.fields
     )
-    return replace(sea, waves=None, ramp=0.0, fields=fields, radiation=())  # at rest databases say nothing
+    return replace(
+        sea, waves=None, ramp=0.0, fields=fields, radiation=()
+    )  # at rest databases give no information
 
 
 def _parts(layout: Any, scene: Scene) -> list[_Part]:
     """Free bodies in the order of the coordinates."""
-    from heavylift.solver.bodies.rigid.kind import RigidBodies, RigidFrame
+    from heavylift.solver.bodies.rigid.kind import RigidFrame
     from heavylift.solver.drive import FREE
 
     sea = scene.sea
@@ -385,12 +387,9 @@ def _parts(layout: Any, scene: Scene) -> list[_Part]:
     hulls: dict[str, _Part] = {}
     others: list[tuple[str, int, RigidFrame]] = []
     for kind in layout.bodies:
-        floats = type(kind).__name__ == "Hulls"
-        if not floats and not isinstance(kind, RigidBodies):
-            continue  # fixed ones
         for row, table in enumerate(kind.table):
             name = layout.body_names[table.number]
-            if floats:
+            if kind.FLOATS:
                 hulls[name] = _hull_part(kind, row, name, sea)
             elif table.motion == FREE:
                 others.append((name, int(table.dof), kind.frame[row]))

@@ -14,6 +14,7 @@ from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.rigid.kind import RigidFrame
 from heavylift.solver.bodies.rigid.packing import pack_rigid_bodies
+from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.markers import BodyMarkers
 from heavylift.solver.scene.ballast import PumpOutputs
 from heavylift.solver.scene.outputs import Columns
@@ -77,6 +78,27 @@ LEAST_SHARE = 0.02
 """Of the whole volume of a hull, that it must displace while a database is to hold."""
 
 
+def pack(bodies: Sequence[FloatingBody], places: BodyPlaces) -> Hulls:
+    """Make the kind of the hulls of a scene, see `pack_hulls`."""
+    afloat = places.sea
+    assert afloat is not None
+    return pack_hulls(
+        bodies,
+        places.number,
+        places.dofs[0],
+        places.columns,
+        places.markers,
+        places.sensors,
+        sea=afloat.sea,
+        tangents=afloat.tangents,
+        rate_tangents=afloat.rate_tangents,
+        line_ends=afloat.line_ends,
+        step=afloat.step,
+        notes=afloat.notes,
+        columns=afloat.columns,
+    )
+
+
 def pack_hulls(
     bodies: Sequence[FloatingBody],
     first_number: int,
@@ -93,7 +115,7 @@ def pack_hulls(
     notes: list[str],
     columns: Mapping[str, Columns],
 ) -> Hulls:
-    """Make the kind from what the user said.
+    """Make the kind from the scene.
 
     Parameters
     ----------
@@ -310,7 +332,7 @@ def _pack_tanks(
 def _pack_pumps(
     sea: Sea, tanks: Sequence[Tank], columns: Mapping[str, Columns]
 ) -> tuple[Records[PumpData], Records[PumpRow]]:
-    """Pumps with the rows of what they are told; one of a pump that a controller tells."""
+    """Pumps with the rows of their commands; one for a pump that a controller commands."""
     places = {tank.name: i for i, tank in enumerate(tanks)}
     told = {name for one in sea.controllers for name in one.pumps}
     rows: list[PumpRow] = []

@@ -276,7 +276,7 @@ def gather_hull_forces(kind: Hulls, work: Workspace) -> None:
 
 
 ROUNDING = 1e-10
-"""Of a velocity, below which differences of velocities are not told from rounding."""
+"""Of a velocity, below which differences of velocities are rounding."""
 
 
 @implement(factor, Hulls)

@@ -1,7 +1,7 @@
 """Water in the tanks of hulls: how much by schedules and pumps, where it is, what it brings; level of the sea.
 
 A tank of a box or a table has its centre, the second moments of its free surface and its depth by its mass, linear
-between rows; without water and pressed up it has no free surface. A pump follows what it is told with a lag, exactly,
+between rows; without water and pressed up it has no free surface. A pump follows its command with a lag, exactly,
 so the water in all tanks and the sea together is the same at any time. What comes into a tank has the velocity of
 the hull. Its energy, with that of the free surface, and what the tide lifts, are work from outside.
 """
@@ -39,7 +39,7 @@ Contents = tuple[tuple[float, float, float], float, float, float]
 
 @kernel(internal=True)
 def pump_at(kind: Hulls, pump: int, time: float) -> tuple[float, float, float]:
-    """Flow [kg/s], what it is told [kg/s], and mass that it has moved [kg], at a time."""
+    """Flow [kg/s], commanded flow [kg/s], and mass that it has moved [kg], at a time."""
     data, rows = kind.pumps[pump], kind.pump_rows
     low, high = data.first, data.first + data.count
     while high - low > 1:

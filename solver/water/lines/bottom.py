@@ -636,7 +636,7 @@ def trace_over_bottom(
         As in `solve_over_bottom`.
     nodes
         Written if it has rows: x, z over the lower end [m], tension [N], from the upper end; shape (sections + 1, 3).
-        What a slack line has too much of is drawn straight, and shortened.
+        The excess of a slack line is drawn straight, and shortened.
     """
     first, count, tail = line.first, line.count, line.tail
     slope, slack = state.slope, state.branch == SLACK

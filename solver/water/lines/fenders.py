@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
@@ -30,6 +30,7 @@ from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.scene.connections import Between
 from heavylift.solver.scene.descriptions import no_rows
+from heavylift.solver.scene.drawn import At, Element, Pad
 from heavylift.solver.scene.moorings import MOORINGS
 from heavylift.solver.scene.outputs import Columns, Outputs, channel, largest, outputs, smallest
 
@@ -72,6 +73,11 @@ class Fender(Between):
         field(default_factory=no_rows)
     )
     """[N], one a compression."""
+
+    def drawn(self) -> Iterable[Element]:
+        """A pad with its face at its tip."""
+        at = At(self.body_a, np.asarray(self.point_a))
+        yield Pad(name=self.name, role="fender", at=at, normal=np.asarray(self.direction))
 
     @staticmethod
     def check_sides(between: tuple[str, str]) -> None:
@@ -217,7 +223,7 @@ def fender_markers(book: MarkerBook, fenders: Sequence[Fender]) -> list[tuple[in
 def pack_fenders(
     fenders: Sequence[Fender], markers: Sequence[tuple[int, int, int]], columns: Sequence[Columns]
 ) -> Fenders:
-    """Make the kind from what the user said, markers of `fender_markers`, and the first record column of each.
+    """Make the kind from the scene, markers of `fender_markers`, and the first record column of each.
 
     Raises
     ------

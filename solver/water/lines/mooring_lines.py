@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -28,6 +29,7 @@ from heavylift.solver.interface import (
 from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene.connections import GROUND, Between
+from heavylift.solver.scene.drawn import Element, Hanging, Text
 from heavylift.solver.scene.moorings import MOORINGS, LineSection, SeabedSlope
 from heavylift.solver.scene.outputs import Outputs, channel, largest, outputs, smallest
 from heavylift.solver.water.lines.bottom import BottomState, read_ends_over_bottom, solve_over_bottom
@@ -95,6 +97,13 @@ class MooringLine(Between):
     """Coefficient of the bottom along the line."""
     strain_limit: Annotated[float, Quantity("number", minimum=0.0)] = 0.1
     """Mean strain at which a simulation stops."""
+
+    def drawn(self) -> Iterable[Element]:
+        """Where it hangs."""
+        yield Hanging(
+            name=self.name, role="mooring", ends=self.sides, line=self, tension=f"{self.name}.tension"
+        )
+        yield Text(name=self.name, role="mooring", at=self.sides[1], text=self.name)
 
     @staticmethod
     def check_sides(between: tuple[str, str]) -> None:
@@ -193,7 +202,7 @@ class MooringState(BottomState):
 
 
 class MooringScratch(LineEnds):
-    """Lower end of a mooring line for a record, the solution that the steps go on from, and the tension last found."""
+    """Lower end of a mooring line for a record, the solution from which steps continue, and the last tension."""
 
     solution: BottomState
     tension: float
@@ -333,7 +342,7 @@ def watch_mooring_lines(kind: MooringLines, work: Workspace) -> None:
 @implement(begin_record, MooringLines)
 @kernel(internal=True)
 def begin_line_records(kind: MooringLines) -> None:
-    """Steps go on from what they found themselves: a record does not change the run, not in its last bits."""
+    """Steps continue from what they found themselves: a record does not change the run, not in its last bits."""
     for i in range(kind.lines.shape[0]):
         _copy_solution(kind.state[i], kind.scratch[i].solution)
 

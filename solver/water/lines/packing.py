@@ -48,7 +48,7 @@ def pack_mooring_lines(
     Parameters
     ----------
     lines
-        What the user said.
+        The scene.
     markers
         Of anchor and fairlead, from `line_markers`.
     columns

@@ -156,7 +156,7 @@ def check_line(line: MooringLine, anchor: NDArray[np.float64], fairlead: NDArray
             source=line.name,
             key="sections",
             expected=f"a length of {span:g} m or more, from the anchor to the fairlead; a stretch of"
-            f" {min(START_STRAIN, line.strain_limit):.3g} at the start is taken",
+            f" {min(START_STRAIN, line.strain_limit):.3g} at the start is accepted",
         )
 
 
@@ -174,7 +174,7 @@ def check_ends(
     line, anchor, fairlead
         As in `check_line`; a length may be open.
     on_seabed
-        Whether the anchor was said to be on the bottom.
+        Whether the anchor is given to be on the bottom.
 
     Raises
     ------
@@ -234,7 +234,7 @@ def hang_line(
 
     Notes
     -----
-    A slack line is longer than it needs to be; what lies on the seabed is drawn straight, and shortened.
+    A slack line has excess length; its part on the seabed is drawn straight, and shortened.
     """
     x, z, slope, clearance = plane_of_line(line, anchor, fairlead)
     seabed = line.seabed is not None

@@ -95,7 +95,7 @@ class WaveSpectrum:
         Frequencies [rad/s] between which the density is smooth and well resolved by eight Gauss points,
         shape (panels + 1,).
     tail
-        Whether the density goes on beyond the last break as ``omega^-5 exp(-c omega^-4)``.
+        Whether the density continues beyond the last break as ``omega^-5 exp(-c omega^-4)``.
     peak_frequency
         [rad/s]; of the largest density.
     """

@@ -273,7 +273,7 @@ def wind_components(
     points
         Along the wind, across it, height above the water [m]; shape (3,) or (points, 3).
     seed
-        Of a PCG64 generator of its own: the same seed gives the same bits.
+        Of a PCG64 generator of its own: the same seed gives bitwise identical numbers.
     count
         Bins, equal in the logarithm of the frequency, with one random frequency in each, so that nothing repeats.
         Each carries the variance of its bin exactly.

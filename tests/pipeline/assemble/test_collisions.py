@@ -98,7 +98,7 @@ def test_a_damaged_file_is_made_anew_and_another_folder_lends_its_own(folder, tm
     assert any("floor: unchanged, taken from" in line for line in lines)
     assert any("plating: 10 triangles" in line for line in lines)
     lines, _ = mesh(case, out.root)
-    assert any("is damaged, made anew" in line for line in lines)
+    assert any("is damaged, read again" in line for line in lines)
     assert out.surface("plating").read_bytes() == whole
 
 

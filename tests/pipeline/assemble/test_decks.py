@@ -7,7 +7,7 @@ import pytest
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.case.case_file import load_case
-from heavylift.pipeline.pictures.outer_surface import surface_from_mesh
+from heavylift.pipeline.drawn.outer_surface import surface_from_mesh
 from heavylift.pipeline.results.storage import read_json
 from heavylift.pipeline.stages.stages import run_case
 

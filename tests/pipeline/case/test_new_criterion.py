@@ -135,7 +135,7 @@ from heavylift.pipeline.report.document import Album, Figure
 (section,) = criteria_section(case, folder / "out", results, judged.criteria, {}, Album(folder / "report"))
 assert section.items[0].rows[0][0] == "on_spot: distance from the origin"
 captions = [item.caption for item in section.items if isinstance(item, Figure)]
-assert captions[0] == "Distance over height; at most 250.0 % is used.", captions
+assert captions[0] == "Distance over height; largest utilisation 250.0 %.", captions
 assert (folder / "report" / "offset_on_spot.png").is_file()
 print("all")
 """

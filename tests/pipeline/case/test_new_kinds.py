@@ -14,7 +14,6 @@ FORCE = '''
 
     from __future__ import annotations
 
-    from collections.abc import Sequence
     from dataclasses import dataclass
     from typing import Annotated, ClassVar
 
@@ -27,10 +26,9 @@ FORCE = '''
     from heavylift.numerics.records import Record, Records, filled, records
     from heavylift.solver.interface import FORCES as LEVEL, Workspace, add_forces, record_forces
     from heavylift.solver.kinds import implement
-    from heavylift.solver.markers import MarkerBook
     from heavylift.solver.recording import outputs_at
     from heavylift.solver.scene.connections import FORCES, Between, PackedForce
-    from heavylift.solver.scene.outputs import Columns, Outputs, channel, outputs
+    from heavylift.solver.scene.outputs import Outputs, channel, outputs
 
 
     @outputs
@@ -67,19 +65,19 @@ FORCE = '''
         table: Records[DipolesEntry]
 
 
-    def pack(forces: Sequence[Dipoles], columns: Sequence[Columns], book: MarkerBook) -> AllDipoles:
+    def pack(forces, context):
         """Make the kind."""
         rows = [
             filled(
                 DipolesEntry,
-                a=book.point(f.body_a, f.point_a, LEVEL),
-                b=book.point(f.body_b, f.point_b, LEVEL),
-                column=column,
+                a=context.point(f.body_a, f.point_a, LEVEL),
+                b=context.point(f.body_b, f.point_b, LEVEL),
+                column=context.column(f),
                 strength=f.strength,
             )
-            for f, column in zip(forces, columns, strict=True)
+            for f in forces
         ]
-        return AllDipoles(records(DipolesEntry, rows))
+        context.add_forces(AllDipoles(records(DipolesEntry, rows)))
 
 
     @implement(add_forces, AllDipoles)

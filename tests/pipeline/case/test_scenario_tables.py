@@ -13,16 +13,12 @@ from heavylift.pipeline import load_case, load_results, run_case
 from heavylift.pipeline.case.case_file import Case
 from heavylift.pipeline.commands.scenario import scenario_command
 from heavylift.pipeline.log import Log
-from heavylift.solver.scene.scenario import (
-    Condition,
-    Connect,
-    DriveSpeed,
-    DriveTo,
-    Fail,
-    Release,
-    Restore,
-    Signal,
-    Term,
+from heavylift.solver.scenario.actions.connect import Connect
+from heavylift.solver.scenario.actions.drive import DriveSpeed, DriveTo
+from heavylift.solver.scenario.actions.fail import Fail
+from heavylift.solver.scenario.actions.release import Release
+from heavylift.solver.scenario.actions.restore import Restore
+from heavylift.solver.scenario.actions.winch import (
     WinchBrake,
     WinchFollow,
     WinchHaul,
@@ -31,6 +27,8 @@ from heavylift.solver.scene.scenario import (
     WinchSpeed,
     WinchTension,
 )
+from heavylift.solver.scene.scenario import Condition
+from heavylift.solver.scene.signals import Signal, Term
 
 CASE = """
 title = "Two falls, a trolley and a mast"

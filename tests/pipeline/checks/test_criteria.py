@@ -698,7 +698,7 @@ def test_a_criterion_of_some_phases(judged, folder):
         ),
         (
             CRANE | {"radius": "30 m", "load": "sling_*.tension"},
-            "load: 'sling_*.tension' is of 3 things; expected one number, e.g. 'sum(sling_*.tension)'",
+            "load: 'sling_*.tension' is of 3 items; expected one number, e.g. 'sum(sling_*.tension)'",
         ),
         (
             SLING | {"ropes": ["slang_*"]},

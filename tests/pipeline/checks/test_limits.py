@@ -253,7 +253,7 @@ def test_a_reference_is_one_number(folder):
         'check=[{id="c", quantity="channel.sling_1.tension.max", source="s", tolerance={relative=0.1}, '
         'reference={quantity="channel.sling_*.tension.max"}}]'
     )
-    with pytest.raises(InputError, match=r"check\.0\.reference.*is of 3 things.*one number"):
+    with pytest.raises(InputError, match=r"check\.0\.reference.*is of 3 items.*one number"):
         load_case(folder, [check])
 
 
@@ -282,7 +282,7 @@ def test_a_study_of_a_group_has_a_reference_of_as_many(folder):
         'converge={parameter="simulate.step", values=[0.002, 0.001], quantity="channel.sling_*.tension.max", '
     )
     load_case(folder, [study + "reference={run=0.0005}}"])
-    with pytest.raises(InputError, match=r"converge\.reference: one value for a quantity of 3 things"):
+    with pytest.raises(InputError, match=r"converge\.reference: one value for a quantity of 3 items"):
         load_case(folder, [study + 'reference="3 kN"}'])
 
 

@@ -8,8 +8,8 @@ import pytest
 from heavylift.numerics.outcome import InputError, InputErrors, Outcome
 from heavylift.pipeline import load_case
 from heavylift.pipeline.checks.quantities import Quantities
-from heavylift.pipeline.pictures.meshes import MeshSkin
-from heavylift.pipeline.report.scene import mesh_run
+from heavylift.pipeline.drawn.build import mesh_run
+from heavylift.pipeline.drawn.skins import MeshSkin
 from heavylift.pipeline.results.histories import load_results
 from heavylift.pipeline.results.model_io import read_model, read_reduced
 from heavylift.pipeline.results.storage import OutputFolder

@@ -37,7 +37,7 @@ def test_a_transporter_is_judged_by_what_it_tells_and_records(tmp_path) -> None:
     assert run_case(case, stages=["simulate"]).outcome is Outcome.COMPLETED
     rows = judged_criteria(case, folder / "out")
     failed = [row.what for row in rows if not row.passed]
-    assert failed == ["tilt at which it tips over, groups that give way"]
+    assert failed == ["tilt at which it tips over, compliant groups"]
     assert len(rows) == 8
     values = {row.what: row.value for row in rows}
     assert values["tilt at which it tips over, rigid groups"] == pytest.approx(math.atan(0.725 / 3.579190751))

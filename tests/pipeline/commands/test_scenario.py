@@ -7,17 +7,11 @@ import math
 import pytest
 
 from heavylift.pipeline.assemble.operation_plan import plan
-from heavylift.solver.scene.scenario import (
-    Condition,
-    Connect,
-    Phase,
-    Release,
-    Scenario,
-    Signal,
-    Term,
-    WinchLength,
-    WinchSpeed,
-)
+from heavylift.solver.scenario.actions.connect import Connect
+from heavylift.solver.scenario.actions.release import Release
+from heavylift.solver.scenario.actions.winch import WinchLength, WinchSpeed
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
+from heavylift.solver.scene.signals import Signal, Term
 
 ARRIVED = Condition(Signal((Term("fall"),), "arrived"), 0.0)
 HEIGHT, LENGTH = Signal((Term("load.position", "z"),)), Signal((Term("fall.rest_length"),))

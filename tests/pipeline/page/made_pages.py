@@ -9,8 +9,8 @@ import numpy as np
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.new_case import new_case
+from heavylift.pipeline.drawn.build import case_scene
 from heavylift.pipeline.page.page import Judged, page_content
-from heavylift.pipeline.page.scene import scene_motion
 from heavylift.pipeline.results.histories import ChannelInfo, Results
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.pipeline.stages.stages import run_case
@@ -66,7 +66,7 @@ def lift_motion(folder, arrays=None, times=TIMES):
     """Case, results and motion of a lift with given records."""
     case, stages = lift_case(folder)
     results = made_results(lifted(times) if arrays is None else arrays, times)
-    return case, results, scene_motion(case, stages, assemble_scene(case, stages), results)
+    return case, results, case_scene(case, stages, assemble_scene(case, stages), results)
 
 
 def made_content(case, motion, results, **more):

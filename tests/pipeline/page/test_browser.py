@@ -24,8 +24,8 @@ from made_pages import lift_case, lift_motion, lifted, made_content, made_result
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.live import LiveRun, serve
+from heavylift.pipeline.drawn.build import case_scene
 from heavylift.pipeline.page.page import page_content, page_html
-from heavylift.pipeline.page.scene import scene_motion
 from heavylift.pipeline.pictures.camera import Camera, View
 from heavylift.pipeline.pictures.render import Drawing, Patch, Renderer, RenderingUnavailableError
 from heavylift.pipeline.results.histories import load_results
@@ -189,11 +189,11 @@ def test_pixels_are_those_of_vtk_from_the_same_place(page, lift):
     camera = Camera(
         View.looking(position - target, up), position, np.radians(0.5 * seen["fov"]), seen["aspect"]
     )
-    from heavylift.pipeline.page.exchange import surface_points
+    from heavylift.pipeline.drawn.moments import Moment
 
     _, _, motion = lift
     patches = tuple(
-        Patch(surface_points(motion, one, 2.0), one.triangles)
+        Patch(Moment(motion, 2.0).surface(one), one.triangles)
         for one in motion.surfaces
         if one.group == "bodies"
     )
@@ -237,7 +237,7 @@ def test_ropes_that_are_thinner_than_a_pixel_have_no_gaps(driver, tmp_path):
 def test_marks_are_at_their_places_whether_or_not_names_have_room(driver, tmp_path):
     """Of a scene before its run: each label has a dot where its point is projected, also among many at one place."""
     case, stages = lift_case(tmp_path / "lift")
-    motion = scene_motion(case, stages, assemble_scene(case, stages), None, marked=True)
+    motion = case_scene(case, stages, assemble_scene(case, stages), None, marked=True)
     file = tmp_path / "draw.html"
     file.write_text(page_html(page_content(case, motion, None, labelled=True)), encoding="utf-8")
     page = Page(driver).open(file.as_uri())

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from heavylift.pipeline import load_case, load_results, run_case
-from heavylift.pipeline.report.interactive import recorded_motion
+from heavylift.pipeline.report.interactive import recorded_scene
 
 CASE = """
 title = "Two loads, one of which a track of its own lets go"
@@ -65,7 +65,7 @@ def test_a_track_lets_a_rope_go(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(CASE)
     case = load_case(tmp_path)
     run_case(case, stages=("simulate",))
-    motion, why = recorded_motion(case, case.output_folder, load_results(tmp_path))
+    motion, why = recorded_scene(case, case.output_folder, load_results(tmp_path))
     assert motion is not None, why
     lines = {line.name: line for line in motion.lines}
     assert lines["left"].loose is None

@@ -22,12 +22,12 @@ from made_pages import (
 )
 
 from heavylift.pipeline.assemble.scene import assemble_scene
+from heavylift.pipeline.drawn.build import PAGE, case_scene
+from heavylift.pipeline.drawn.moments import Moment
 from heavylift.pipeline.page.channels import pack_channels
-from heavylift.pipeline.page.exchange import line_points, surface_points
 from heavylift.pipeline.page.packing import Block, header_text
 from heavylift.pipeline.page.page import page_content, page_html
-from heavylift.pipeline.page.scene import POSES, TRIANGLES, scene_motion
-from heavylift.pipeline.pictures.attached import Solid
+from heavylift.solver.scene.drawn import Solid
 
 
 @pytest.fixture(scope="module")
@@ -108,9 +108,9 @@ def test_bodies_and_ropes_are_where_the_records_say(lift):
     angle, height = 0.1 * time, 2.0 + 0.5 * time
     lug = [5 * np.cos(angle) - 3 * np.sin(angle), 5 * np.sin(angle) + 3 * np.cos(angle), height + 2.0]
     sling = next(line for line in motion.lines if line.name == "sling_1")
-    np.testing.assert_allclose(line_points(motion, sling, time), [[0.0, 0.0, height + 12.0], lug], atol=1e-5)
+    np.testing.assert_allclose(Moment(motion, time).line(sling), [[0.0, 0.0, height + 12.0], lug], atol=1e-5)
     box = next(surface for surface in motion.surfaces if surface.name == "module")
-    points = surface_points(motion, box, time)
+    points = Moment(motion, time).surface(box)
     np.testing.assert_allclose(points.mean(axis=0), [0.0, 0.0, height], atol=1e-9)
     corner = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) @ [6.0, 4.0]
     assert np.linalg.norm(points[:, :2] - corner, axis=1).min() < 1e-5
@@ -188,13 +188,13 @@ def test_a_million_triangles_are_thinned_and_it_is_said(tmp_path, monkeypatch):
     triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     assert len(triangles) > 1_000_000
     monkeypatch.setattr(
-        "heavylift.pipeline.page.scene.rigid_shapes",
-        lambda _scene: ([Solid("plate", "module", points, triangles)], {}),
+        "heavylift.pipeline.drawn.build.elements",
+        lambda _scene: [Solid(name="plate", role="body", body="module", points=points, triangles=triangles)],
     )
-    motion = scene_motion(case, stages, assemble_scene(case, stages), made_results(lifted()))
-    assert sum(len(one.triangles) for one in motion.surfaces) <= TRIANGLES
+    motion = case_scene(case, stages, assemble_scene(case, stages), made_results(lifted()))
+    assert sum(len(one.triangles) for one in motion.surfaces) <= PAGE.triangles
     plate = next(one for one in motion.surfaces if one.name == "module")
-    assert len(plate.triangles) > 0.2 * TRIANGLES
+    assert len(plate.triangles) > 0.2 * PAGE.triangles
     assert plate.coarse is not None
     assert plate.coarse.max() < len(plate.points)
     np.testing.assert_allclose(np.ptp(plate.points[:, :2], axis=0), [12.0, 8.0], rtol=0.02)
@@ -233,13 +233,13 @@ def test_ten_minutes_fit_into_the_size_of_a_page(tmp_path):
     """12,001 records of a lift: every one is placed, and the page is far below 20 MB."""
     times = np.linspace(0.0, 600.0, 12_001)
     case, results, motion = lift_motion(tmp_path / "lift", lifted(times), times)
-    assert len(motion.times[0]) == min(POSES, 12_001)
+    assert len(motion.times[0]) == min(PAGE.poses, 12_001)
     assert len(page_html(made_content(case, motion, results))) < 8_000_000
 
 
 def test_a_page_before_a_run_has_names_and_no_time(tmp_path):
     case, stages = lift_case(tmp_path / "lift")
-    motion = scene_motion(case, stages, assemble_scene(case, stages), None, marked=True)
+    motion = case_scene(case, stages, assemble_scene(case, stages), None, marked=True)
     header = page_content(case, motion, None, labelled=True).header
     assert (header["begin"], header["end"], header["channels"]) == (0.0, 0.0, [])
     texts = [label["text"] for label in header["labels"]]

@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 from heavylift.numerics.rotation import quaternion_from_rotation_vector, rotation_matrix
-from heavylift.pipeline.pictures.attached import Others, rope_line, shortest_tree
-from heavylift.pipeline.pictures.meshes import MeshRun, MeshSkin, join, rest_coordinates
+from heavylift.pipeline.drawn.build import EXACT, Sources, draw_scene
+from heavylift.pipeline.drawn.rods import shortest_tree
+from heavylift.pipeline.drawn.ropes import rope_points
+from heavylift.pipeline.drawn.skins import MeshRun, MeshSkin, rest_coordinates
+from heavylift.pipeline.pictures.meshes import join
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.pictures.scene import ScenePainter
+from heavylift.pipeline.pictures.scene_view import SceneView
 from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.scene.connections import JointFrame, RopePoint
@@ -267,13 +271,15 @@ def test_ropes_joints_and_rigid_bodies_follow_the_meshes():
         ),
     )
     state = rolled(frame, 1.0)
-    recorded = {"block.position": np.array([7.0, 8.0, 9.0]), "block.orientation": turn}
-    others = Others(
-        scene,
-        {"beam": MeshSkin(frame)},
-        lambda _name, _record: state,
-        lambda name, _record: recorded.get(name),
+
+    class Recorded(dict):
+        time = np.zeros(1)
+
+    recorded = Recorded(
+        {"block.position": np.array([[7.0, 8.0, 9.0]]), "block.orientation": np.array([turn])}
     )
+    runs = {"beam": MeshRun(frame, lambda _record: state)}
+    others = SceneView(draw_scene(scene, recorded, detail=EXACT, sources=Sources(runs=runs)))
     assert not others.empty
     seen = others.seen(0)
     rods, violation, rope = seen.lines
@@ -297,14 +303,16 @@ def test_rope_runs_along_tangents_and_about_its_pulleys():
     bottom, top = np.zeros(3), np.array([L, 0.0, 0.0])
     # from below over both: about +y the rope goes from -x to +x on top
     start, end = np.array([-r, 0.0, -1.0]), np.array([L + R, 0.0, -3.0])
-    line = rope_line([start, bottom, top, end], [0.0, r, R, 0.0], [y, y, y, y])
+    centres = [place[np.newaxis] for place in (start, bottom, top, end)]
+    line = np.concatenate(rope_points(centres, [0.0, r, R, 0.0], 4 * [y[np.newaxis]], arc=17), axis=1)[0]
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
     lift = np.arcsin((R - r) / L)  # slope of the common tangent
     expected = 1.0 + r * (0.5 * np.pi - lift) + L * np.cos(lift) + R * (0.5 * np.pi + lift) + 3.0
     assert length == pytest.approx(expected, rel=1e-3)
     for centre, radius in ((bottom, r), (top, R)):
         assert np.linalg.norm(line - centre, axis=1).min() == pytest.approx(radius, rel=1e-9)
-    np.testing.assert_array_equal(rope_line([start, end], [0.0, 0.0], [y, y]), [start, end])
+    straight = rope_points(centres[::3], [0.0, 0.0], 2 * [y[np.newaxis]], arc=17)
+    np.testing.assert_array_equal(np.concatenate(straight, axis=1)[0], [start, end])
 
 
 def test_shortest_tree_follows_a_rim():

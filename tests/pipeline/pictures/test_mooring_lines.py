@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from heavylift.pipeline.pictures.mooring_lines import draw_line, profile_picture
+from heavylift.pipeline.drawn.hanging import hanging_line
+from heavylift.pipeline.pictures.mooring_lines import profile_picture
 from heavylift.solver.scene.connections import GROUND
 from heavylift.solver.scene.moorings import LineSection, SeabedSlope
 from heavylift.solver.water.lines.catenary_line import solve_catenary
@@ -30,7 +31,7 @@ def mooring(name: str, **more: Any) -> MooringLine:
 
 def test_polyline_is_the_line() -> None:
     fairlead = np.array([60.0, -20.0, 1.0])
-    drawn = draw_line(mooring("bow"), ANCHOR, fairlead, points=200)
+    drawn = hanging_line(mooring("bow"), ANCHOR, fairlead, points=200)
     assert drawn.points[0] == pytest.approx(ANCHOR)
     assert drawn.points[-1] == pytest.approx(fairlead, abs=1e-7)
     r = fairlead - ANCHOR
@@ -46,7 +47,7 @@ def test_polyline_is_the_line() -> None:
 
 def test_a_slack_line_ends_where_it_is_held() -> None:
     fairlead = ANCHOR + np.array([30.0, 0.0, 45.0])
-    drawn = draw_line(mooring("slack"), ANCHOR, fairlead)
+    drawn = hanging_line(mooring("slack"), ANCHOR, fairlead)
     assert drawn.points[-1] == pytest.approx(fairlead, abs=1e-6)
     assert drawn.catenary.horizontal == 0.0
     assert np.all(np.isfinite(drawn.points))
@@ -66,7 +67,7 @@ def test_the_bottom_slopes_under_its_line() -> None:
     """A polyline that follows the plane where it lies, and sand that rises to the right as the bottom does."""
     fairlead = ANCHOR + np.array([175.0, 0.0, 70.0])
     rising, flat = (
-        draw_line(mooring("bow", seabed_slope=SeabedSlope(math.radians(angle), math.pi)), ANCHOR, fairlead)
+        hanging_line(mooring("bow", seabed_slope=SeabedSlope(math.radians(angle), math.pi)), ANCHOR, fairlead)
         for angle in (8.0, 0.0)
     )
     x, z = rising.points[:, 0] - ANCHOR[0], rising.points[:, 2] - ANCHOR[2]
@@ -88,7 +89,7 @@ def test_the_bottom_slopes_under_its_line() -> None:
 
 def test_a_line_between_two_hulls_is_drawn_to_both() -> None:
     stern, fairlead = np.array([-90.0, 0.0, -3.0]), np.array([55.0, 0.0, 2.0])
-    drawn = draw_line(replace(mooring("tow", friction=0.3), body_a="tug"), stern, fairlead)
+    drawn = hanging_line(replace(mooring("tow", friction=0.3), body_a="tug"), stern, fairlead)
     assert drawn.points[0] == pytest.approx(stern, abs=1e-7)
     assert drawn.points[-1] == pytest.approx(fairlead, abs=1e-9)
     assert drawn.points[:, 2].min() == pytest.approx(-50.0, abs=1e-7)
@@ -99,9 +100,9 @@ def test_a_line_between_two_hulls_is_drawn_to_both() -> None:
 def test_picture_has_a_panel_for_each_line() -> None:
     hawser = mooring("hawser", sections=(LineSection(70.0, 60.0, 5e6),), seabed=None, clumps=())
     lines = [
-        draw_line(mooring("bow"), ANCHOR, np.array([60.0, -20.0, 1.0])),
-        draw_line(mooring("slack $1"), ANCHOR, ANCHOR + np.array([30.0, 0.0, 45.0])),
-        draw_line(hawser, np.array([0.0, 0.0, 4.0]), np.array([66.0, 10.0, 7.0])),
+        hanging_line(mooring("bow"), ANCHOR, np.array([60.0, -20.0, 1.0])),
+        hanging_line(mooring("slack $1"), ANCHOR, ANCHOR + np.array([30.0, 0.0, 45.0])),
+        hanging_line(hawser, np.array([0.0, 0.0, 4.0]), np.array([66.0, 10.0, 7.0])),
     ]
     one, three = (
         Image.open(io.BytesIO(profile_picture(some, level=0.0, title="Lines of $a$ barge")))

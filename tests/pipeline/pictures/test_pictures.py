@@ -5,20 +5,19 @@ import io
 import numpy as np
 import pytest
 
+from heavylift.pipeline.drawn.outer_surface import surface_from_mesh, surface_from_nodes
+from heavylift.pipeline.drawn.scales import deformation_scale, round_down
 from heavylift.pipeline.pictures import render as picture_render
 from heavylift.pipeline.pictures.annotations import add_heading, emptiest_corner
 from heavylift.pipeline.pictures.bodies import Painter
 from heavylift.pipeline.pictures.camera import View, choose_view, fit_camera
 from heavylift.pipeline.pictures.drawings import (
-    deformation_scale,
     mesh_drawing,
     mode_drawing,
-    round_down,
     stress_bands,
     stress_drawing,
     stress_limit,
 )
-from heavylift.pipeline.pictures.outer_surface import surface_from_mesh, surface_from_nodes
 from heavylift.pipeline.pictures.render import Drawing, Renderer, RenderingUnavailableError, rendering_backend
 from heavylift.preprocess.finite_elements.mesh import Mesh
 

@@ -5,14 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heavylift.pipeline.pictures.attached import Others
-from heavylift.pipeline.pictures.roads import deck_strips, wheel_centres
+from heavylift.pipeline.drawn.build import EXACT, draw_scene
+from heavylift.pipeline.drawn.moments import Moment
+from heavylift.pipeline.pictures.scene_view import SceneView
 from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.transport import BogieGroup, HeightGrid
 from heavylift.solver.transport.decks import Deck, grid_heights
 from heavylift.solver.transport.transporters import Transporter
+
+
+def recorded(channels):
+    """Channels of one record."""
+
+    class Recorded(dict):
+        time = np.zeros(1)
+
+    return Recorded(channels)
 
 
 def test_a_strip_has_the_area_of_its_profile_by_its_width() -> None:
@@ -27,7 +37,8 @@ def test_a_strip_has_the_area_of_its_profile_by_its_width() -> None:
         stations=np.array([0.0, 3.0, 3.0, 7.0]),
         heights=np.array([0.0, 0.0, 1.0, 4.0]),
     )
-    ((body, points, triangles),) = deck_strips([deck])
+    (strip,) = deck.drawn()
+    body, points, triangles = strip.body, strip.points, strip.triangles
     a, b, c = (points[triangles[:, k]] for k in range(3))
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     assert body == "barge"
@@ -44,7 +55,8 @@ def test_a_grid_is_drawn_as_the_triangles_on_which_wheels_roll() -> None:
         offsets=np.array([-1.0, 0.0, 3.0]),
         heights=rng.random((4, 3)),
     )
-    ((_, points, triangles),) = deck_strips([Deck(name="d", grid=grid, origin=np.array([1.0, 2.0, 3.0]))])
+    (strip,) = Deck(name="d", grid=grid, origin=np.array([1.0, 2.0, 3.0])).drawn()
+    points, triangles = strip.points, strip.triangles
     assert len(triangles) == 4 * 3 * 2
     for share in ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.2, 0.3, 0.5]):
         x, y, z = np.einsum("k,nkj->jn", share, points[triangles] - [1.0, 2.0, 3.0])
@@ -59,7 +71,10 @@ def test_a_wheel_stands_on_its_place_by_its_radius_and_stroke() -> None:
     """Upwards across the direction in which it goes."""
     group = BogieGroup("g", np.array([[1.0, 2.0, 0.0], [-1.0, 2.0, 0.0]]), oil_stiffness=1.0)
     vehicle = Transporter(name="v", body="b", groups=(group,), wheel_radius=0.4, tyre_stiffness=1.0)
-    centres = wheel_centres(vehicle, np.array([0.0, 0.1]))
+    bodies = (RigidBody("b", 1.0, np.eye(3)),)
+    results = recorded({"v.stroke_of": np.array([[0.0, 0.1]])})
+    drawn = draw_scene(Scene(bodies, transporters=(vehicle,)), results)
+    centres = [Moment(drawn, pose=0).point(disc) for disc in drawn.discs]
     np.testing.assert_allclose(centres, [[1.0, 2.0, 0.4], [-1.0, 2.0, 0.5]])
 
 
@@ -86,10 +101,9 @@ def test_no_rod_leads_to_what_is_attached_to_a_deck() -> None:
         stations=np.array([-5.0, 5.0]),
         heights=np.zeros(2),
     )
-    pose = {"barge.position": np.zeros(3), "barge.orientation": np.array([1.0, 0.0, 0.0, 0.0])}
+    pose = {"barge.position": np.zeros((1, 3)), "barge.orientation": np.array([[1.0, 0.0, 0.0, 0.0]])}
     for decks, ends in (((deck,), places[1:]), ((), places)):
         scene = Scene((barge,), ropes=ropes, decks=decks)
-        others = Others(scene, {}, lambda _name, _record: np.zeros(0), lambda name, _record: pose.get(name))
-        rods, *drawn = others.seen(0).lines
+        rods, *drawn = SceneView(draw_scene(scene, recorded(pose), detail=EXACT)).seen(0).lines
         np.testing.assert_allclose(rods.points[rods.ends], [[centre, end] for end in ends])
         assert len(drawn) == 2

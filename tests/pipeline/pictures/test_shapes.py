@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from heavylift.pipeline.pictures.shapes import box_corners, clip_lines, coil, inertia_box, pad
+from heavylift.pipeline.drawn.lines import clip_lines, coil
+from heavylift.solver.scene.outlines import box_corners, inertia_box, pad
 
 
 def second_moments(points, triangles, density):
@@ -26,7 +27,7 @@ def test_a_box_has_the_inertia_that_it_is_drawn_for():
     mass, sides = 40.0, np.array([3.0, 1.0, 2.0])
     principal = mass / 12.0 * (np.sum(sides**2) - sides**2)
     inertia, centre = turn @ np.diag(principal) @ turn.T, np.array([4.0, -5.0, 6.0])
-    points, triangles = inertia_box(mass, inertia, centre)
+    points, triangles, _ = inertia_box(mass, inertia, centre)
     outward = second_moments(points, triangles, 1.0)
     assert outward[0] == pytest.approx(6.0, rel=1e-12)
     np.testing.assert_allclose(outward[1], centre, rtol=1e-12)
@@ -34,7 +35,7 @@ def test_a_box_has_the_inertia_that_it_is_drawn_for():
 
 
 def test_a_rod_is_a_box_that_can_be_seen():
-    points, _ = inertia_box(12.0, np.diag([1e-9, 9.0, 9.0]), np.zeros(3))
+    points, *_ = inertia_box(12.0, np.diag([1e-9, 9.0, 9.0]), np.zeros(3))
     np.testing.assert_allclose(np.ptp(points, axis=0), [3.0, 0.06, 0.06], rtol=1e-6)
 
 
@@ -58,7 +59,7 @@ def test_a_coil_leads_from_end_to_end_around_its_axis():
 
 def test_the_face_of_a_fender_is_at_its_tip():
     tip, normal = np.array([1.0, 2.0, 3.0]), np.array([0.0, -2.0, 0.0])
-    points, _ = pad(tip, normal, 0.5)
+    points, *_ = pad(tip, normal, 0.5)
     assert points[:, 1].min() == pytest.approx(2.0)
     assert points[:, 1].max() == pytest.approx(2.5)
     assert np.ptp(points[:, 0]) == pytest.approx(1.0)

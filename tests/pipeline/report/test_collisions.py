@@ -15,12 +15,12 @@ from scipy.integrate import solve_ivp
 from heavylift.pipeline import load_case, run_case
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.checks.collision_regime import effective_mass, linear_restitution, peak_estimate
+from heavylift.pipeline.drawn.triangles import clip_triangles
 from heavylift.pipeline.pictures.collisions import Touching, TouchingSurface, collision_picture
 from heavylift.pipeline.pictures.render import Renderer, RenderingUnavailableError, rendering_backend
-from heavylift.pipeline.pictures.triangles import clip_triangles
 from heavylift.pipeline.report.collisions import touching_surfaces
 from heavylift.pipeline.report.report import write_report
-from heavylift.pipeline.report.scene import scene_others
+from heavylift.pipeline.report.scene import scene_view
 from heavylift.pipeline.results.histories import FORMAT, load_results
 from heavylift.pipeline.results.mesh_results import mesh_shape, write_meshes
 from heavylift.pipeline.results.storage import OutputFolder
@@ -245,7 +245,7 @@ def test_a_frame_is_pictured_as_its_own_surface(case, tmp_path):
 
 def test_pictures_of_scenes_have_the_surfaces_of_bodies_and_no_wide_floor(case, out):
     results = load_results(case, out)
-    patches = scene_others(case, OutputFolder(out), results, {}, {}).seen(10).patches
+    patches = scene_view(case, OutputFolder(out), results, [10]).seen(10).patches
     boxes = sorted(np.ptp(patch.points, axis=0).round(9).tolist() for patch in patches)
     assert boxes == [
         [0.4, 0.4, 0.4],

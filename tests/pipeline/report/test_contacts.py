@@ -11,10 +11,11 @@ import pytest
 
 from heavylift.pipeline import load_case
 from heavylift.pipeline.assemble.scene import assemble_scene
-from heavylift.pipeline.pictures.contacts import contour_parts, force_arrow, scene_size, shape_parts
+from heavylift.pipeline.drawn.contours import contour_shape
+from heavylift.pipeline.pictures.parts import force_arrow
 from heavylift.pipeline.pictures.render import RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.report.report import write_report
-from heavylift.pipeline.report.scene import scene_others
+from heavylift.pipeline.report.scene import scene_view
 from heavylift.pipeline.results.histories import FORMAT, load_results
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.scene import contacts as c
@@ -137,27 +138,26 @@ def test_of_impacts_alone_the_largest_is_pictured_and_the_impulse_plotted(rigid,
 
 def test_the_force_is_drawn_at_the_touched_point_and_only_while_it_acts(rigid, out):
     results = load_results(rigid, out)
-    others = scene_others(rigid, OutputFolder(out), results, {}, {})
+    others = scene_view(rigid, OutputFolder(out), results, [4, 5])
     red = [[line for line in others.seen(record).lines if line.colour == "#c62828"] for record in (4, 5)]
     assert not red[0]
     (arrow,) = red[1]
     np.testing.assert_allclose(arrow.points[0], [0.5, 0.5, 0.0], atol=1e-15)
     np.testing.assert_allclose(arrow.points[1, :2], [0.5, 0.5], atol=1e-15)
     # the largest of the run has a fifth of the size of the scene
-    scene = assemble_scene(rigid, OutputFolder(out))
-    assert arrow.points[1, 2] == pytest.approx(0.2 * scene_size(scene), rel=1e-12)
+    assert arrow.points[1, 2] == pytest.approx(0.2 * others.scene.size, rel=1e-12)
 
 
 def test_shapes_are_drawn_with_their_sizes():
-    ball = shape_parts(c.SphereShape(2.0)).patches[0]
+    ball = c.SphereShape(2.0).outline
     np.testing.assert_allclose(np.linalg.norm(ball.points, axis=1), 2.0, rtol=1e-14)
-    box = shape_parts(c.BoxShape(np.array([3.0, 5.0, 7.0]), 0.5)).patches[0]
+    box = c.BoxShape(np.array([3.0, 5.0, 7.0]), 0.5).outline
     np.testing.assert_allclose(np.ptp(box.points, axis=0), [3.0, 5.0, 7.0])
-    capsule = shape_parts(c.CapsuleShape(0.5, 2.0, np.array([1.0, 0.0, 0.0]))).patches[0]
+    capsule = c.CapsuleShape(0.5, 2.0, np.array([1.0, 0.0, 0.0])).outline
     np.testing.assert_allclose(np.ptp(capsule.points, axis=0)[0], 3.0, rtol=1e-12)
-    drum = shape_parts(c.CylinderShape(1.0, 3.0, 0.1, np.array([0.0, 1.0, 0.0]))).patches[0]
+    drum = c.CylinderShape(1.0, 3.0, 0.1, np.array([0.0, 1.0, 0.0])).outline
     np.testing.assert_allclose(np.ptp(drum.points, axis=0), [2.0, 3.0, 2.0], rtol=1e-12)
-    ring = shape_parts(c.CircleShape(0.5, np.array([0.0, 0.0, 3.0]))).lines[0]
+    ring = c.CircleShape(0.5, np.array([0.0, 0.0, 3.0])).outline
     np.testing.assert_allclose(np.linalg.norm(ring.points, axis=1), 0.5, rtol=1e-14)
 
 
@@ -171,7 +171,7 @@ def test_a_cylinder_about_a_circle_is_a_closed_torus_and_a_band_a_ribbon(folder)
     scene = assemble_scene(load_case(folder), OutputFolder(folder / "out"))
     rail = next(contour for contour in scene.contours if contour.name == "rail")
     tube = c.Contour(name="tube", body="ground", neutral=rail.neutral, radius=0.1)
-    (patch,) = contour_parts(tube, rail.neutral, filled=True).patches
+    patch = contour_shape(tube)
     # 2 pi^2 R r^2; the polygon of 24 corners has sin(15 deg) / 15 deg of the area of its circle
     polygon = 24 / (2 * np.pi) * np.sin(2 * np.pi / 24)
     assert abs(volume(patch)) == pytest.approx(2 * np.pi**2 * 0.5 * 0.01 * polygon, rel=2e-3)
@@ -180,7 +180,7 @@ def test_a_cylinder_about_a_circle_is_a_closed_torus_and_a_band_a_ribbon(folder)
     band = c.Contour(
         name="band", body="ground", neutral=rail.neutral, width=0.2, sequencer=np.array([0.0, 0.0, 1.0])
     )
-    (ribbon,) = contour_parts(band, rail.neutral, filled=True).patches
+    ribbon = contour_shape(band)
     # its width is along the axis of the circle, its radius that of the curve
     np.testing.assert_allclose(np.hypot(ribbon.points[:, 0], ribbon.points[:, 1]), 0.5, rtol=1e-5)
     np.testing.assert_allclose([ribbon.points[:, 2].min(), ribbon.points[:, 2].max()], [0.9, 1.1], rtol=1e-12)

@@ -9,10 +9,10 @@ import pytest
 from heavylift.pipeline.assemble.scene import assemble_scene
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands import cli
+from heavylift.pipeline.drawn.build import mesh_run
 from heavylift.pipeline.pictures.render import RenderingUnavailableError, rendering_backend
 from heavylift.pipeline.report.document import Document, Figure, Section, to_html, to_markdown
 from heavylift.pipeline.report.report import write_report
-from heavylift.pipeline.report.scene import mesh_run
 from heavylift.pipeline.results.histories import FORMAT, load_results
 from heavylift.pipeline.results.mesh_results import mesh_body, mesh_shape, write_meshes
 from heavylift.pipeline.results.storage import OutputFolder
@@ -138,7 +138,7 @@ def test_animation_that_cannot_be_made_is_said(case, tmp_path):
     wanted = with_report(case, animation={})
     write_report(wanted, tmp_path / "report", tmp_path / "nothing")
     text = (tmp_path / "report" / "report.md").read_text()
-    assert "No animation: there is no history of what could be drawn" in text
+    assert "No animation: there is no history of anything that could be drawn" in text
     off = with_report(case, animation={"enabled": False})
     write_report(off, tmp_path / "report", tmp_path / "nothing")
     assert "No animation" not in (tmp_path / "report" / "report.md").read_text()

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from heavylift.pipeline.case.case_file import load_case
 from heavylift.pipeline.commands.new_case import new_case
-from heavylift.pipeline.pictures.attached import Others, elevations
+from heavylift.pipeline.drawn.build import EXACT, Sources, draw_scene
 from heavylift.pipeline.pictures.contacts import touch_picture
 from heavylift.pipeline.pictures.parts import Seen
 from heavylift.pipeline.pictures.render import Drawing, Lines, Patch
 from heavylift.pipeline.pictures.scene import SolidPainter
-from heavylift.pipeline.report.scene import is_pictured, scene_others
+from heavylift.pipeline.pictures.scene_view import SceneView
+from heavylift.pipeline.report.scene import is_pictured, scene_view
 from heavylift.pipeline.results.storage import OutputFolder
 from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.sea import Sea, Water
 from heavylift.solver.water.waves.spectra import jonswap
 from heavylift.solver.water.waves.wave_trains import irregular_waves
 
@@ -25,6 +28,7 @@ class Recorded(dict):
     """Channels of a run of two records."""
 
     time = np.array([0.0, 2.0])
+    meshes: ClassVar = {}
 
 
 def others(kind, tmp_path, results=None, more=""):
@@ -35,7 +39,7 @@ def others(kind, tmp_path, results=None, more=""):
         file.write_text(file.read_text() + more)
     case = load_case(tmp_path / kind)
     assert is_pictured(case)
-    return scene_others(case, OutputFolder(case.output_folder), results or Recorded(), {}, {})
+    return scene_view(case, OutputFolder(case.output_folder), results or Recorded(), [0])
 
 
 def seen(kind, tmp_path, results=None):
@@ -124,7 +128,11 @@ def test_waves_on_a_grid_are_those_of_the_sea():
     waves = irregular_waves(jonswap(3.0, 9.0), direction=0.7, seed=4, count=30, spreading=4.0, directions=5)
     x, y = np.linspace(-80.0, 90.0, 7), np.linspace(-40.0, 30.0, 5)
     expected = waves.elevation(*np.meshgrid(x, y, indexing="ij"), 12.5)
-    np.testing.assert_allclose(elevations(waves, x, y, 12.5), expected, atol=1e-12)
+    sea = Sea(water=Water(), waves=waves)
+    water = draw_scene(
+        Scene((RigidBody("buoy", 1.0, np.eye(3)),), sea=sea), sources=Sources(water=True)
+    ).water
+    np.testing.assert_allclose(water.elevations(x, y, 12.5), expected, atol=1e-12)
 
 
 def test_what_hides_other_bodies_is_seen_through():
@@ -134,9 +142,7 @@ def test_what_hides_other_bodies_is_seen_through():
             RigidBody("large", 10.0, 20.0 / 3.0 * np.eye(3)),
             RigidBody("small", 1.0, 1e-3 * np.eye(3), position=np.array([place, 0.0, 0.0])),
         )
-        found = Others(
-            Scene(bodies), {}, lambda _name, _record: np.empty(0), lambda _name, _record: None
-        ).seen(0)
+        found = SceneView(draw_scene(Scene(bodies), detail=EXACT)).seen(0)
         assert sizes(found.patches)[-1] == (2.0, 2.0, 2.0)
         assert [patch.opacity for patch in found.patches] == [opacity, opacity]
 
@@ -209,9 +215,9 @@ def test_scattered_bodies_have_a_picture_of_the_largest_one():
         RigidBody(name, 6.0, side**2 * np.eye(3), position=np.array([300.0 * number, 0.0, 0.0]))
         for number, (name, side) in enumerate((("a", 2.0), ("b", 4.0), ("c", 2.0)))
     )
-    found = Others(Scene(bodies), {}, lambda _name, _record: np.empty(0), lambda _name, _record: None)
+    found = SceneView(draw_scene(Scene(bodies), detail=EXACT))
     assert found.scattered
     np.testing.assert_allclose(found.largest(0).points.mean(axis=0), [300.0, 0.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(np.ptp(found.largest(0).points, axis=0), 4.0)
     near = Scene(tuple(replace(body, position=0.01 * body.position) for body in bodies))
-    assert not Others(near, {}, lambda _name, _record: np.empty(0), lambda _name, _record: None).scattered
+    assert not SceneView(draw_scene(near, detail=EXACT)).scattered

@@ -73,7 +73,7 @@ def test_a_stopped_run_goes_on_bit_for_bit(tmp_path, fake_simulation, whole, kep
     second = Advancer(fake_simulation(), folder, "d", STEPS)
     done = second.resume()
     assert done == (written[kept - 1].header["step_index"] if kept else 0)
-    assert second.restart_reason == ("" if kept else "what an earlier run left is damaged")
+    assert second.restart_reason == ("" if kept else "the results of an earlier run are damaged")
     outcome, _ = second.run(StopRequest(), quiet)
     assert outcome is Outcome.COMPLETED
     times, records = history(folder)
@@ -113,7 +113,7 @@ def test_a_full_disk_keeps_the_earlier_segments_and_goes_on_later(
         real(descriptor)
 
     monkeypatch.setattr(os, "fsync", fsync)
-    with pytest.raises(StopError, match="goes on from there") as caught:
+    with pytest.raises(StopError, match="continues from there") as caught:
         Advancer(fake_simulation(), folder, "d", STEPS).run(StopRequest(), quiet)
     assert caught.value.outcome is Outcome.DISK_FULL
     monkeypatch.setattr(os, "fsync", real)

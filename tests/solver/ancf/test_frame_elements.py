@@ -10,7 +10,7 @@ from frame_meshes import get, matrix, pack, put
 from recorded_parts import place_parts
 from scipy.linalg import eigh, expm
 
-from heavylift.pipeline.pictures.meshes import MeshSkin
+from heavylift.pipeline.drawn.skins import MeshSkin
 from heavylift.solver.bodies.ancf.frame_packing import load_shape
 from heavylift.solver.bodies.ancf.kind import FrameMeshes
 from heavylift.solver.bodies.ancf.stress import largest_frame_stress

@@ -19,7 +19,6 @@ from heavylift.solver.bodies.ancf.kind import POINT_MARKER, TANGENT_MARKER, TRIA
 from heavylift.solver.bodies.ancf.step import SHARE
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.integrate.accurate import make_integration
-from heavylift.solver.integrate.choice import highest_rate
 from heavylift.solver.interface import begin_stage
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
@@ -314,7 +313,7 @@ def test_the_explicit_scheme_knows_its_longest_step(count: int, expected: float)
     assert limit == pytest.approx(SHARE * expected, rel=0.02)
     body = pinned(count).bodies[0]
     assert isinstance(body, MeshBody)
-    assert 0.5 * expected < 2.0 / highest_rate(body) < expected
+    assert 0.5 * expected < 2.0 / body.highest_rate < expected
 
 
 def test_a_longer_explicit_step_is_refused() -> None:

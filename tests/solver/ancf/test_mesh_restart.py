@@ -71,7 +71,7 @@ def test_a_drift_is_told_where_nothing_changes_over() -> None:
     while "drifted" not in heard:
         simulation.advance(1)
         heard = simulation.warning
-    assert "the carried strains of" in heard
+    assert "the integrated strains of" in heard
     assert "'energy-momentum'" in heard
     assert "changed over" not in heard
 

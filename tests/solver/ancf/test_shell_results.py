@@ -7,7 +7,7 @@ import pytest
 from recorded_parts import place_parts
 from shell_scenes import distorted_element, pack, put, recorded, rotation, shell
 
-from heavylift.pipeline.pictures.meshes import MeshSkin
+from heavylift.pipeline.drawn.skins import MeshSkin
 from heavylift.solver.bodies.ancf.shell_packing import start_coordinates
 from heavylift.solver.bodies.ancf.stress import largest_shell_stress
 from heavylift.solver.scene.mesh_shapes import rectangle

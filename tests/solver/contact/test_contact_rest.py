@@ -102,7 +102,10 @@ def test_friction_that_leaves_the_rest_open_is_told() -> None:
     scene = replace(box_on_plane(RigidLaw()), forces=(tilted,))
     simulation = Simulation(scene, 1e-3, start="equilibrium")
     simulation.record()
-    assert "friction leaves the place of rest open: two ways to it put 'box'" in simulation.start_text
+    assert (
+        "friction leaves the position of rest undetermined: two searches end with 'box'"
+        in simulation.start_text
+    )
 
 
 def test_a_rope_takes_its_share_of_what_lies_on_the_floor() -> None:

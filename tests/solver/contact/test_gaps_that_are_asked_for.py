@@ -11,8 +11,9 @@ from mesh_contact_scenes import body, run, scene
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
 from heavylift.solver.scene.collisions import CollisionSurface
-from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.simulation import Simulation
 
 STEP, EVERY, HEIGHT = 1e-2, 50, 3.0

@@ -177,7 +177,7 @@ def test_stop_names_the_contact_and_what_is_wrong(law: Any) -> None:
     assert ("a stiffer law" in text) == isinstance(law, LinearLaw)
     contacts.state[0].search, contacts.state[0].closed, contacts.state[0].present = LOST, True, True
     judge(contacts, True, work)
-    assert "a contour whose control points are not crowded" in stop_message(layout, "t = 1 s")
+    assert "a contour with more evenly spaced control points" in stop_message(layout, "t = 1 s")
 
 
 @pytest.mark.parametrize(

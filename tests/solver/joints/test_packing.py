@@ -82,7 +82,7 @@ def test_start_with_opposite_axes_is_refused(name: str, axis: int) -> None:
 def test_universal_joint_with_parallel_axes_is_refused() -> None:
     error = refused(closed("universal", np.array([np.pi / 2, 0.0, 0.0])))
     assert error.key == "axes"
-    assert "square" in error.expected
+    assert "perpendicular" in error.expected
 
 
 def test_distance_without_direction_is_refused() -> None:

@@ -5,4 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-sys.path += [str(Path(__file__).resolve().parents[1] / "laws"), str(Path(__file__).resolve().parents[1])]
+sys.path += [
+    str(Path(__file__).resolve().parents[1] / "force_elements"),
+    str(Path(__file__).resolve().parents[1]),
+]

@@ -14,22 +14,11 @@ from scenarios import start_of
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.hinge import Hinge
-from heavylift.solver.scene.ballast import Pump
-from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
-from heavylift.solver.scene.connections import GROUND, JointFrame, Winch, axes_about
-from heavylift.solver.scene.scenario import (
-    Action,
-    Condition,
-    Connect,
-    DriveSpeed,
-    DriveTo,
-    Phase,
-    Release,
-    Scenario,
-    Signal,
-    TankRate,
-    Term,
-    Track,
+from heavylift.solver.scenario.actions.connect import Connect
+from heavylift.solver.scenario.actions.drive import DriveSpeed, DriveTo
+from heavylift.solver.scenario.actions.release import Release
+from heavylift.solver.scenario.actions.tank import TankRate
+from heavylift.solver.scenario.actions.winch import (
     WinchBrake,
     WinchFollow,
     WinchHaul,
@@ -38,8 +27,14 @@ from heavylift.solver.scene.scenario import (
     WinchSpeed,
     WinchTension,
 )
+from heavylift.solver.scene.actions import Action
+from heavylift.solver.scene.ballast import Pump
+from heavylift.solver.scene.bodies import Driven, Fixed, Harmonic, Profile
+from heavylift.solver.scene.connections import GROUND, JointFrame, Winch, axes_about
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Track
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Sea, Tank, Water
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.simulation import Simulation
 
 MASS, EA, REACH = 1e4, 1e8, 10.0

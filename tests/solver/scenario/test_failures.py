@@ -9,25 +9,18 @@ import pytest
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.force_elements.wire_rope import Rope
+from heavylift.solver.scenario.actions.drive import DriveSpeed
+from heavylift.solver.scenario.actions.fail import Fail
+from heavylift.solver.scenario.actions.restore import Restore
+from heavylift.solver.scenario.actions.tank import TankRate
+from heavylift.solver.scenario.actions.winch import WinchFollow, WinchHaul, WinchSpeed
 from heavylift.solver.scene.ballast import Controller, Pump
 from heavylift.solver.scene.bodies import Fixed
 from heavylift.solver.scene.connections import GROUND, RopePoint
-from heavylift.solver.scene.scenario import (
-    Condition,
-    DriveSpeed,
-    Fail,
-    Phase,
-    Restore,
-    Scenario,
-    Signal,
-    TankRate,
-    Term,
-    WinchFollow,
-    WinchHaul,
-    WinchSpeed,
-)
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Sea, Tank, Water
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.simulation import Simulation
 
 G, STEP = 9.81, 1e-2

@@ -10,16 +10,10 @@ from vehicles import groups_of, scene, vehicle
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.pipeline.assemble.operation_plan import plan, routes_of, starts_of
-from heavylift.solver.scene.scenario import (
-    Condition,
-    PathGoOn,
-    PathSpeed,
-    Phase,
-    Scenario,
-    Signal,
-    Term,
-)
+from heavylift.solver.scenario.actions.path import PathGoOn, PathSpeed
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import Scene
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.scene.transport import Drive, PathLeg
 from heavylift.solver.simulation import Simulation
 

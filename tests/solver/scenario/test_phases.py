@@ -14,24 +14,14 @@ from law_scenes import G, body, eye, pulley, run, scene, slider, wire
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.numerics.records import records
 from heavylift.solver.force_elements.equalized import SharedLines
+from heavylift.solver.scenario.actions.connect import Connect
+from heavylift.solver.scenario.actions.note import Note
+from heavylift.solver.scenario.actions.release import Release
+from heavylift.solver.scenario.actions.winch import WinchFollow, WinchLength, WinchSpeed
 from heavylift.solver.scenario.moves import MOVE_ROWS, MoveRow, plan_move
 from heavylift.solver.scene.connections import GROUND, Winch
-from heavylift.solver.scene.scenario import (
-    Condition,
-    Connect,
-    Limit,
-    Note,
-    Phase,
-    Release,
-    Scenario,
-    Signal,
-    Term,
-    Track,
-    WinchFollow,
-    WinchLength,
-    WinchSpeed,
-    loose_ropes,
-)
+from heavylift.solver.scene.scenario import Condition, Limit, Phase, Scenario, Track, loose_ropes
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.simulation import Simulation
 
 if TYPE_CHECKING:

@@ -12,8 +12,9 @@ from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.distance import Distance
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.scenario.actions.release import ReleaseJoint
 from heavylift.solver.scene.connections import JointFrame, Limits
-from heavylift.solver.scene.scenario import Condition, Phase, ReleaseJoint, Scenario
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import Scene
 from heavylift.solver.simulation import Simulation
 

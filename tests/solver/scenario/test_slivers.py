@@ -11,9 +11,10 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.force_elements.wire_rope import Rope
 from heavylift.solver.integrate.lone_extremes import LoneExtremes
 from heavylift.solver.ringing import steady_force as steady_force_kernel
+from heavylift.solver.scenario.actions.release import Release
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.connections import GROUND, RopePoint, Winch
-from heavylift.solver.scene.scenario import Condition, Phase, Release, Scenario
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.sensors.hook_loads import HookLoad
 from heavylift.solver.simulation import Simulation

@@ -12,8 +12,9 @@ from vehicles import BOGIE, FRONT, MASS, OIL, REAR, G, block, groups_of, histori
 
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
-from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import RigidBody
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.scene.transport import BogieGroup, Drive, HeightGrid, PathLeg
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck

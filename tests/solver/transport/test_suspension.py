@@ -12,8 +12,10 @@ from vehicles import HEIGHT, MASS, OIL, TYRE, G, block, bump, groups_of, histori
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError, Outcome
+from heavylift.solver.scenario.actions.fail import Fail
+from heavylift.solver.scenario.actions.restore import Restore
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
-from heavylift.solver.scene.scenario import Condition, Fail, Phase, Restore, Scenario
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.transport import BogieGroup, Levelling, PathLeg
 from heavylift.solver.simulation import Simulation

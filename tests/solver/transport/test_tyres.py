@@ -13,8 +13,9 @@ from vehicles import FRONT, MASS, REAR, G, block, histories, scene, vehicle, yar
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.solver.joints.planar import Planar
 from heavylift.solver.scene.bodies import Driven, Harmonic, Profile
-from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import RigidBody
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.scene.transport import Drive, HeightGrid, PathLeg, Tyres
 from heavylift.solver.simulation import Simulation
 from heavylift.solver.transport.decks import Deck

@@ -12,7 +12,8 @@ from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.preprocess.surfaces.triangle_surface import placed
 from heavylift.solver.layout_sea import floating_hulls
-from heavylift.solver.scene.scenario import Phase, Scenario, TankRate
+from heavylift.solver.scenario.actions.tank import TankRate
+from heavylift.solver.scene.scenario import Phase, Scenario
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, LinearRestoring, Radiation, RestoringOfSurface, Sea, Tank, Water
 from heavylift.solver.water.hulls.database_fit import check_databases, weight_words

@@ -1,4 +1,4 @@
-"""Triangles as pictures of surfaces need them: cut off at the sides of a box, the edges worth drawing, round shapes."""
+"""Triangles as pictures of surfaces need them: cut off at the sides of a box, welded, and fewer of them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
-
-__all__ = ["clip_triangles", "drawn_triangles", "welded"]
+__all__ = ["clip_triangles", "thinned", "welded"]
 
 
 def clip_triangles(
@@ -85,30 +83,33 @@ def welded(
     return points[first], joined[whole], whole
 
 
-def drawn_triangles(
-    surface: TriangleSurface,
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-    """What a surface looks like: lone points and segments as the balls and capsules that they are.
+def thinned(
+    points: NDArray[np.float64], triangles: NDArray[np.int64], most: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Triangles between fewer points, and which of the points these are.
 
-    Returns
-    -------
-    tuple
-        Points, shape (n, 3), triangles, shape (m, 3), and the row of the surface that each is drawn for, shape (m,).
+    Points in one cell of a grid become the first of them (Rossignac and Borrel, 1993); the grid is made coarser until
+    there are few enough triangles.
     """
-    from heavylift.pipeline.pictures.parts import shape_parts
-    from heavylift.solver.scene.contacts import CapsuleShape, SphereShape
-
-    faces = surface.faces
-    found, triangles, source = [surface.points], [surface.triangles[faces]], [np.flatnonzero(faces)]
-    count = len(surface.points)
-    for row in np.flatnonzero(~faces):
-        a, c = surface.points[surface.triangles[row, 0]], surface.points[surface.triangles[row, 2]]
-        length = float(np.linalg.norm(c - a))
-        radius = surface.radius
-        shape = SphereShape(radius) if length == 0.0 else CapsuleShape(radius, 0.5 * length, (c - a) / length)
-        (patch,) = shape_parts(shape).patches
-        found.append(0.5 * (a + c) + patch.points)
-        triangles.append(patch.triangles + count)
-        source.append(np.full(len(patch.triangles), row))
-        count += len(patch.points)
-    return np.concatenate(found), np.concatenate(triangles), np.concatenate(source)
+    if len(triangles) <= most:
+        return triangles, np.arange(len(points))
+    low = points.min(axis=0)
+    span = float(np.ptp(points, axis=0).max()) or 1.0
+    cells = max(4, int(np.sqrt(most)))
+    while True:
+        # one whole number for a cell, and for a triangle: to sort rows takes ten times as long
+        i, j, k = np.floor((points - low) / span * cells).astype(np.int64).T
+        _, first, cell = np.unique(
+            (i * (cells + 1) + j) * (cells + 1) + k, return_index=True, return_inverse=True
+        )
+        joined = cell[triangles]
+        a, b, c = joined.T
+        joined = joined[(a != b) & (b != c) & (c != a)]
+        a, b, c = np.sort(joined, axis=1).T
+        _, pair = np.unique(a * len(first) + b, return_inverse=True)
+        _, once = np.unique(pair * len(first) + c, return_index=True)
+        joined = joined[np.sort(once)]
+        if len(joined) <= most or cells <= 4:
+            used, compact = np.unique(joined, return_inverse=True)
+            return compact.reshape(-1, 3), first[used]
+        cells = max(4, int(0.8 * cells))

@@ -1,4 +1,4 @@
-"""Shapes of what has none: boxes of an inertia, coils of springs, pads of fenders; lines cut off at a box."""
+"""Coils of springs, and lines cut off at a box."""
 
 from __future__ import annotations
 
@@ -6,49 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from heavylift.pipeline.pictures.parts import shape_parts
-from heavylift.solver.scene.contacts import BoxShape, CylinderShape
-
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
-__all__ = ["box_corners", "clip_lines", "coil", "inertia_box", "pad"]
+__all__ = ["clip_lines", "coil"]
 
-_THIN = 0.02  # of the longest side: least other side of a box, which would not be seen otherwise
 _TURNS, _STEPS = 8, 12  # of a coil, and segments of a turn
 _STRAIGHT = 0.15  # share of a spring that is straight, at each end
-
-
-def inertia_box(
-    mass: float, inertia: ArrayLike, centre: ArrayLike
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Homogeneous box with a mass and principal moments of inertia: points, shape (8, 3), and triangles, (12, 3).
-
-    Parameters
-    ----------
-    mass
-        [kg].
-    inertia
-        About the centre of mass [kg m^2], shape (3, 3).
-    centre
-        Centre of mass [m], shape (3,).
-
-    Notes
-    -----
-    From ``J_1 = m (b^2 + c^2) / 12`` and its permutations, ``a^2 = 6 (J_2 + J_3 - J_1) / m``. A rod or a plate is
-    drawn with a fiftieth of its length as its least side.
-    """
-    J, axes = np.linalg.eigh(np.asarray(inertia, dtype=np.float64))
-    sides = np.sqrt(np.maximum(6.0 * (J.sum() - 2.0 * J) / mass, 0.0))
-    sides = np.maximum(sides, _THIN * sides.max())
-    (patch,) = shape_parts(BoxShape(sides, 0.0)).patches
-    return np.asarray(centre, dtype=np.float64) + patch.points @ axes.T, patch.triangles
-
-
-def box_corners(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Corners of the box around points, shape (8, 3)."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    return np.array([np.where([i & 4, i & 2, i & 1], high, low) for i in range(8)])
 
 
 def coil(
@@ -70,15 +34,6 @@ def coil(
     points = np.concatenate([[start, at[0]], turned, [at[-1], end]])
     order = np.arange(len(points))
     return points, np.column_stack([order[:-1], order[1:]])
-
-
-def pad(
-    tip: NDArray[np.float64], normal: NDArray[np.float64], radius: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """A disc as thick as its radius whose face with a normal lies at a point: points and triangles."""
-    n = normal / np.linalg.norm(normal)
-    (patch,) = shape_parts(CylinderShape(radius, radius, 0.0, n)).patches
-    return tip - 0.5 * radius * n + patch.points, patch.triangles
 
 
 def clip_lines(

@@ -1,0 +1,1 @@
+"""Simple shapes of surfaces: each file describes one, and makes its triangles."""

@@ -1,0 +1,1 @@
+"""Cables and chains as masses on a line with springs between them."""

@@ -1,0 +1,1 @@
+"""Lines of frames: each file describes one, and cuts it into elements."""

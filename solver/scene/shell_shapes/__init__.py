@@ -1,0 +1,1 @@
+"""Outlines of shells: each file describes one, and cuts it into elements."""
