@@ -26,6 +26,7 @@ import test_contacts_of_hulls as barges
 from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
+from heavylift.solver.bodies.lumped_cable.lumped_cable import LumpedCable
 from heavylift.solver.contact.triangles.kind import GoneContacts
 from heavylift.solver.force_elements.maxwell_rope import MaxwellRope
 from heavylift.solver.force_elements.wire_rope import SpringRope
@@ -47,7 +48,15 @@ from heavylift.solver.water.wind.drag import Drag, DragPiece
 
 ROOT = Path(__file__).resolve().parents[2]
 G, STEPS = 9.81, 100
-BODIES = ("rigid body", "flexible body", "frame mesh", "shell mesh", "hull", "hull with shared database")
+BODIES = (
+    "rigid body",
+    "flexible body",
+    "frame mesh",
+    "shell mesh",
+    "hull",
+    "hull with shared database",
+    "lumped cable",
+)
 THINGS = (
     "joint",
     "rope",
@@ -59,7 +68,7 @@ THINGS = (
     "fluid load",
     "drive",
 )
-HULLS = BODIES[4:]
+HULLS = BODIES[4:6]
 LIFT, HIGH = 0.2, 5.0
 """Heights [m] at which hulls are let go, above their floating position, and all else, above the water: in the wind."""
 
@@ -69,8 +78,10 @@ REFUSED = {
     ("shell mesh", "drive"): "its supports hold nodes in the world; drive what a joint ties it to",
     ("hull", "drive"): "the motion of 'a' is prescribed",
     ("hull with shared database", "drive"): "the motion of 'a' is prescribed",
+    ("lumped cable", "triangle contact"): "no triangles on 'body'",
+    ("lumped cable", "drive"): "it has no frame; drive what a joint ties it to",
 }
-"""What is refused, and words of the reason. Meshes have no motion to prescribe: the class takes none."""
+"""What is refused, and words of the reason. Meshes and cables have no motion to prescribe: the class takes none."""
 
 CASES = [(body, thing) for body in BODIES for thing in THINGS]
 
@@ -119,6 +130,11 @@ def subject(body: str) -> Subject:
         )
         point = np.array([0.5, 0.5, HIGH])
         return Subject({"bodies": (one,)}, "body", point, point - [0.0, 0.0, 0.01], None, 20.0)
+    if body == "lumped cable":
+        ends = np.array([[-1.0, 0.0, HIGH], [1.0, 0.0, HIGH]])
+        one = LumpedCable(name="body", points=ends, segments=6, mass=20.0, axial_stiffness=1e5)
+        point = np.array([1.0 / 3.0, 0.0, HIGH])
+        return Subject({"bodies": (one,)}, "body", point, point, None, 20.0)
     up = np.array([0.0, 0.0, LIFT])
     point, low = np.array([10.0, 5.0, 2.0]), np.array([10.0, 5.0, -barges.DRAFT])
     one = barges.floating("a", up)
@@ -259,7 +275,7 @@ def test_balances(body: str, thing: str) -> None:
     of = subject(body)
     if (body, thing) in REFUSED:
         expected = REFUSED[body, thing]
-        if body.endswith("mesh"):
+        if thing == "drive" and body not in HULLS:
             assert "motion" not in type(of.keys["bodies"][0]).__dataclass_fields__
             return
         with pytest.raises(InputError, match=expected):
