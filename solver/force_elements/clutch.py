@@ -2,9 +2,10 @@
 
 A clutch is one row, the rate u of the angle of its joint. It sticks, and the row keeps the angle at which it did::
 
-    u = -(angle - grip)/h
+    u = -(angle - grip) h/H^2
 
-until that takes more than its limit; then it slips, with a torque of the limit against u, until u would change its sign
+with the longest step so far H, so that in a part of a step, as events ask for, it goes back by no more than that part.
+When that takes more than its limit it slips, with a torque of the limit against u, until u would change its sign
 within a step. So the torque that it carries below the limit moves nothing, however long it acts: what softness the row
 has gives way once, not in every step. Of two inertias that turn about one axis, one driven by the other through a
 clutch of the limit M, the speeds become equal after ``t = |w1 - w2| / (M (1/I1 + 1/I2))`` and what is lost is
@@ -147,8 +148,8 @@ class ClutchState(Record):
         Of its joint, with whole turns; and that at which it last began to stick [rad].
     branch
         0 if it sticks; -1 or 1, the sense of its slip.
-    limit
-        Largest torque in the step [N m].
+    limit, longest
+        Largest torque in the step [N m]; longest step so far [s].
     slipped, loss
         Angle slipped [rad], energy lost [J].
     rounds
@@ -160,6 +161,7 @@ class ClutchState(Record):
     grip: float
     branch: int
     limit: float
+    longest: float
     slipped: float
     loss: float
     rounds: int
@@ -271,7 +273,7 @@ def _put(kind: Clutches, i: int, h: float, system: RowArrays) -> None:
     block, state = kind.table[i].block, kind.state[i]
     if state.branch == 0:
         put_stick(system, block)
-        system.rows[block].target[0] = -system.rows[block].residual[0] / h
+        system.rows[block].target[0] = -system.rows[block].residual[0] * h / (state.longest * state.longest)
     else:
         put_law(system, block, h, 0.0, state.branch * state.limit, 0.0)
 
@@ -286,6 +288,7 @@ def set_clutch_targets(
         state = kind.state[i]
         if at_midpoint:
             state.rounds, state.limit = 0, _limit(kind, i, time + 0.5 * step)
+            state.longest = max(state.longest, step)
             _put(kind, i, step, system)
         elif not state.fresh and state.branch * _rate(kind, i, work, system) <= 0.0:
             state.branch = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from heavylift.solver.joints.hinge import Hinge
 from heavylift.solver.joints.slider import Slider
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.descriptions import check_object
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario, Signal, Term
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.simulation import Simulation
 
@@ -167,6 +169,37 @@ def test_a_run_goes_on_from_what_a_clutch_carries() -> None:
     second.restore(first.state())
     rest = second.advance(800)[1]
     np.testing.assert_array_equal(rest, whole.records[701:])
+
+
+def test_in_a_part_of_a_step_it_holds_as_well() -> None:
+    """A scenario ends phases within steps, the last one where the clutch begins to stick, found to 1e-9 s."""
+    near = Condition(Signal((Term("clutch.slip_rate"),)), -1e-7)
+    phases = (
+        Phase("wait", until=(Condition(None, 0.1234567891),)),
+        Phase("engage", until=(near,)),
+        Phase("on"),
+    )
+    forces = (
+        Clutch(name="clutch", joint="between", torque=60.0),
+        Clutch(name="brake", joint="axle", torque=60.0),
+        JointMotor(name="motor", joint="axle", load=59.0),
+    )
+    two = shaft(*forces, speeds=(4.0, -1.0))
+    axle = Hinge(name="axle", body_a=GROUND, body_b="drum", frame_a=JointFrame(np.array([0.0, 0.0, 3.0])))
+    scene = replace(
+        two,
+        bodies=(*two.bodies, wheel("drum", 40.0, 3.0)),
+        joints=(*two.joints, axle),
+        scenario=Scenario(phases),
+    )
+    found = run(scene, 1e-3, 1.5, record_every=10)
+    ends = [line.time for line in found.simulation.operation.log if line.event == "done"]
+    np.testing.assert_allclose(ends, [0.1234567891, 1.0], atol=1e-7)
+    np.testing.assert_allclose(found["foot.angular_rate"][-1], 1.0, rtol=1e-9)
+    assert np.abs(found["axle.angle"]).max() < 1e-9
+    assert np.all(found["brake.slipped"] == 0.0)
+    np.testing.assert_allclose(found["clutch.heat"][-1], 150.0, rtol=1e-8)
+    assert found.balance < 1e-8
 
 
 def test_only_the_default_integrator_serves_it() -> None:
