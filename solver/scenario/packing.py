@@ -224,11 +224,9 @@ def _with_winch_rows(kind: Ropes, told: Iterable[int], count: int) -> Ropes:
 
 def _with_levels(kind: Any, tanks: Sequence[Any], told: set[str]) -> Any:
     """Room for plans in the schedules of some tanks, of all in the order of the kind."""
-    rows: list[tuple[float, float]] = []
+    rows: list[TankLevel] = []
     for entry, tank in zip(kind.tanks, tanks, strict=True):
-        own = [
-            (level.time, level.mass) for level in kind.tank_levels[entry.first : entry.first + entry.count]
-        ]
+        own = list(kind.tank_levels[entry.first : entry.first + entry.count])
         if tank.name in told:
             own += [own[-1]] * (TANK_LEVELS - len(own))
         entry.first, entry.count = len(rows), len(own)
@@ -664,14 +662,14 @@ def _table(of: type[Record], rows: Sequence[Record]) -> Records[Any]:
 def _no_ropes() -> Ropes:
     """The kind of a scene without ropes."""
     return Ropes(
-        records(RopeEntry, 0),
-        records(PlaceMarkers, 0),
-        records(WinchRow, 0),
-        records(RopePlace, 0),
-        records(PlaceGradient, 0),
-        records(RopeState, 0),
-        np.zeros(0),
-        records(LineForce, 0),
+        table=records(RopeEntry, 0),
+        places=records(PlaceMarkers, 0),
+        winches=records(WinchRow, 0),
+        path=records(RopePlace, 0),
+        gradient=records(PlaceGradient, 0),
+        state=records(RopeState, 0),
+        wraps=np.zeros(0),
+        pulls=records(LineForce, 0),
     )
 
 

@@ -213,11 +213,16 @@ class NamesOf:
     what
         Field of `Targets` that has the names.
     words
-        What these are, for messages, if not as the key is called.
+        What these are, for messages, if not as the field without its plural.
     """
 
     what: str
     words: str = ""
+
+    @property
+    def called(self) -> str:
+        """What these are."""
+        return self.words or self.what.removesuffix("s")
 
 
 class ActionKey(NamedTuple):
@@ -345,7 +350,7 @@ class Action(ActionKeys):
         mark = first.mark(NamesOf)
         if mark is None:
             return (cls(**values),)
-        names = targets.fitting(first.name, values[first.name], getattr(targets, mark.what), mark.words)
+        names = targets.fitting(first.name, values[first.name], getattr(targets, mark.what), mark.called)
         if mark.what == "drives":
             targets.move_together(names, first.name)
         return tuple(cls(**(values | {first.name: name})) for name in names)
