@@ -57,9 +57,9 @@ from heavylift.solver.scenario.sequencer import (
     TrackState,
     Worst,
 )
-from heavylift.solver.scene.actions import Command
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.channels import Channel, TrackOutputs
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.operation_state import AXES, Movable, drives_of, helpers_of, releases_of
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scenario import Scenario, check_scenario

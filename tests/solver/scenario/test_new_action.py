@@ -19,7 +19,8 @@ NUDGE = '''
 
     from heavylift.numerics.outcome import InputError
     from heavylift.numerics.quantity import Positive, Quantity
-    from heavylift.solver.scene.actions import ACTIONS, Action, Command, NamesOf
+    from heavylift.solver.scene.actions import ACTIONS, Action, NamesOf
+    from heavylift.solver.scene.commands import Command
     from heavylift.solver.scene.operations import GO_BY
 
     if TYPE_CHECKING:
