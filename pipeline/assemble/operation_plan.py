@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.case_file import Case
     from heavylift.solver.scenario.operation import Operation
-    from heavylift.solver.scene.actions import Command
+    from heavylift.solver.scene.commands import Command
     from heavylift.solver.scene.scenario import Phase, Scenario
     from heavylift.solver.scene.scene import Scene
 

@@ -47,7 +47,7 @@ ARRIVED_PART = 1e-9
 
 
 class ActionEntry(Record):
-    """A command of an action, `heavylift.solver.scene.actions.Command`, with numbers in place of names.
+    """A command of an action, `heavylift.solver.scene.commands.Command`, with numbers in place of names.
 
     Attributes
     ----------

@@ -56,9 +56,9 @@ from heavylift.solver.scenario.sequencer import (
     TrackState,
     Worst,
 )
-from heavylift.solver.scene.actions import Command
 from heavylift.solver.scene.bodies import Driven, Fixed, Profile
 from heavylift.solver.scene.channels import Channel, TrackOutputs
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.operation_state import AXES, Movable, drives_of, helpers_of, releases_of
 from heavylift.solver.scene.outputs import Columns
 from heavylift.solver.scene.scenario import Scenario, check_scenario
@@ -651,14 +651,14 @@ def _table(of: type[Record], rows: Sequence[Record]) -> Records[Any]:
 def _no_ropes() -> Ropes:
     """The kind of a scene without ropes."""
     return Ropes(
-        records(RopeEntry, 0),
-        records(PlaceMarkers, 0),
-        records(WinchRow, 0),
-        records(RopePlace, 0),
-        records(PlaceGradient, 0),
-        records(RopeState, 0),
-        np.zeros(0),
-        records(LineForce, 0),
+        table=records(RopeEntry, 0),
+        places=records(PlaceMarkers, 0),
+        winches=records(WinchRow, 0),
+        path=records(RopePlace, 0),
+        gradient=records(PlaceGradient, 0),
+        state=records(RopeState, 0),
+        wraps=np.zeros(0),
+        pulls=records(LineForce, 0),
     )
 
 

@@ -20,20 +20,18 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import ByCoordinate, Quantity
-from heavylift.solver.scene.operations import NOTHING
+from heavylift.solver.scene.commands import Command
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
     from heavylift.solver.scene.operation_state import OperationState
-    from heavylift.solver.scene.signals import Signal
 
 __all__ = [
     "ACTIONS",
     "Action",
     "ActionKey",
     "ActionKeys",
-    "Command",
     "Hook",
     "MotionKeys",
     "NamesOf",
@@ -41,56 +39,6 @@ __all__ = [
     "SpeedKeys",
     "Targets",
 ]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Command:
-    """What the sequencer does for an action.
-
-    Attributes
-    ----------
-    operation
-        One of `heavylift.solver.scene.operations`.
-    actuates
-        What sort of thing the name is of: a winch, called by its rope; a rope without its winch; ...; or nothing. The
-        value of a winch is the length that is hauled in [m], but for `GO_TO` the unstretched length of the rope; that
-        of a drive its coordinate [m], [rad]; of a tank the mass in it [kg]; of a path the distance along it [m].
-    name
-        Of the rope, drive, tank, transporter, joint or machine.
-    value
-        `SPEED`: per second; `GO_TO`: value at the end; `GO_BY`: by how much; `KEEP`: tension [N]; `KEEP_LEVEL`: share,
-        0 ends it; `BRAKE`, `FAIL`: 1 on, 0 off; `CONNECT`: slack [m].
-    speed
-        Largest one of a move, or with which a tension or a level is kept.
-    ramp
-        Time in which the speed changes, or reaches the largest one, [s]; 0 if the limits below say it.
-    acceleration, jerk
-        Limits; 0 is none.
-    leader, ratio
-        `FOLLOW`: rope of the winch that is copied, and length per length of that. A path without `SPEED` continues as
-        planned.
-    signal, parts
-        `GO_BY`: in place of the distance what the signal is below the value, times the parts.
-    dead_band
-        `KEEP`, `KEEP_LEVEL`: part by which it may be off.
-    group
-        `KEEP_LEVEL`: number of the group.
-    """
-
-    operation: int = NOTHING
-    actuates: Literal["", "winch", "rope", "drive", "tank", "path", "joint", "pump", "levelling"] = ""
-    name: str = ""
-    value: float = 0.0
-    speed: float = 0.0
-    ramp: float = 0.0
-    acceleration: float = 0.0
-    jerk: float = 0.0
-    leader: str = ""
-    ratio: float = 0.0
-    signal: Signal | None = None
-    parts: float = 1.0
-    dead_band: float = 0.0
-    group: int = -1
 
 
 class Hook(NamedTuple):
@@ -213,11 +161,16 @@ class NamesOf:
     what
         Field of `Targets` that has the names.
     words
-        What these are, for messages, if not as the key is called.
+        What these are, for messages, if not as the field without its plural.
     """
 
     what: str
     words: str = ""
+
+    @property
+    def called(self) -> str:
+        """What these are."""
+        return self.words or self.what.removesuffix("s")
 
 
 class ActionKey(NamedTuple):
@@ -345,7 +298,7 @@ class Action(ActionKeys):
         mark = first.mark(NamesOf)
         if mark is None:
             return (cls(**values),)
-        names = targets.fitting(first.name, values[first.name], getattr(targets, mark.what), mark.words)
+        names = targets.fitting(first.name, values[first.name], getattr(targets, mark.what), mark.called)
         if mark.what == "drives":
             targets.move_together(names, first.name)
         return tuple(cls(**(values | {first.name: name})) for name in names)

@@ -13,7 +13,7 @@ from heavylift.solver.scene.operations import CONNECT, FAIL, FOLLOW, RELEASE
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from heavylift.solver.scene.actions import Action
+    from heavylift.solver.scene.commands import Command
 
 __all__ = [
     "AXES",
@@ -153,7 +153,7 @@ class OperationState:
     prepared
         Names of ropes that are not connected at the start.
     others
-        Actions of other tracks.
+        Commands of other tracks.
 
     Attributes
     ----------
@@ -179,8 +179,8 @@ class OperationState:
         Names of what has failed.
     """
 
-    def __init__(self, movable: Movable, prepared: Iterable[str], others: Iterable[Action]) -> None:
-        commands = [action.command() for action in others]
+    def __init__(self, movable: Movable, prepared: Iterable[str], others: Iterable[Command]) -> None:
+        commands = list(others)
         self.movable, self.elsewhere = movable, {command.name for command in commands} - {""}
         self.followed = {one.name: one.leader for one in commands if one.operation == FOLLOW}
         for name, rope in movable.ropes.items():
@@ -196,15 +196,14 @@ class OperationState:
         self.arriving: set[str] = set()
         self.failed: set[str] = set()
 
-    def act(self, action: Action, key: str) -> None:
-        """See that an action finds what it needs, and change what is so after it.
+    def check_command(self, command: Command, key: str) -> None:
+        """Refuse what another track commands, or what has failed.
 
         Raises
         ------
         InputError
             With the key.
         """
-        command = action.command()
         if command.name in self.elsewhere:
             raise InputError(
                 f"{command.name!r} is commanded by another sequence",
@@ -219,7 +218,6 @@ class OperationState:
                         key=key,
                         expected="'restore' before, or another one",
                     )
-        action.check(self, key)
 
     def rope(self, name: str, key: str) -> Any:
         """A rope of type wire."""

@@ -12,7 +12,8 @@ from heavylift.solver.scene.operations import CONNECT, RELEASE
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from heavylift.solver.scene.actions import Action, Command
+    from heavylift.solver.scene.actions import Action
+    from heavylift.solver.scene.commands import Command
     from heavylift.solver.scene.signals import Signal
 
 __all__ = ["Condition", "Limit", "Phase", "Scenario", "Track", "check_scenario", "loose_ropes"]
@@ -217,7 +218,7 @@ def check_scenario(scenario: Scenario, movable: Movable) -> None:
     for row, phases in enumerate(scenario.rows):
         others = (phase for other in scenario.rows if other is not phases for phase in other)
         state = OperationState(
-            movable, scenario.prepared, (action for phase in others for action in phase.actions)
+            movable, scenario.prepared, (action.command() for phase in others for action in phase.actions)
         )
         for index, phase in enumerate(phases):
             key = f"tracks.{row - 1}.phases.{index}" if row else f"phases.{index}"
@@ -242,7 +243,9 @@ def check_scenario(scenario: Scenario, movable: Movable) -> None:
                     expected="'until', or 'at_end' of the scenario 'go_on'",
                 )
             for number, action in enumerate(phase.actions):
-                state.act(action, f"{key}.actions.{number}")
+                place = f"{key}.actions.{number}"
+                state.check_command(action.command(), place)
+                action.check(state, place)
             _can_end(phase, state, f"{key}.until")
             state.end_phase(_waited_for(phase))
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
-from heavylift.solver.scene.actions import ACTIONS, Action, Command, NamesOf
+from heavylift.solver.scene.actions import ACTIONS, Action, NamesOf
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.operations import CONNECT
 
 if TYPE_CHECKING:

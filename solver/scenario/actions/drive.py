@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from heavylift.numerics.quantity import ByCoordinate, Quantity
-from heavylift.solver.scene.actions import ACTIONS, Action, Command, MotionKeys, NamesOf, Ramp
+from heavylift.solver.scene.actions import ACTIONS, Action, MotionKeys, NamesOf, Ramp
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.operations import GO_BY, GO_TO, SPEED
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.actions import ACTIONS, Action, ActionKeys, Command, NamesOf
+from heavylift.solver.scene.actions import ACTIONS, Action, ActionKeys, NamesOf
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.operations import RELEASE, RELEASE_JOINT
 
 if TYPE_CHECKING:

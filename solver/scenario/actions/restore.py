@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.scenario.actions.fail import MACHINES, WORDS, Sort, check_machine, machines_of
-from heavylift.solver.scene.actions import ACTIONS, Action, ActionKeys, Command, NamesOf
+from heavylift.solver.scene.actions import ACTIONS, Action, ActionKeys, NamesOf
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.operations import FAIL
 
 if TYPE_CHECKING:

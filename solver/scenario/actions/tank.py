@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
-from heavylift.solver.scene.actions import ACTIONS, Action, Command, NamesOf
+from heavylift.solver.scene.actions import ACTIONS, Action, NamesOf
 from heavylift.solver.scene.ballast import MASS_FLOW
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.operations import GO_TO, SPEED
 
 if TYPE_CHECKING:

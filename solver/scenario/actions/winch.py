@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import NameOf, Positive, Quantity
-from heavylift.solver.scene.actions import ACTIONS, Action, Command, Hook, MotionKeys, NamesOf, Ramp
+from heavylift.solver.scene.actions import ACTIONS, Action, Hook, MotionKeys, NamesOf, Ramp
+from heavylift.solver.scene.commands import Command
 from heavylift.solver.scene.connections import controlled
 from heavylift.solver.scene.operations import BRAKE, FOLLOW, GO_BY, GO_TO, KEEP, KEEP_LEVEL, SPEED
 
