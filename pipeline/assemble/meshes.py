@@ -15,6 +15,7 @@ from heavylift.pipeline.assemble.frames import start_of_frame
 from heavylift.pipeline.case.meshes import CORNERS, EDGES
 from heavylift.solver.joints.edges import expand_edge
 from heavylift.solver.scene import meshes as m
+from heavylift.solver.scene.mesh_loads import numbered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -26,11 +27,9 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.geometry import BoxGroup
     from heavylift.pipeline.case.meshes import (
         FrameBodySection,
-        FrameLoad,
         FrameSectionTable,
         RegionSection,
         ShellBodySection,
-        ShellLoad,
         ShellSectionTable,
         ShellSupportSection,
     )
@@ -321,12 +320,10 @@ def _region(
 
 def _numbers(place: Place, key: str, numbers: Sequence[int], count: int, what: str) -> NDArray[np.int64]:
     """Numbers that must be those of nodes or elements."""
-    for position, number in enumerate(numbers):
-        if number >= count:
-            raise place.error(
-                f"{key}.{position}", f"there is no {what} {number}", f"a number from 0 to {count - 1}"
-            )
-    return np.array(numbers, dtype=np.int64)
+    try:
+        return numbered(key, numbers, count, what)
+    except InputError as error:
+        raise place.error(error.key, error.problem, error.expected) from None
 
 
 def _inside(box: BoxGroup, points: NDArray[np.float64], margin: float) -> NDArray[np.bool_]:
@@ -416,34 +413,13 @@ def _normal_axis(place: Place, key: str, slopes: NDArray[np.float64]) -> str:
 
 
 def _load(
-    place: Place, index: int, load: FrameLoad | ShellLoad, mesh: FrameMesh | ShellMesh
+    place: Place, index: int, load: Any, mesh: FrameMesh | ShellMesh
 ) -> m.DistributedLoad | m.FollowerLoad:
-    key = f"loads.{index}"
-    times: dict[str, Any] = {}
-    if load.times:
-        times = {"times": np.array(load.times), "factors": np.array(load.factors)}
-    if load.type == "follower_force":
-        if load.node is not None:
-            _numbers(place, f"{key}.node", [load.node], len(mesh.nodes), "node")
-        ends = {"start": 0, "end": len(mesh.nodes) - 1}
-        node = ends[load.at] if load.at is not None else load.node
-        return m.FollowerLoad(
-            normal=load.normal, tangential=load.tangential, axis=np.array(load.axis), node=node, **times
-        )
-    chosen = None
-    if load.elements:
-        chosen = _numbers(place, f"{key}.elements", load.elements, len(mesh.elements), "element")
-    if load.type == "distributed":
-        return m.DistributedLoad(np.array(load.force), elements=chosen, **times)
-    if load.type == "pressure":
-        return m.FollowerLoad(normal=load.pressure, elements=chosen, **times)
-    return m.FollowerLoad(
-        normal=load.normal,
-        tangential=load.tangential,
-        axis=np.array(load.axis),
-        elements=chosen,
-        **times,
-    )
+    try:
+        made: m.DistributedLoad | m.FollowerLoad = assemble(load, {}, place.case.folder).load(mesh)
+    except InputError as error:
+        raise place.error(f"loads.{index}.{error.key}", error.problem, error.expected) from None
+    return made
 
 
 _SHAPE_KEYS = ("elements", "nodes", "tangents", "slopes", "lengths")

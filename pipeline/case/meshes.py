@@ -4,15 +4,12 @@
 
 import math
 from collections import Counter
-from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
     BeforeValidator,
-    Discriminator,
     Field,
     StringConstraints,
-    Tag,
     field_validator,
     model_validator,
 )
@@ -26,7 +23,6 @@ from heavylift.pipeline.case.bodies import (
 )
 from heavylift.pipeline.case.described import Chosen
 from heavylift.pipeline.case.fields import (
-    Direction,
     LengthVector,
     Name,
     Positive,
@@ -35,10 +31,10 @@ from heavylift.pipeline.case.fields import (
     as_list,
     refuse_unknown,
     reject,
-    type_tag,
 )
 from heavylift.pipeline.case.geometry import BoxGroup
 from heavylift.solver.scene.bodies import BODIES
+from heavylift.solver.scene.mesh_loads import FRAME_LOADS, SHELL_LOADS
 from heavylift.solver.scene.mesh_shapes import FRAME_SHAPES, SHELL_SHAPES
 from heavylift.solver.scene.meshes import Elasticity, FrameBody, FrameModel, ShellBody
 
@@ -49,20 +45,16 @@ __all__ = [
     "Body",
     "EdgeName",
     "ElementNumber",
-    "FollowerForceSection",
     "FrameBodySection",
     "FrameFixedSection",
-    "FrameFollowerSection",
     "FrameGeometry",
     "FrameLoad",
     "FrameRegionSection",
     "FrameSectionTable",
     "FrameSupportSection",
-    "LineLoadSection",
     "MeshBodySection",
     "MeshDampingSection",
     "NodeNumber",
-    "PressureSection",
     "RegionSection",
     "ShellBodySection",
     "ShellFixedSection",
@@ -70,7 +62,6 @@ __all__ = [
     "ShellLoad",
     "ShellSectionTable",
     "ShellSupportSection",
-    "SurfaceLoadSection",
     "check_regions",
 ]
 
@@ -333,13 +324,6 @@ class ShellSupportSection(_SupportSection):
         return {key: axes for key, axes in self.fixed.model_dump().items() if axes}
 
 
-Time = Annotated[float, Quantity("time")]
-Factor = Annotated[float, Quantity("number")]
-LineLoad = Annotated[float, Quantity("force per length")]
-SurfaceLoad = Annotated[float, Quantity("pressure")]
-Force = Annotated[float, Quantity("force")]
-
-
 class MeshDampingSection(Section):
     """Damping of a frame or shell."""
 
@@ -349,116 +333,10 @@ class MeshDampingSection(Section):
     """Stress per rate of stress [s]: damping is this times the stiffness."""
 
 
-class _TimedSection(Section):
-    """What all loads have: a factor over time."""
-
-    times: tuple[Time, ...] = ()
-    """Times of a table [s], increasing; constant without it."""
-    factors: tuple[Factor, ...] = ()
-    """What the load is multiplied by, linear in between, constant before and after."""
-
-    @model_validator(mode="after")
-    def _is_a_function(self) -> Self:
-        if len(self.times) != len(self.factors):
-            reject(f"{len(self.times)} times and {len(self.factors)} factors", "one factor a time")
-        if any(b <= a for a, b in pairwise(self.times)):
-            reject(f"times {list(self.times)}", "increasing times")
-        return self
-
-
-class _SpreadSection(_TimedSection):
-    """What loads on elements have."""
-
-    elements: tuple[ElementNumber, ...] = ()
-    """Numbers of the elements, from 0; all if empty."""
-
-
-class LineLoadSection(_SpreadSection):
-    """A load along a frame that keeps its direction."""
-
-    type: Literal["distributed"] = "distributed"
-    force: tuple[LineLoad, LineLoad, LineLoad]
-    """World axes, a metre of the unloaded length [N/m]."""
-
-
-class _FollowerSection(Section):
-    """What loads that turn with a frame have."""
-
-    axis: Direction = (0.0, 0.0, 1.0)
-    """World direction, any length; `normal` acts along ``axis x tangent``."""
-
-    def check_load(self, normal: float, tangential: float) -> None:
-        """Something must act."""
-        if not (normal or tangential):
-            reject("neither 'normal' nor 'tangential'", "one of them, or both")
-
-
-class FrameFollowerSection(_SpreadSection, _FollowerSection):
-    """A load along a frame that turns with it."""
-
-    type: Literal["follower"]
-    normal: LineLoad = 0.0
-    """Along ``axis x tangent`` [N/m]."""
-    tangential: LineLoad = 0.0
-    """Along the tangent [N/m]."""
-
-    @model_validator(mode="after")
-    def _acts(self) -> Self:
-        self.check_load(self.normal, self.tangential)
-        return self
-
-
-class FollowerForceSection(_TimedSection, _FollowerSection):
-    """A force on one node of a frame that turns with it."""
-
-    type: Literal["follower_force"]
-    at: Literal["start", "end"] | None = None
-    """The end it acts on."""
-    node: NodeNumber | None = None
-    """In place of `at`, the number of a node, from 0."""
-    normal: Force = 0.0
-    """Along ``axis x tangent`` [N]."""
-    tangential: Force = 0.0
-    """Along the tangent [N]."""
-
-    @model_validator(mode="after")
-    def _acts(self) -> Self:
-        self.check_load(self.normal, self.tangential)
-        if (self.at is None) == (self.node is None):
-            reject("both 'at' and 'node'" if self.at else "neither 'at' nor 'node'", "one of them")
-        return self
-
-
-class SurfaceLoadSection(_SpreadSection):
-    """A load on a shell that keeps its direction."""
-
-    type: Literal["distributed"] = "distributed"
-    force: tuple[SurfaceLoad, SurfaceLoad, SurfaceLoad]
-    """World axes, a square metre of the unloaded area [N/m^2]."""
-
-
-class PressureSection(_SpreadSection):
-    """A pressure on a shell, along its normal as it turns."""
-
-    type: Literal["pressure"]
-    pressure: SurfaceLoad
-    """[Pa]; along ``r_x x r_y``, which is z of a rectangle."""
-
-
-def _load_type(value: Any) -> str:
-    return type_tag(value, "distributed")
-
-
-FrameLoad = Annotated[
-    Annotated[LineLoadSection, Tag("type distributed")]
-    | Annotated[FrameFollowerSection, Tag("type follower")]
-    | Annotated[FollowerForceSection, Tag("type follower_force")],
-    Discriminator(_load_type),
-]
-ShellLoad = Annotated[
-    Annotated[SurfaceLoadSection, Tag("type distributed")] | Annotated[PressureSection, Tag("type pressure")],
-    Discriminator(_load_type),
-]
+FrameLoad = Annotated[Any, Chosen(FRAME_LOADS)]
+"""Load of a frame."""
+ShellLoad = Annotated[Any, Chosen(SHELL_LOADS)]
+"""Load of a shell."""
 
 
 class MeshBodySection(BodySection):

@@ -151,24 +151,13 @@ def _support(support: Any) -> str:
 
 def _load(load: Any) -> str:
     """Kind, place and size of a load."""
-    if load.type == "distributed":
-        unit = "N/m" if type(load).__name__ == "LineLoadSection" else "N/m^2"
-        words = numbers_words(load.force, unit)
-    elif load.type == "pressure":
-        words = f"pressure {number_words(load.pressure, 'Pa')}"
-    else:
-        unit = "N" if load.type == "follower_force" else "N/m"
-        parts = [
-            f"{key} {number_words(getattr(load, key), unit)}"
-            for key in ("normal", "tangential")
-            if getattr(load, key)
-        ]
-        words = f"follower {', '.join(parts)}, axis {numbers_words(load.axis, '')}"
-    if load.type == "follower_force":
-        words += f" at {load.at or f'node {load.node}'}"
-    elif load.elements:
-        words += f" on elements {numbers_words(load.elements, '')}"
-    return words + (f", times a table of {len(load.times)} points" if load.times else "")
+    words = [
+        own_words(field, getattr(load, field.name))
+        for field in described_fields(load.DESCRIBED)
+        if field.name not in {"times", "factors"}
+    ]
+    table = f", times a table of {len(load.times)} points" if load.times else ""
+    return f"{load.type.replace('_', ' ')}: {', '.join(filter(None, words))}{table}"
 
 
 def _places(results: Results, shape: MeshShape) -> Table:

@@ -320,15 +320,3 @@ def test_links_of_the_guides_to_pages_of_keys_lead_somewhere():
     for page, anchor in found:
         headings = {heading_anchor(line) for line in pages[page].splitlines() if line.startswith("## ")}
         assert not anchor or anchor in headings, (page, anchor)
-
-
-@pytest.mark.slow
-def test_pages_are_written_with_tables_alone(tmp_path, heavylift):
-    assert heavylift("schema", "--tables", "--out", tmp_path / "keys").code == 0
-    assert (tmp_path / "keys" / "README.md").read_text("utf-8") == key_pages()["README.md"]
-    (tmp_path / "file").write_text("")
-    for words in (("--out", tmp_path / "x"), ("ropes", "--tables", "--out", tmp_path / "x")):
-        run = heavylift("schema", *words)
-        assert run.code == 2
-        assert "--out" in run.stderr
-    assert heavylift("schema", "--tables", "--out", tmp_path / "file").code == 2

@@ -1,0 +1,1 @@
+"""Loads of frames, one a file."""

@@ -1,0 +1,29 @@
+"""A load along a frame that keeps its direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heavylift.numerics.quantity import Quantity, Shape
+from heavylift.solver.scene.mesh_loads import FRAME_LOADS, SpreadLoad
+from heavylift.solver.scene.mesh_shapes import FrameMesh, ShellMesh
+from heavylift.solver.scene.meshes import DistributedLoad
+
+__all__ = ["LineLoad"]
+
+
+@FRAME_LOADS.describe("distributed")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LineLoad(SpreadLoad):
+    """A load along a frame that keeps its direction."""
+
+    force: Annotated[NDArray[np.float64], Quantity("force per length"), Shape((3,))]
+    """World axes, a metre of the unloaded length [N/m]."""
+
+    def load(self, mesh: FrameMesh | ShellMesh) -> DistributedLoad:
+        """On its elements."""
+        return DistributedLoad(self.force, elements=self.chosen(mesh), **self.table)

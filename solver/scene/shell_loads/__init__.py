@@ -1,0 +1,1 @@
+"""Loads of shells, one a file."""
