@@ -104,7 +104,7 @@ class Slewing:
     moves: tuple[Turn, ...] = ()
     """How it turns."""
     driven: bool = False
-    """Whether it has a drive though it has no moves: it is at rest until a scenario commands the drive ``NAME_slewing``."""
+    """Whether it has a drive without moves: at rest until a scenario commands the drive ``NAME_slewing``."""
 
 
 @EQUIPMENT.describe("floating_cranes")
