@@ -56,6 +56,7 @@ __all__ = [
     "Vector",
     "Vector6",
     "filled",
+    "filled_rows",
     "record_at",
     "records",
 ]
@@ -218,6 +219,14 @@ if TYPE_CHECKING:
         @overload
         def __getitem__(self, place: str) -> NDArray[Any]: ...
         def __getitem__(self, place: Any) -> Any: ...
+        @overload
+        def __setitem__(self, place: int | np.integer[Any], value: Record) -> None: ...
+        @overload
+        def __setitem__(
+            self, place: slice | NDArray[Any] | list[int], value: Records[Any] | Record
+        ) -> None: ...
+        @overload
+        def __setitem__(self, place: str, value: Any) -> None: ...
         def __setitem__(self, place: Any, value: Any) -> None: ...
         def __len__(self) -> int: ...
         def __iter__(self) -> typing.Iterator[R_co]: ...
@@ -300,7 +309,7 @@ def _records_of(record: type[Record]) -> _RecordsOf:
     return _RecordsOf(record)
 
 
-def records(record: type[R], rows: int | typing.Iterable[R | typing.Iterable[Any]]) -> Records[R]:
+def records(record: type[R], rows: int | typing.Iterable[R]) -> Records[R]:
     """Array of records that begins at a cache line.
 
     Parameters
@@ -308,15 +317,24 @@ def records(record: type[R], rows: int | typing.Iterable[R | typing.Iterable[Any
     record
         Their class.
     rows
-        How many, all fields 0; or `filled` ones; or the values of their fields in order.
+        How many, all fields 0; or the records themselves, as `filled` makes them.
+
+    Raises
+    ------
+    TypeError
+        If one of them is another thing, such as the values of its fields in order.
     """
-    given: Any = None if isinstance(rows, int) else [tuple(row) for row in typing.cast("Any", rows)]
-    count = rows if isinstance(rows, int) else len(given or ())
+    given = [] if isinstance(rows, int) else list(rows)
+    count = rows if isinstance(rows, int) else len(given)
     size = count * record.layout.itemsize
     buffer = np.zeros(size + LINE, dtype=np.uint8)
     start = -buffer.ctypes.data % LINE
     made: Any = buffer[start : start + size].view(record.layout)
-    for i, row in enumerate(given or ()):
+    for i, row in enumerate(given):
+        if not isinstance(row, record):
+            raise TypeError(
+                f"{type(row).__name__} in a table of {record.__name__}: expected `filled` records"
+            )
         made[i] = row
     return made
 
@@ -336,12 +354,12 @@ def filled(record: type[R], **fields: Any) -> R:
     record
         Its class.
     fields
-        Values: numbers, vectors, of a record within that record or a tuple.
+        Values: numbers, vectors, of a record within that record.
 
     Raises
     ------
     TypeError
-        If a field is missing, or there is none of that name.
+        If a field is missing, there is none of that name, or a record within is given by its values in order.
 
     Examples
     --------
@@ -354,17 +372,68 @@ def filled(record: type[R], **fields: Any) -> R:
     Traceback (most recent call last):
     TypeError: Spring without 'stiffness'
     """
-    of_class: Any = record
-    own = _own_fields(of_class)
+    _check_names(record, fields)
+    made = record.one()
+    within = _records_within(typing.cast("Any", record))
+    for name, value in fields.items():
+        if name in within and not isinstance(value, within[name]):
+            raise TypeError(
+                f"{record.__name__}.{name}: {type(value).__name__}, expected a {within[name].__name__}"
+            )
+        made[name] = value
+    return made
+
+
+def filled_rows(record: type[R], **columns: Any) -> Records[R]:
+    """Array of records by the columns of all their fields: as `filled`, for tables that are made of arrays.
+
+    Parameters
+    ----------
+    record
+        Their class.
+    columns
+        Values of each field in all rows, of one length.
+
+    Raises
+    ------
+    TypeError
+        As `filled`.
+    ValueError
+        If they differ in length.
+
+    Examples
+    --------
+    >>> class Level(Record):
+    ...     time: float
+    ...     height: float
+    >>> filled_rows(Level, time=[0.0, 60.0], height=[0.5, 0.75])[1].height
+    np.float64(0.75)
+    """
+    _check_names(record, columns)
+    counts = {name: len(values) for name, values in columns.items()}
+    if len(set(counts.values())) > 1:
+        raise ValueError(f"{record.__name__}: columns of different lengths, {counts}")
+    made = records(record, next(iter(counts.values()), 0))
+    for name, values in columns.items():
+        made[name] = values
+    return made
+
+
+def _check_names(record: Any, fields: typing.Mapping[str, Any]) -> None:
+    """Refuse fields that are missing or unknown."""
+    own = _own_fields(record)
     if fields.keys() != own.keys():
         unknown, missing = fields.keys() - own.keys(), own.keys() - fields.keys()
         problems = [f"with unknown {', '.join(map(repr, sorted(unknown)))}"] if unknown else []
         problems += [f"without {', '.join(repr(name) for name in own if name in missing)}"] if missing else []
         raise TypeError(f"{record.__name__} {' and '.join(problems)}")
-    made = record.one()
-    for name, value in fields.items():
-        made[name] = value
-    return made
+
+
+@cache
+def _records_within(record: Any) -> dict[str, type[Record]]:
+    """Classes of those of its fields that are records."""
+    found = {name: record.layout[name].type for name in record.fields_of}
+    return {name: of_class for name, of_class in found.items() if issubclass(of_class, Record)}
 
 
 # ---- in kernels ----

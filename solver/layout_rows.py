@@ -217,14 +217,21 @@ def _add_contacts(
     from heavylift.solver.contact.packing import pack_contacts
 
     columns = [packed.record.add(contact.name, contact.CHANNELS) for contact in scene.contacts]
-    for collision in scene.collisions:
-        columns.append(packed.record.add(collision.name, collision.CHANNELS))
-        for i in range(collision.recorded):
-            packed.record.add(f"{collision.name}.contact_{i + 1}", collision.CONTACT_CHANNELS)
+    of_collisions = [
+        (
+            packed.record.add(collision.name, collision.CHANNELS),
+            [
+                packed.record.add(f"{collision.name}.contact_{i + 1}", collision.CONTACT_CHANNELS)
+                for i in range(collision.recorded)
+            ],
+        )
+        for collision in scene.collisions
+    ]
     contacts = pack_contacts(
         scene,
         ordered,
         columns,
+        of_collisions,
         markers,
         attachment,
         first_dofs(ordered, packed.bases),

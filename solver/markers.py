@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.scene.bodies import GROUND
 
@@ -153,7 +154,7 @@ def pack_markers(
     Records
         In the order of their levels.
     """
-    rows: list[tuple[int, int, int, bool, int]] = []
+    rows = []
     start = sum(map(len, constants))
     for row, (body, data_of) in enumerate(zip(markers, point_data, strict=True)):
         levels = body.levels or (FORCES,) * len(body.numbers)
@@ -161,8 +162,10 @@ def pack_markers(
             body.numbers, body.vectors, body.directions, levels, strict=True
         ):
             block = np.asarray(vector, dtype=np.float64) if direction else data_of(vector)
-            rows.append((number, row, start, direction, level))
+            rows.append(
+                filled(PackedMarker, number=number, body=row, data=start, direction=direction, level=level)
+            )
             constants.append(block)
             start += len(block)
-    rows.sort(key=lambda row: row[4])
+    rows.sort(key=attrgetter("level"))
     return records(PackedMarker, rows)

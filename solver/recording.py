@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Floats1
 from heavylift.numerics.jit import view
-from heavylift.numerics.records import WORD_BYTES, record_at, records
+from heavylift.numerics.records import WORD_BYTES, record_at
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.outputs import Columns, Outputs, Parts, PlacedPart
 
@@ -43,8 +43,19 @@ def width_of(outputs: type[Outputs]) -> int:
 
 def placed(declared: type[P], columns: Columns) -> P:
     """Where the channels of a class of parts are, as the record that a kind keeps."""
-    made: Any = records(declared.record(), [columns.parts(declared)])[0]
+    made: Any = declared.record().one()
+    _place(made, declared, columns)
     return made
+
+
+def _place(made: Any, declared: type[Outputs], columns: Columns) -> None:
+    """Fill the record of a class of parts, and those within it."""
+    for name, one in declared.OUTPUTS.items():
+        at = getattr(made, name)
+        if isinstance(one, type):
+            _place(at, one, columns)
+        else:
+            at.first, at.size = columns.of(one.name)
 
 
 def zeros_of(declared: type[O]) -> O:

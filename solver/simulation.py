@@ -347,7 +347,7 @@ class Simulation:
                 self.start_text = fit_start_tensions(rows, ways[self._start_mode], self.start_text)
         if self._start_mode in AT_REST and not settles:
             self._check_strains()
-        if any("excitation" in kind._fields for kind in self._layout.bodies):
+        if any(kind.FLOATS for kind in self._layout.bodies):
             from heavylift.solver.water.hulls.packing import check_series
 
             check_series(self._layout.bodies)

@@ -168,7 +168,7 @@ def _where_off_road(layout: Layout) -> tuple[str, str]:
 def _tank_limit(layout: Layout) -> str:
     """Which tank runs over or dry, and what may help."""
     for kind in layout.bodies:
-        if "tank_rows" not in kind._fields:
+        if not kind.FLOATS:
             continue
         over = kind.tanks["mass"] - kind.tanks["capacity"]
         for number in np.flatnonzero((over > 0.0) | (kind.tanks["mass"] < 0.0)):
@@ -350,7 +350,7 @@ def mesh_warning(layout: Layout) -> str:
     """
     parts = []
     for kind in layout.bodies:
-        if "strain" not in kind._fields:
+        if not kind.NODAL:
             continue
         from heavylift.solver.bodies.ancf.kind import AUTO, CARRIED
 
@@ -401,7 +401,7 @@ def hull_warning(layout: Layout) -> str:
     """
     parts = []
     for kind in layout.bodies:
-        if "hulls" not in kind._fields:
+        if not kind.FLOATS:
             continue
         for entry, hull, state in zip(kind.table, kind.hulls, kind.state, strict=True):
             tilt = math.acos(max(-1.0, 1.0 - state.tipped))
@@ -490,7 +490,7 @@ def _explicit_limit(layout: Layout) -> str:
         Packed scene whose status names the body.
     """
     for kind in layout.bodies:
-        if "strain" not in kind._fields:
+        if not kind.NODAL:
             continue
 
         for line, numbers in zip(kind.table, kind.body, strict=True):

@@ -19,7 +19,7 @@ from heavylift.contours.triangles.surface_layout import (
 )
 from heavylift.contours.triangles.surface_tree import build_tree
 from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1
-from heavylift.numerics.records import R, Records, records
+from heavylift.numerics.records import R, Records, filled, records
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -140,7 +140,15 @@ def pack_surfaces(
     point = triangle = edge = node = 0
     opposite, neighbours = [], []
     for s, part in enumerate(parts):
-        table[s] = point, triangle, edge, node, len(part.triangles), len(part.points)
+        table[s] = filled(
+            PackedSurface,
+            first_point=point,
+            first_triangle=triangle,
+            first_edge=edge,
+            root=node,
+            triangle_count=len(part.triangles),
+            point_count=len(part.points),
+        )
         rows = triangles[triangle : triangle + len(part.triangles)]
         rows["corners"] += point
         joined = rows["edges"]

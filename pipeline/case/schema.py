@@ -1,4 +1,4 @@
-"""Schema of case files: as JSON Schema for editors, and as tables of all keys, which docs/case_keys.md holds."""
+"""Schema of case files: as JSON Schema for editors, and as tables of all keys, a page a table in docs/case_keys."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = [
     "case_schema",
     "channel_schema",
+    "key_pages",
     "key_tables",
     "section_tables",
 ]
@@ -117,6 +118,7 @@ def _attribute_docs(section: type) -> dict[str, str]:
     return found
 
 
+INDEX, SCENE_CHANNELS = "README.md", "Channels of the whole scene"
 NUMBER = quantity_schema()["anyOf"][1]["pattern"]
 HEAD = """# Keys of case.toml
 
@@ -141,9 +143,59 @@ class _Found(NamedTuple):
 def key_tables() -> str:
     """One table a section, in the order in which they are met."""
     order, titles = _sections()
+    return "\n".join([HEAD, *(_table(section, titles) for section in order), "", *_channels_of_the_scene()])
+
+
+def _channels_of_the_scene() -> Iterator[str]:
     scene = (channel_schema(owner, channels) for owner, channels in OF_THE_SCENE.items())
-    last = ["\n## Channels of the whole scene\n", *_channels(chain.from_iterable(scene))]
-    return "\n".join([HEAD, *(_table(section, titles) for section in order), *last])
+    yield f"## {SCENE_CHANNELS}\n"
+    yield from _channels(chain.from_iterable(scene))
+
+
+def key_pages() -> dict[str, str]:
+    """The same by the names of files: a page for each table of a case, and an index.
+
+    Notes
+    -----
+    The index has the keys of the file itself, whose links lead to the pages.
+    """
+    order, titles = _sections()
+    pages: dict[str, list[_Found]] = {}
+    for section in order:
+        pages.setdefault(_page(section), []).append(section)
+    made = {
+        page: [
+            f"# {page.removesuffix('.md')}",
+            *_contents(sections),
+            *(_table(one, titles) for one in sections),
+        ]
+        for page, sections in pages.items()
+    }
+    made[INDEX] = [HEAD, *(_table(section, titles) for section in pages[INDEX])]
+    made[INDEX] += ["", f"What every run records besides: [{SCENE_CHANNELS.lower()}](channels.md)."]
+    made["channels.md"] = [f"# {SCENE_CHANNELS}\n", *list(_channels_of_the_scene())[1:]]
+    places = {_anchor(section.title): page for page, sections in pages.items() for section in sections}
+
+    def link(found: re.Match[str], page: str) -> str:
+        other = places[found[1]]
+        return f"](#{found[1]})" if other == page else f"]({other}#{found[1]})"
+
+    return {
+        page: re.sub(r"\]\(#([^)]+)\)", lambda found, page=page: link(found, page), "\n".join(lines)) + "\n"
+        for page, lines in made.items()
+    }
+
+
+def _page(section: _Found) -> str:
+    """File of the page that a section stands on."""
+    return INDEX if section.path == "case.toml" else f"{section.path.partition('.')[0]}.md"
+
+
+def _contents(sections: Sequence[_Found]) -> list[str]:
+    """List of the sections of a page, if they are several."""
+    if len(sections) == 1:
+        return []
+    return ["", *(f"* [{section.title}](#{_anchor(section.title)})" for section in sections)]
 
 
 def section_tables(name: str, width: int) -> str:

@@ -32,6 +32,8 @@ _WITH_UNIT = frozenset({".step", ".stp", ".iges", ".igs"})
 _CAD = _WITH_UNIT | {".brep"}
 """Files whose faces are meshed."""
 
+ExclusionSection: Any = section_of(Exclusion)
+
 
 class SurfaceSection(Section):
     """Triangles that move with a body: from a file, a simple shape, or of a frame or shell its own surface."""
@@ -55,7 +57,7 @@ class SurfaceSection(Section):
     radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
     """Rounding [m]: everything at this distance from the triangles of a file or plane is its surface, as half the
     thickness of a plate; of a box or cylinder the radius of its edges, within its size."""
-    exclude: tuple[section_of(Exclusion), ...] = ()  # type: ignore[misc]
+    exclude: tuple[ExclusionSection, ...] = ()
     """Boxes whose triangles take no part."""
     facets: Annotated[int, Field(ge=1, le=32, strict=True)] | None = None
     """Of a frame or shell: facets along each side of an element; 2 if absent."""

@@ -280,7 +280,7 @@ for _command in (*PAGE_COMMANDS, *SEA_COMMANDS):
 
 
 @app.command
-def schema(section: str = "", /, *, tables: bool = False) -> int:
+def schema(section: str = "", /, *, tables: bool = False, out: Path | None = None) -> int:
     """Print the keys of a section of case.toml; without one, the JSON Schema for editors.
 
     Parameters
@@ -288,8 +288,23 @@ def schema(section: str = "", /, *, tables: bool = False) -> int:
     section
         As ropes, joints.hinge, bodies.geometry; case lists the sections.
     tables
-        Tables of all keys in Markdown instead, as in docs/case_keys.md.
+        Tables of all keys in Markdown instead.
+    out
+        With --tables: folder for a page a table and an index, as docs/case_keys.
     """
+    if out is not None:
+
+        def write(_log: "Log") -> int:
+            from heavylift.pipeline.commands.key_pages import write_pages
+
+            if section or not tables:
+                raise InputError(
+                    "without '--tables'", source="schema", key="--out", expected="'--tables --out'"
+                )
+            write_pages(out)
+            return 0
+
+        return guarded(write, quiet=True, json=False)
     if section:
 
         def command(_log: "Log") -> int:

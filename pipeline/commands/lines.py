@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.commands.scene import SeaCase
+    from heavylift.pipeline.drawn.hanging import HangingLine
     from heavylift.pipeline.log import Log
     from heavylift.pipeline.moordyn.lines import DynamicLine
-    from heavylift.pipeline.pictures.mooring_lines import DrawnLine
     from heavylift.pipeline.results.histories import Results
     from heavylift.solver.scene.scene import Scene
     from heavylift.solver.water.lines.mooring_lines import MooringLine
@@ -176,7 +176,7 @@ def section_masses(line: MooringLine, density: float, material: float, gravity: 
     return tuple(section.weight / gravity / (1.0 - density / material) for section in line.sections)
 
 
-def line_entry(drawn: DrawnLine) -> dict[str, Any]:
+def line_entry(drawn: HangingLine) -> dict[str, Any]:
     """Numbers of a line, SI units."""
     found = drawn.catenary
     return {

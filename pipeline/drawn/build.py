@@ -316,6 +316,7 @@ class _Builder:
             d.Strut: self._strut,
             d.Mark: self._mark,
             d.RopeLine: self._rope,
+            d.NodalShape: self._nodal_line,
             d.Wheel: self._wheel,
             d.Pad: self._pad,
             d.Filling: self._filling,
@@ -576,26 +577,11 @@ class _Builder:
             shapes=shapes,
         )
         self._carry(element.name, attached, nearest, held)
-        number, count = self.deformed[element.name], len(element.points)
         self.nodes[element.name] = (
             (lambda _record: element.points[:, np.newaxis])
             if recorded is None
             else (lambda record: places(record)[:, np.newaxis])
         )
-        if element.triangles is None:
-            tension = self._values(element.tension) if element.tension else None
-            self.drawn.lines.append(
-                Line(
-                    name=element.name,
-                    role=element.role,
-                    on=np.full(count, -1, dtype=np.int64),
-                    local=np.array(element.points, dtype=np.float64),
-                    surface=np.full(count, number, dtype=np.int64),
-                    vertex=np.arange(count, dtype=np.int64),
-                    radius=element.radius or -1.0,
-                    tension=None if tension is None else tension.max(axis=1),
-                )
-            )
 
     def _world_at_rest(self, name: str, points: NDArray[np.float64]) -> NDArray[np.float64]:
         body = self.bodies[name]
@@ -919,6 +905,24 @@ class _Builder:
             local.append(points if number < 0 else self.drawn.poses[number].local(points))
         return {"on": np.array(on, dtype=np.int64), "local": np.concatenate(local, axis=1)}
 
+    def _nodal_line(self, element: d.NodalShape) -> None:
+        """A line through the points of a surface without triangles."""
+        if element.triangles is not None:
+            return
+        count, tension = len(element.points), self._values(element.tension) if element.tension else None
+        self.drawn.lines.append(
+            Line(
+                name=element.name,
+                role=element.role,
+                on=np.full(count, -1, dtype=np.int64),
+                local=np.array(element.points, dtype=np.float64),
+                surface=np.full(count, self.deformed[element.name], dtype=np.int64),
+                vertex=np.arange(count, dtype=np.int64),
+                radius=element.radius or self.drawn.radius,
+                tension=None if tension is None else tension.max(axis=1),
+            )
+        )
+
     def _wheel(self, element: d.Wheel) -> None:
         at, anchor = self._anchored(element.at)
         moved = element.offset
@@ -1133,11 +1137,9 @@ class _Builder:
         self.drawn.notes.append(f"The surface of {name} is drawn with {after:,} of its {before:,} triangles.")
 
     def _widen(self) -> None:
-        """Ropes, springs and joints that are near are seen with the bodies; lines through nodes have a radius."""
+        """Ropes, springs and joints that are near are seen with the bodies."""
         box = self.drawn.box
         reach = box + _RIGGING * self.drawn.size * np.array([[-1.0], [1.0]])
-        for line in self.drawn.lines:
-            line.radius = self.drawn.radius if line.radius < 0.0 else line.radius
         samples = _spread(len(self.records), _SAMPLES)
         for line in self.drawn.lines:
             if line.group not in {"ropes", "forces", "joints"}:

@@ -129,7 +129,7 @@ class FloatingCrane(Equipment):
     luffing: tuple[Turn, ...] = ()
     """How the boom luffs, upwards if positive."""
     driven: bool = False
-    """Whether the hinge of a boom without stay has a drive though it does not luff: it is at rest until a scenario
+    """Whether the hinge of a boom without stay has a drive without luffing: it is at rest until a scenario
     tells the drive ``NAME_hinge``."""
     level: bool = False
     """Whether the winches of the falls pay out and haul in so that hooks keep their height as the boom luffs by

@@ -326,7 +326,6 @@ def _line(one: Line, block: Block, *, tense: bool) -> dict[str, Any]:
         "colour": one.colour,
         "radius": one.radius,
         "on": block.add(one.on, "i4"),
-        "hidden": False,
     }
     found["local"] = block.quantised(one.local) if one.local.ndim == 3 else block.add(one.local)
     if one.local.ndim == 3:

@@ -203,7 +203,8 @@ class SceneView:
             if role == "spring":
                 for line in self.scene.lines:
                     if line.coiled:
-                        yield Lines(*coil(*now.line(line), self.scene.slim), *_pen(role))
+                        start, end = now.line(line)
+                        yield Lines(*coil(start, end, self.scene.slim), *_pen(role))
 
     def _fixed(self, now: Moment) -> Iterable[Lines]:
         """All other lines, as ropes and contours, which are always looked at."""

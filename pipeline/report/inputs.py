@@ -9,7 +9,7 @@ import numpy as np
 from heavylift.pipeline.report.collisions import collision_tables
 from heavylift.pipeline.report.connections import connection_tables
 from heavylift.pipeline.report.contacts import contact_tables
-from heavylift.pipeline.report.described import described_table
+from heavylift.pipeline.report.described import described_table, thing_words
 from heavylift.pipeline.report.document import Facts, Section, Table, Text, short_table
 from heavylift.pipeline.results.words import number_words, numbers_words, profile_words
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "body_input_rows",
+    "described_sections",
     "initial_rows",
     "input_section",
     "integration_words",
@@ -99,6 +100,18 @@ def rigid_sections(case: Case) -> list[Section]:
         for name, body in rigid.items()
     ]
     return [Section(f"{len(rigid)} rigid bodies", (short_table(header, rows, frozenset({1})),))]
+
+
+def described_sections(case: Case) -> list[Section]:
+    """Sections on the bodies that are given in numbers and deform, one each: what their keys say."""
+    return [
+        Section(
+            f"{body.BODY.NOUN.capitalize()} {name}",
+            (Facts((("given", "; ".join(thing_words(body))), *initial_rows(body.initial))),),
+        )
+        for name, body in case.bodies.items()
+        if body.BODY.DEFORMS and hasattr(body, "DESCRIBED")
+    ]
 
 
 def body_input_rows(body: Any) -> list[tuple[str, str]]:

@@ -31,7 +31,7 @@ from heavylift.pipeline.report.document import (
     to_html,
     to_markdown,
 )
-from heavylift.pipeline.report.inputs import input_section, rigid_sections
+from heavylift.pipeline.report.inputs import described_sections, input_section, rigid_sections
 from heavylift.pipeline.report.interactive import JudgedRun, interactive_content
 from heavylift.pipeline.report.lift import lift_section
 from heavylift.pipeline.report.meshes import edge_sections, mesh_sections
@@ -104,7 +104,11 @@ def write_report(
     touching = results is not None and bool(case.contacts or case.collisions) and len(results.time) > 0
     pictured = results is not None and len(results.time) > 0 and is_pictured(case)
     renderer, remedy = _renderer() if flexible or moved or touching or pictured else (None, "")
-    sections: list[Section] = [*rigid_sections(case), *mesh_sections(case, results)]
+    sections: list[Section] = [
+        *rigid_sections(case),
+        *described_sections(case),
+        *mesh_sections(case, results),
+    ]
     try:
         stills = still_sections(case, stages, results, renderer, album, log)
         for name, body in flexible.items():

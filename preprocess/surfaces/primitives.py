@@ -16,7 +16,7 @@ from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["box_surface", "capsule_surface", "cylinder_surface", "plane_surface", "sphere_surface"]
 
@@ -84,7 +84,7 @@ def sphere_surface(radius: float, *, name: str = "sphere") -> TriangleSurface:
 
 
 def capsule_surface(
-    radius: float, length: float, axis: Sequence[float] = (0.0, 0.0, 1.0), *, name: str = "capsule"
+    radius: float, length: float, axis: ArrayLike = (0.0, 0.0, 1.0), *, name: str = "capsule"
 ) -> TriangleSurface:
     """Cylinder with half spheres at its ends, about the origin: a lone segment with a rounding.
 
@@ -106,7 +106,7 @@ def capsule_surface(
 def cylinder_surface(
     radius: float,
     length: float,
-    axis: Sequence[float] = (0.0, 0.0, 1.0),
+    axis: ArrayLike = (0.0, 0.0, 1.0),
     *,
     sides: int = 64,
     rounding: float = 0.0,
@@ -176,7 +176,7 @@ def _positive(value: float | Sequence[float], count: int, key: str, source: str)
     return np.broadcast_to(numbers, (count,))
 
 
-def _direction(value: Sequence[float], key: str, source: str) -> NDArray[np.float64]:
+def _direction(value: ArrayLike, key: str, source: str) -> NDArray[np.float64]:
     vector = np.asarray(value, dtype=np.float64)
     length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
     if not (np.isfinite(length) and length > 0.0):

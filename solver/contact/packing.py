@@ -112,6 +112,7 @@ def pack_contacts(
     scene: Scene,
     ordered: Sequence[AnyBody],
     columns: Sequence[int],
+    of_collisions: Sequence[tuple[int, Sequence[int]]],
     markers: Sequence[ContactMarkers],
     attachment: Callable[[str], Attachment],
     dofs: Mapping[str, int],
@@ -128,6 +129,8 @@ def pack_contacts(
         The scene, and its bodies in the order of their kinds.
     columns
         First record column of each contact.
+    of_collisions
+        Of each collision, and of those of its contacts that are recorded.
     markers
         From `contact_markers`.
     attachment, dofs, inverse_mass, scales
@@ -148,9 +151,7 @@ def pack_contacts(
     else:
         from heavylift.solver.contact.triangles.packing import pack_collisions
 
-        collided = pack_collisions(
-            scene, ordered, columns[len(scene.contacts) :], attachment, dofs, scales, len(packed.rows)
-        )
+        collided = pack_collisions(scene, ordered, of_collisions, attachment, dofs, scales, len(packed.rows))
     count = len(scene.contacts) + collided.most
     numbers = {contour.name: i for i, contour in enumerate(scene.contours)}
     table, values, state = (
@@ -160,7 +161,7 @@ def pack_contacts(
     )
     sides: list[Attachment] = []
     slots: dict[str, int] = {}
-    for i, (contact, column, marker) in enumerate(zip(scene.contacts, columns, markers, strict=False)):
+    for i, (contact, column, marker) in enumerate(zip(scene.contacts, columns, markers, strict=True)):
         check_contact(contact, scene, scales)
         contour = scene.contours[numbers[contact.contour]]
         sides += [attachment(contour.body), attachment(contact.body)]

@@ -67,7 +67,7 @@ class ClutchOutputs(Outputs):
 
     torque: float = channel("moment or energy", "torque of the clutch on side b of its joint, about its axis")
     slip_rate: float = channel("angular velocity", "rate at which side b of the clutch turns against side a")
-    slip_angle: float = channel("angle", "accumulated slip angle of the clutch, both senses added up")
+    slipped: float = channel("angle", "accumulated slip angle of the clutch, both senses added up")
     slipping: float = channel(
         "number", "0 while the clutch sticks; 1 or -1, the sense of its slip, while it slips"
     )
@@ -149,7 +149,7 @@ class ClutchState(Record):
         0 if it sticks; -1 or 1, the sense of its slip.
     limit
         Largest torque in the step [N m].
-    slip_angle, loss
+    slipped, loss
         Angle slipped [rad], energy lost [J].
     rounds
         Scratch of the iteration: how many rounds there were.
@@ -160,7 +160,7 @@ class ClutchState(Record):
     grip: float
     branch: int
     limit: float
-    slip_angle: float
+    slipped: float
     loss: float
     rounds: int
 
@@ -323,7 +323,7 @@ def update_clutches(kind: Clutches, time: float, step: float, work: Workspace, s
         state, u = kind.state[i], _rate(kind, i, work, system)
         state.loss -= 2.0 * law_impulse(system, kind.table[i].block) * u
         if state.branch != 0:
-            state.slip_angle += step * abs(u)
+            state.slipped += step * abs(u)
         state.fresh = False
 
 
@@ -339,7 +339,7 @@ def record_clutches(
         sticks = state.branch == 0
         out.torque = system.rows[own.block].reaction[0] if sticks else -state.branch * _limit(kind, i, time)
         out.slip_rate = coordinate_rate(work, own.coordinate, own.a, own.b, own.c)
-        out.slip_angle = state.slip_angle
+        out.slipped = state.slipped
         out.slipping = float(state.branch)
         out.heat = state.loss
         work.sums.dissipated += state.loss

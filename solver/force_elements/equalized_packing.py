@@ -21,6 +21,7 @@ from heavylift.solver.force_elements.equalized import (
 from heavylift.solver.force_elements.rope_packing import LARGEST_DRIFT, LARGEST_SHARE
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.recording import placed
 from heavylift.solver.scene.connections import GROUND, JointFrame
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def _pack_group(members: Sequence[SharedLines], context: PackingContext) -> Equa
                 first=first,
                 count=count,
                 column=column,
-                parts=column.parts(EqualizedParts),
+                parts=placed(EqualizedParts, column),
                 shown=context.watched.first.get(rope.name, -1),
                 total=count * rope.depth,
                 compliance=rope.rope_length / (4.0 * rope.axial_stiffness),

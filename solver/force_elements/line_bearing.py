@@ -65,7 +65,7 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays
-from heavylift.solver.scene.connections import FORCES, Between
+from heavylift.solver.scene.connections import FORCES, Between, as_joint
 from heavylift.solver.scene.descriptions import upwards
 from heavylift.solver.scene.outputs import (
     Components,
@@ -300,7 +300,7 @@ def pack(bearings: Sequence[LineBearing], context: PackingContext) -> None:
         onto, normal = (np.asarray(v, dtype=np.float64) for v in (bearing.inward, bearing.normal))
         onto, normal = onto / np.linalg.norm(onto), normal / np.linalg.norm(normal)
         across = np.cross(normal, onto)
-        deck, line = context.start_frames(bearing)
+        deck, line = context.start_frames(as_joint(bearing))
         # the line in the axes of the second body: where it lies across the deck at the start
         half = 0.5 * bearing.length * (line.axes.T @ deck.axes @ across)
         a, b = bearing.body_a, bearing.body_b

@@ -19,7 +19,7 @@ from heavylift.solver.force_elements.system import ElementBlock
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.markers import MarkerBook
-from heavylift.solver.scene.connections import GROUND, Between, Joint, JointFrame, as_joint
+from heavylift.solver.scene.connections import GROUND, Joint, JointFrame
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,9 +95,9 @@ class PackingContext:
         """Joint of the scene."""
         return self._joints[name]
 
-    def start_frames(self, thing: Between | Joint) -> tuple[JointFrame, JointFrame]:
-        """Points [m] and axes in the world at the start of both sides of a joint, or of what is between two points."""
-        return start_frames(as_joint(thing) if isinstance(thing, Between) else thing, self.scene.bodies)
+    def start_frames(self, joint: Joint) -> tuple[JointFrame, JointFrame]:
+        """Points [m] and axes of both sides of a joint, in the world at the start; see `as_joint` for others."""
+        return start_frames(joint, self.scene.bodies)
 
     @property
     def next_block(self) -> int:

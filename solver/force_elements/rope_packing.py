@@ -25,6 +25,7 @@ from heavylift.solver.force_elements.wire_rope import (
 )
 from heavylift.solver.interface import FORCES, ROWS
 from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.recording import placed
 from heavylift.solver.scene.channels import Channel
 from heavylift.solver.scene.connections import (
     GROUND,
@@ -110,7 +111,7 @@ def make_ropes(ropes: Sequence[Any], context: PackingContext) -> Ropes:
                 winch=len(winches),
                 winch_rows=len(rows),
                 column=column,
-                parts=column.parts(RopeParts),
+                parts=placed(RopeParts, column),
                 shown=context.watched.first.get(rope.name, -1),
                 axial_stiffness=getattr(rope, "axial_stiffness", 0.0),
                 stiffness=getattr(rope, "stiffness", 0.0),
@@ -215,7 +216,7 @@ def _with_friction(kind: Ropes, ropes: Sequence[Any], context: PackingContext) -
         chain = Chain.one()  # the rest is scratch
         chain.first, chain.count = len(sheaves), len(rubbing)
         chain.stride, chain.rows, chain.flow = stride, rows, flow
-        chain["parts"] = context.column(rope).parts(SheaveParts)
+        chain["parts"] = placed(SheaveParts, context.column(rope))
         chain.winch_last, chain.drum, chain.drum_rows = winch_last, len(drums), len(last)
         chains.append(chain)
         drums += last

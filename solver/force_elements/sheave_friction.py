@@ -342,9 +342,9 @@ def _find_shares(kind: SheavedRopes, i: int, work: Workspace) -> float:
 
 @kernel(inline=True, internal=True)
 def _add_direction(
-    row: NDArray[np.float64], width: int, J: NDArray[np.float64], c: NDArray[np.float64]
+    out: NDArray[np.float64], width: int, J: NDArray[np.float64], c: NDArray[np.float64]
 ) -> None:
-    """Add ``c . J`` to a row."""
+    """Add ``c . J`` to derivatives."""
     x, y, z = c[0], c[1], c[2]
     if (
         x == 0.0 and y == 0.0 and z == 0.0
@@ -352,10 +352,10 @@ def _add_direction(
         return
     if width == 6:
         for k in range(6):
-            row[k] += x * J[0, k] + y * J[1, k] + z * J[2, k]
+            out[k] += x * J[0, k] + y * J[1, k] + z * J[2, k]
         return
     for k in range(width):
-        row[k] += x * J[0, k] + y * J[1, k] + z * J[2, k]
+        out[k] += x * J[0, k] + y * J[1, k] + z * J[2, k]
 
 
 @kernel(internal=True)
@@ -363,14 +363,14 @@ def _add_place(
     kind: SheavedRopes,
     p: int,
     by: PlaceGradient,
-    row: NDArray[np.float64],
+    out: NDArray[np.float64],
     width: int,
     work: Workspace,
 ) -> None:
-    """Add derivatives by a place to a row on its body."""
-    _add_direction(row, width, work.jacobian[kind.places[p].marker], by.centre)
+    """Add derivatives by a place to a row of its body."""
+    _add_direction(out, width, work.jacobian[kind.places[p].marker], by.centre)
     if kind.places[p].axis >= 0:
-        _add_direction(row, width, work.jacobian[kind.places[p].axis], by.axis)
+        _add_direction(out, width, work.jacobian[kind.places[p].axis], by.axis)
 
 
 @kernel(internal=True)
@@ -385,12 +385,12 @@ def _sum_places(kind: SheavedRopes, i: int, work: Workspace, system: RowArrays) 
         side = kind.places[p].attachment
         if side < 0:
             continue
-        width, whole, row = system.attachments[side].width, kind.whole[side - 2 * block], kind.by_place[p]
+        width, whole, out = system.attachments[side].width, kind.whole[side - 2 * block], kind.by_place[p]
         for k in range(width):
-            row[k] = 0.0
-        _add_place(kind, p, kind.gradient[p], row, width, work)
+            out[k] = 0.0
+        _add_place(kind, p, kind.gradient[p], out, width, work)
         for k in range(width):
-            whole[k] += row[k]
+            whole[k] += out[k]
 
 
 @kernel(internal=True)
@@ -419,11 +419,11 @@ def fill_sheaved_rows(kind: SheavedRopes, with_residual: bool, work: Workspace, 
             side = kind.places[p].attachment
             width = system.attachments[side].width if side >= 0 else 0
             beyond = kind.beyond[max(0, side - 2 * block)]
-            row = kind.by_place[p]
+            out = kind.by_place[p]
             if s >= kind.chains[i].first and kind.sheaves[s].place == p:
                 if width > 0:  # the part behind it counts, that before it does not
                     for k in range(width):
-                        row[k] += beyond[k]
+                        out[k] += beyond[k]
                     _add_place(kind, p, kind.leaving[p], beyond, width, work)
                 _put_row(
                     kind,
@@ -436,10 +436,10 @@ def fill_sheaved_rows(kind: SheavedRopes, with_residual: bool, work: Workspace, 
                 )
                 s -= 1
                 for k in range(width):
-                    beyond[k] = row[k]
+                    beyond[k] = out[k]
                 continue
             for k in range(width):
-                beyond[k] += row[k]
+                beyond[k] += out[k]
         if with_residual:
             compare_length(kind, i, length)
             put_residual(system, block, length - kind.state[i].rest)

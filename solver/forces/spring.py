@@ -335,7 +335,7 @@ def spring_table(spring: Spring | JointSpring, context: PackingContext) -> NDArr
             expected="a force that does not fall with the elongation",
         )
     if isinstance(spring, Spring):
-        ends = context.start_frames(spring)
+        ends = context.start_frames(as_joint(spring))
         distance = float(np.linalg.norm(ends[1].point - ends[0].point))
         if not distance > 1e-9 * (1.0 + float(np.abs(ends[0].point).max())):
             raise InputError(

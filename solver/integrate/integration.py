@@ -189,7 +189,7 @@ def make_integration(bodies: Bodies, joints: Joints, systems: Systems, work: Wor
     for kind in bodies:
         found, place = kind.place_coordinates(place)
         described.append(found)
-    coordinates = records(Coordinates, np.concatenate(described).tolist())
+    coordinates = records(Coordinates, [one for found in described for one in found])
     size = padded(place + QUADRATURES)
     progress = Progress.one()
     progress.length = coordinates["reach"].max()

@@ -101,7 +101,11 @@ def joint_coordinate(joint: Joint, user: AlongJoint | Joint) -> int:
 
 def joint_markers(book: MarkerBook, joint: Joint, coordinate: int, level: int) -> tuple[int, int, int]:
     """Markers of the angle or travel of a joint."""
-    return angle_markers(book, joint, level) if coordinate == ANGLE else travel_markers(book, joint, level)
+    if coordinate == ANGLE:
+        angle = angle_markers(book, joint, level)
+        return angle.x_a, angle.x_b, angle.y_b
+    travel = travel_markers(book, joint, level)
+    return travel.point_a, travel.point_b, travel.axis
 
 
 def spring_markers(book: MarkerBook, spring: Between, level: int) -> tuple[int, int, int]:

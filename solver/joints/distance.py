@@ -19,9 +19,9 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Positive
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, records
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
-from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
+from heavylift.solver.joints.packing import JointEntry, JointPlace, entry_fields
 from heavylift.solver.joints.reactions import clear_reaction, reaction_outputs, reactions
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -75,7 +75,7 @@ def pack(joints: Sequence[Distance], places: Sequence[JointPlace], book: MarkerB
         If a length is not positive, or the two points coincide at the start: a distance has no direction there.
     """
     rows = [
-        (place.block, *point_markers(book, joint), place.column, _length(joint, place))
+        filled(DistanceEntry, **entry_fields(book, joint, place), length=_length(joint, place))
         for joint, place in zip(joints, places, strict=True)
     ]
     return Distances(records(DistanceEntry, rows))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
     RECORD,
@@ -97,8 +97,17 @@ def pack(joints: Sequence[Hinge], places: Sequence[JointPlace], book: MarkerBook
     table = []
     for joint, place, start in zip(joints, places, starts, strict=True):
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
-        driven, recorded = angle_markers(book, joint), angle_markers(book, joint, RECORD)
-        table.append((place.block, place.column, z_a, driven, recorded, start))
+        table.append(
+            filled(
+                DrivenHingeEntry,
+                block=place.block,
+                column=place.column,
+                z_a=z_a,
+                driven=angle_markers(book, joint),
+                recorded=angle_markers(book, joint, RECORD),
+                profile=start,
+            )
+        )
     state = records(DrivenHingeState, len(table))
     state["drive"] = drives
     return DrivenHinges(parts, records(DrivenHingeEntry, table), state, profiles)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, records
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import (
     RECORD,
@@ -29,7 +29,7 @@ from heavylift.solver.joints.packing import (
     JointEntry,
     JointPlace,
     TravelMarkers,
-    point_markers,
+    entry_fields,
     travel_markers,
 )
 from heavylift.solver.joints.reactions import add_force, record_travel
@@ -95,8 +95,15 @@ def pack(joints: Sequence[Slider], places: Sequence[JointPlace], book: MarkerBoo
     table = []
     for joint, place, start in zip(joints, places, starts, strict=True):
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
-        points, recorded = point_markers(book, joint), travel_markers(book, joint, RECORD)
-        table.append((place.block, *points, place.column, z_a, recorded, start))
+        table.append(
+            filled(
+                DrivenSliderEntry,
+                **entry_fields(book, joint, place),
+                z_a=z_a,
+                travel=travel_markers(book, joint, RECORD),
+                profile=start,
+            )
+        )
     return DrivenSliders(parts, records(DrivenSliderEntry, table), state, profiles)
 
 

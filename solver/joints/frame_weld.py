@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.arrays import Arrays, Floats2
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, records
 from heavylift.numerics.vectors import cross
 from heavylift.solver.interface import Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.mesh_rows import FrameWeld
-from heavylift.solver.joints.packing import JointEntry, JointPlace, point_markers
+from heavylift.solver.joints.packing import JointEntry, JointPlace, entry_fields
 from heavylift.solver.joints.reactions import add_pull, reaction_outputs, write_reaction
 from heavylift.solver.joints.row_writing import (
     Vector,
@@ -73,11 +73,14 @@ def pack(joints: Sequence[FrameWeld], places: Sequence[JointPlace], book: Marker
     """Make the kind."""
     rows = []
     for joint, place in zip(joints, places, strict=True):
-        tangents = (
-            book.slope(joint.body_a, 1, at=joint.frame_a.point),
-            book.slope(joint.body_b, 1, at=joint.frame_b.point),
+        rows.append(
+            filled(
+                FrameWeldEntry,
+                tangent_a=book.slope(joint.body_a, 1, at=joint.frame_a.point),
+                tangent_b=book.slope(joint.body_b, 1, at=joint.frame_b.point),
+                **entry_fields(book, joint, place),
+            )
         )
-        rows.append((place.block, *point_markers(book, joint), place.column, *tangents))
     normals = np.array([joint.normal for joint in joints], dtype=np.float64)
     return FrameWelds(records(FrameWeldEntry, rows), normals)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.quantity import Quantity
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, records
 from heavylift.solver.drive import profile_value
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints, set_targets
 from heavylift.solver.joints.driving import DriveState, aim, drive_work, pack_profiles
@@ -27,7 +27,7 @@ from heavylift.solver.joints.packing import (
     JointEntry,
     JointPlace,
     TravelMarkers,
-    point_markers,
+    entry_fields,
     refuse_opposite,
     travel_markers,
 )
@@ -122,8 +122,18 @@ def pack(joints: Sequence[Guide], places: Sequence[JointPlace], book: MarkerBook
         a, b = joint.frame_a, joint.frame_b
         x_a, y_a = (book.direction(joint.body_a, a.axes[:, k], at=a.point) for k in range(2))
         x_b = book.direction(joint.body_b, b.axes[:, 0], at=b.point)
-        points, seen = point_markers(book, joint), travel_markers(book, joint, RECORD)
-        rows.append((place.block, *points, place.column, x_a, y_a, x_b, seen, joint.speed, start))
+        rows.append(
+            filled(
+                GuideEntry,
+                **entry_fields(book, joint, place),
+                x_a=x_a,
+                y_a=y_a,
+                x_b=x_b,
+                seen=travel_markers(book, joint, RECORD),
+                speed=joint.speed,
+                profile=start,
+            )
+        )
     return Guides(records(GuideEntry, rows), state, profiles, np.zeros(len(rows)))
 
 

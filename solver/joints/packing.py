@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record
+from heavylift.numerics.records import Record, filled
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.interface import ROWS
 from heavylift.solver.markers import MarkerBook
@@ -27,6 +27,7 @@ __all__ = [
     "JointPlace",
     "TravelMarkers",
     "angle_markers",
+    "entry_fields",
     "point_markers",
     "refuse_opposite",
     "start_frames",
@@ -97,24 +98,28 @@ def point_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[in
     )
 
 
-def angle_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int, int]:
+def entry_fields(book: MarkerBook, joint: Joint, place: JointPlace) -> dict[str, int]:
+    """Fields of a `JointEntry` by name: ``filled(Entry, **entry_fields(book, joint, place), length=...)``."""
+    point_a, point_b = point_markers(book, joint)
+    return {"block": place.block, "point_a": point_a, "point_b": point_b, "column": place.column}
+
+
+def angle_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> AngleMarkers:
     """See `AngleMarkers`."""
-    return (
-        book.direction(joint.body_a, joint.frame_a.axes[:, 0], level, at=joint.frame_a.point),
-        book.direction(joint.body_b, joint.frame_b.axes[:, 0], level, at=joint.frame_b.point),
-        book.direction(joint.body_b, joint.frame_b.axes[:, 1], level, at=joint.frame_b.point),
+    return filled(
+        AngleMarkers,
+        x_a=book.direction(joint.body_a, joint.frame_a.axes[:, 0], level, at=joint.frame_a.point),
+        x_b=book.direction(joint.body_b, joint.frame_b.axes[:, 0], level, at=joint.frame_b.point),
+        y_b=book.direction(joint.body_b, joint.frame_b.axes[:, 1], level, at=joint.frame_b.point),
     )
 
 
-def travel_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> tuple[int, int, int]:
+def travel_markers(book: MarkerBook, joint: Joint, level: int = ROWS) -> TravelMarkers:
     """See `TravelMarkers`."""
-    points = point_markers(book, joint, level)
-    return (
-        *points,
-        book.direction(
-            joint.body_a, joint.frame_a.axes @ travel_direction(joint), level, at=joint.frame_a.point
-        ),
-    )
+    point_a, point_b = point_markers(book, joint, level)
+    along = joint.frame_a.axes @ travel_direction(joint)
+    axis = book.direction(joint.body_a, along, level, at=joint.frame_a.point)
+    return filled(TravelMarkers, point_a=point_a, point_b=point_b, axis=axis)
 
 
 def travel_direction(joint: Joint) -> NDArray[np.float64]:

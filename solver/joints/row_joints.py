@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Ints1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     AngleMarkers,
@@ -169,9 +169,9 @@ def pack(joints: Sequence[Joint], places: Sequence[JointPlace], book: MarkerBook
     for joint, place in zip(joints, places, strict=True):
         turn, slide = place.column.at(AngleOutputs), place.column.at(TravelOutputs)
         if turn >= 0:
-            turns.append((angle_markers(book, joint, RECORD), turn))
+            turns.append(filled(TurnEntry, angle=angle_markers(book, joint, RECORD), column=turn))
         if slide >= 0:
-            slides.append((travel_markers(book, joint, RECORD), slide))
+            slides.append(filled(SlideEntry, travel=travel_markers(book, joint, RECORD), column=slide))
     return RowJoints(
         parts,
         records(TurnEntry, turns),
@@ -190,19 +190,20 @@ def pack_parts(
     InputError
         If a joint starts on another branch of its rows, or with parallel axes that are to be square.
     """
-    fields: dict[str, list[tuple[int, ...]]] = {word: [] for word in ROW_WORDS}
+    parts: dict[str, list[RowPart]] = {word: [] for word in ROW_WORDS}
     for (joint, rows), place in zip(joints, places, strict=True):
         _refuse_starts(joint, rows, place)
         points, first = point_markers(book, joint), 0
         for word, *axes in rows:
-            markers = _markers(joint, word, axes, points, book)
-            fields[word].append((place.block, first, *markers, place.column))
+            a, b, c = _markers(joint, word, axes, points, book)
+            part = filled(RowPart, block=place.block, row=first, a=a, b=b, c=c, column=place.column)
+            parts[word].append(part)
             first += len(ROW_WORDS[word])
     return RowParts(
-        points=records(RowPart, fields["point"]),
-        travels=records(RowPart, fields["travel"]),
-        parallels=records(RowPart, fields["parallel"]),
-        squares=records(RowPart, fields["square"]),
+        points=records(RowPart, parts["point"]),
+        travels=records(RowPart, parts["travel"]),
+        parallels=records(RowPart, parts["parallel"]),
+        squares=records(RowPart, parts["square"]),
         columns=np.array([place.column for place in places], dtype=np.int64),
     )
 

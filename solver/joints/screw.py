@@ -24,7 +24,7 @@ from heavylift.numerics.arrays import Arrays
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Quantity
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, records
 from heavylift.solver.interface import RECORD, Workspace, fill_bias, fill_rows, record_joints
 from heavylift.solver.joints.packing import (
     AngleMarkers,
@@ -32,7 +32,7 @@ from heavylift.solver.joints.packing import (
     JointPlace,
     TravelMarkers,
     angle_markers,
-    point_markers,
+    entry_fields,
     travel_markers,
 )
 from heavylift.solver.joints.reactions import add_force, reactions, record_travel
@@ -144,9 +144,18 @@ def pack(joints: Sequence[Screw], places: Sequence[JointPlace], book: MarkerBook
         pitch = joint.lead / (2.0 * math.pi)
         _refuse_other_turns(joint, place, pitch)
         z_a = book.direction(joint.body_a, joint.frame_a.axes[:, 2], at=joint.frame_a.point)
-        recorded = angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD)
-        markers = (z_a, angle_markers(book, joint), *recorded)
-        table.append((place.block, *point_markers(book, joint), place.column, *markers, pitch))
+        angle, travel = angle_markers(book, joint, RECORD), travel_markers(book, joint, RECORD)
+        table.append(
+            filled(
+                ScrewEntry,
+                z_a=z_a,
+                turn=angle_markers(book, joint),
+                angle=angle,
+                travel=travel,
+                pitch=pitch,
+                **entry_fields(book, joint, place),
+            )
+        )
     return Screws(parts, records(ScrewEntry, table))
 
 

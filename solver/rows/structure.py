@@ -25,7 +25,16 @@ from numpy.typing import NDArray
 from heavylift.numerics.arrays import Arrays, Floats1, Ints1
 from heavylift.numerics.block_pattern import FactorColumn, LowerBlock, pack_blocks
 from heavylift.numerics.lanes import block_shape
-from heavylift.numerics.records import LaneRecords, Lanes, Record, Records, known_lanes, lane_records, records
+from heavylift.numerics.records import (
+    LaneRecords,
+    Lanes,
+    Record,
+    Records,
+    filled,
+    known_lanes,
+    lane_records,
+    records,
+)
 
 __all__ = [
     "MOVES",
@@ -331,7 +340,16 @@ def pack_rows(
     attachments = records(Side, 2 * count)
     for i, end in enumerate(ends):
         holder = HUB if end.body in hub_node else end.holder
-        attachments[i] = end.dof, end.width, i * window * lanes, holder, block_of[i], 0, end.width
+        attachments[i] = filled(
+            Side,
+            dof=end.dof,
+            width=end.width,
+            panel=i * window * lanes,
+            holder=holder,
+            owner=block_of[i],
+            first=0,
+            count=end.width,
+        )
 
     edges: list[tuple[int, int]] = []
     for body, held in on_body.items():
@@ -351,10 +369,12 @@ def pack_rows(
     for body, held in on_body.items():
         if body in hub_node:
             node = hub_node[body]
-            hubs.append((node, pattern.place(node, node)[0], ends[held[0]].dof, -1))
+            place = pattern.place(node, node)[0]
+            hubs.append(filled(Hub, node=node, place=place, first=ends[held[0]].dof, later=-1))
             for i in held:
                 place, later = pattern.place(block_of[i], node)
-                hubs.append((block_of[i], place, int(attachments[i].panel), int(later)))
+                panel = attachments[i].panel
+                hubs.append(filled(Hub, node=block_of[i], place=place, first=panel, later=later))
             continue
         for p, q in combinations_with_replacement(held, 2):
             early, late = sorted((p, q), key=lambda i: rank[block_of[i]])
@@ -397,13 +417,14 @@ def _assembly(
     for place, early, late in sorted(pairs, key=lambda pair: (pair[0], not diagonal[pair[1]])):
         rigid = bool(diagonal[early])
         rows.append(
-            (
-                place,
-                int(attachments[early].panel) + (0 if rigid else half),
-                int(attachments[late].panel),
-                late,
-                int(attachments[early].dof) if rigid else -1,
-                rigid and place not in started,
+            filled(
+                Product,
+                place=place,
+                left=attachments[early].panel + (0 if rigid else half),
+                right=attachments[late].panel,
+                side=late,
+                dof=attachments[early].dof if rigid else -1,
+                first=rigid and place not in started,
             )
         )
         if rigid:

@@ -223,11 +223,9 @@ def _with_winch_rows(kind: Ropes, told: Iterable[int], count: int) -> Ropes:
 
 def _with_levels(kind: Any, tanks: Sequence[Any], told: set[str]) -> Any:
     """Room for plans in the schedules of some tanks, of all in the order of the kind."""
-    rows: list[tuple[float, float]] = []
+    rows: list[TankLevel] = []
     for entry, tank in zip(kind.tanks, tanks, strict=True):
-        own = [
-            (level.time, level.mass) for level in kind.tank_levels[entry.first : entry.first + entry.count]
-        ]
+        own = list(kind.tank_levels[entry.first : entry.first + entry.count])
         if tank.name in told:
             own += [own[-1]] * (TANK_LEVELS - len(own))
         entry.first, entry.count = len(rows), len(own)

@@ -374,6 +374,10 @@ class Body:
         """Refuse what cannot be packed; shapes of its start values by key."""
         return {"position": (3,), "orientation": (4,), "velocity": (3,), "angular_velocity": (3,)}
 
+    def drawn(self) -> Iterable[Element]:
+        """What it looks like, see `heavylift.solver.scene.drawn`; nothing unless a class says so."""
+        return ()
+
     def contour_frame(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origin [m] and axes, as columns, of what the solver measures a contour in, in the frame of the body."""
         return np.zeros(3), np.eye(3)

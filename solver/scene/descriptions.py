@@ -151,6 +151,8 @@ class ChannelKind:
             raise TypeError(
                 f"channel {self.name!r} is a {self.quantity} here, and elsewhere a {known[0].quantity}"
             )
+        if {(), None} <= {self.components, *(one.components for one in known)}:
+            raise TypeError(f"channel {self.name!r} is one number in one place, and several in another one")
         known.append(self)
 
     def columns(self, chosen: Mapping[str, tuple[str, ...]] | None = None) -> tuple[str, ...]:

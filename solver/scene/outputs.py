@@ -302,7 +302,3 @@ class Columns(int):
                 )
             column += width
         return first
-
-    def parts(self, declared: type[Parts]) -> tuple[PlacedPart, ...]:
-        """Where the channels of a class of parts are, in order: what its record is made of."""
-        return tuple(self.of(one.name) for one in declared.CHANNELS)

@@ -101,9 +101,7 @@ class StartRows:
     def _first_velocities(self, system: Any) -> NDArray[np.int64]:
         """Of the body of each attachment; hulls that water couples are one body to joints, with six columns each."""
         dofs = np.array(system.attachments["dof"])
-        groups = {
-            int(dof) for kind in self.layout.bodies if "groups" in kind._fields for dof in kind.groups["dof"]
-        }
+        groups = {int(dof) for kind in self.layout.bodies if kind.FLOATS for dof in kind.groups["dof"]}
         wide = [i for i in np.flatnonzero(system.attachments["width"] > 6) if int(dofs[i]) in groups]
         if wide:
             self.fill()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 from heavylift.solver.force_elements.system import ElementBlock
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
@@ -91,7 +91,7 @@ def pack(transporters: Sequence[Transporter], context: PackingContext) -> None:
     vehicles = records(VehicleData, len(transporters))
     groups: list[Any] = []
     bogies: list[Any] = []
-    pumps: list[tuple[float, float]] = []
+    pumps: list[PumpRow] = []
     sides: list[list[int]] = []
     starts: list[list[float]] = []
     stands_on: list[int] = []
@@ -204,17 +204,15 @@ def pack(transporters: Sequence[Transporter], context: PackingContext) -> None:
                     key="leak_speed",
                     expected="a load at which it leaks",
                 )
-            pumps += [(float(time), float(lift)) for time, lift in rows]
+            pumps += [filled(PumpRow, time=time, lift=lift) for time, lift in rows]
             own = slice(len(bogies) - first_bogie, len(bogies) - first_bogie + count)
             # with the loads of the start every tyre is as it is drawn, and the stroke is what the road lifts
             strokes.append(sum(lifts[own]) + (float(np.interp(0.0, *np.transpose(rows))) if rows else 0.0))
             side = 2 * block + ends.index(attachment(transporter.body))
             step = 2 * law.block_count if row_count > 1 else 0
             for i, point in enumerate(np.asarray(group.bogies, dtype=np.float64)):
-                bogie = BogieData.one()
-                bogie_place: Any = places.pack(book, point)
-                bogie.place, bogie.side, bogie.start_force = bogie_place, side + step * i, load
-                bogies.append(bogie)
+                place_of_bogie = places.pack(book, point)
+                bogies.append(filled(BogieData, place=place_of_bogie, side=side + step * i, start_force=load))
             sides.append(
                 [
                     -1 if deck.body == GROUND else 2 * block + ends.index(attachment(deck.body))

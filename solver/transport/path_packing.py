@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled_rows, records
 from heavylift.solver.interface import FORCES
 from heavylift.solver.recording import placed
 from heavylift.solver.scene.transport import DriveOutputs, PathOutputs, SteeringParts
@@ -46,7 +46,7 @@ class PathPacking:
         self._plans: list[Any] = []
         self._weights: list[float] = []
         self._deck_plans: list[list[int]] = []
-        self._bogies: list[tuple[float, float, bool]] = []
+        self._bogies: list[PathBogie] = []
         self._drives: list[Any] = []
         self._capacity: list[tuple[float, float]] = []
         self._routes: list[Route] = []
@@ -54,7 +54,7 @@ class PathPacking:
 
     def skip(self, bogies: int) -> None:
         """Count the bogies of a transporter without path."""
-        self._bogies += [(0.0, 0.0, False)] * bogies
+        self._bogies.extend(records(PathBogie, bogies))
 
     def add(
         self,
@@ -117,8 +117,7 @@ class PathPacking:
         path.block, path.attachments, outputs = at
         path.column, path.drive_column = outputs.at(PathOutputs), outputs.at(DriveOutputs)
         path.parts = placed(SteeringParts, outputs)
-        made: Any = places.pack(self._book, places.points.mean(axis=0))
-        path.middle = made
+        path.middle = places.pack(self._book, places.points.mean(axis=0))
         path.forward = self._book.direction(transporter.body, places.axes[0], FORCES, at=np.zeros(3))
         path.side = side_of[transporter.body]
         path.first_plan, path.plans = first_plan, len(bodies)
@@ -133,7 +132,8 @@ class PathPacking:
         route.nodes[:, -1] += first_leg
         self._routes.append(route)
         self._turns.append((first_bogie, turns))
-        self._bogies += [(float(x), float(y), bool(d)) for (x, y), d in zip(local, driven, strict=True)]
+        along, across = local.T
+        self._bogies.extend(filled_rows(PathBogie, x=along, y=across, driven=driven))
 
     def _drive(
         self, drive: Drive | None, route: Route, bogies: NDArray[np.float64]

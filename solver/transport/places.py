@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
+from heavylift.numerics.records import filled
 from heavylift.solver.interface import FORCES
 from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.joints.packing import start_frames
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.transport.decks import NO_ROAD, grid_heights, wheel_heights
+from heavylift.solver.transport.lever_arms import PlaceData
 
 if TYPE_CHECKING:
     from heavylift.solver.markers import MarkerBook
@@ -69,9 +71,7 @@ class Places:
         )
         return start_frames(stands, self.scene.bodies)[1]
 
-    def pack(
-        self, book: MarkerBook, point: NDArray[np.float64]
-    ) -> tuple[int, int, int, int, tuple[float, ...]]:
+    def pack(self, book: MarkerBook, point: NDArray[np.float64]) -> PlaceData:
         """Markers of a place of the body [m]: itself, or that of a mesh on which it hangs, and the axes of its arm.
 
         Raises
@@ -82,7 +82,7 @@ class Places:
         name, none = self.transporter.body, (-1, -1, -1)
         nodes = self.body.mesh_nodes
         if nodes is None:
-            return book.point(name, point, FORCES), *none, (0.0, 0.0, 0.0)
+            return _place(book.point(name, point, FORCES), none, np.zeros(3))
         place = self.body.nearest(point, source=self.transporter.name, key="groups")
         arm = np.asarray(point, dtype=np.float64) - place
         near = np.sort(np.linalg.norm(nodes - place, axis=1))[: AROUND + 1][-1]
@@ -97,7 +97,7 @@ class Places:
         if self._arms is None and np.any(arm):
             x, y, z = (book.direction(name, axis, FORCES, at=place) for axis in np.eye(3))
             self._arms = x, y, z
-        return book.point(name, place, FORCES), *(self._arms or none), tuple(map(float, arm))
+        return _place(book.point(name, place, FORCES), self._arms or none, arm)
 
     def on_decks(self, number: int, decks: Sequence[Deck], steering: float) -> tuple[int, float, list[float]]:
         """Deck under a bogie, what it lifts its wheel [m], and its station and offset on every deck [m]."""
@@ -136,3 +136,9 @@ class Places:
                 expected="places of the wheels on the road at the start",
             )
         return found, lift, places
+
+
+def _place(marker: int, axes: tuple[int, int, int], arm: NDArray[np.float64]) -> PlaceData:
+    """A place by its marker, those of the axes of its arm, and that arm [m]."""
+    x, y, z = axes
+    return filled(PlaceData, marker=marker, x=x, y=y, z=z, arm=arm)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 from heavylift.solver.interface import FORCES
 from heavylift.solver.recording import placed
 from heavylift.solver.scene.connections import GROUND
@@ -48,7 +48,7 @@ class TyrePacking:
         self._scene, self._book, self._paths = scene, book, PathPacking(scene, book)
         self._table: list[Any] = []
         self._rows: list[Any] = []
-        self._wheels: list[tuple[float, float, float]] = []
+        self._wheels: list[WheelData] = []
         self._planes: list[Deck] = []
         self._deck_planes = [self._plane(deck) for deck in scene.decks]
 
@@ -63,7 +63,7 @@ class TyrePacking:
     def skip(self, bogies: int) -> None:
         """Count the bogies of a transporter without tyres that slip."""
         self._paths.skip(bogies)
-        self._wheels += [(0.0, 0.0, 0.0)] * bogies
+        self._wheels.extend(records(WheelData, bogies))
 
     def add(
         self,
@@ -118,7 +118,7 @@ class TyrePacking:
             below = self._planes[self._deck_planes[stands_on]]
             frame = places.frame(below.body, np.asarray(below.origin, dtype=np.float64))
             x, y = below.axes()[:2] @ frame.axes.T @ (point - frame.point)
-            self._wheels.append((float(error), float(x), float(y)))
+            self._wheels.append(filled(WheelData, error=error, start_x=x, start_y=y))
         bodies = [deck.body for deck in self._planes]
         carrying = {body for body in bodies if body not in {GROUND, transporter.body}}
         drive_block = block + len(bodies)

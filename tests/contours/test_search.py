@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from heavylift.contours.splines.evaluate import SCRATCH
-from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour, PackedDirection
 from heavylift.contours.splines.sample_packing import pack_samples
 from heavylift.contours.splines.samples import Samples
 from heavylift.contours.splines.search import closest_on_curve, closest_on_surface, signed_gap
@@ -31,7 +31,7 @@ from heavylift.contours.splines.search_step import (
 from heavylift.contours.splines.spaces import clamped_space, closed_space
 from heavylift.numerics.arrays import Floats1, Floats2, Ints1
 from heavylift.numerics.objects import entry
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 
 
 @entry
@@ -87,10 +87,14 @@ class Patch:
         self.net = self.control.reshape(-1, 3).copy()
         u = spaces[0]
         self.knots = np.concatenate([space.knots for space in spaces])
-        along = u.degree, u.count, u.closed, 0
-        across = (spaces[1].degree, spaces[1].count, spaces[1].closed, u.knots.size)
+        along, across = (
+            filled(PackedDirection, degree=s.degree, count=s.count, closed=s.closed, first_knot=first)
+            for s, first in zip(spaces, (0, u.knots.size), strict=True)
+        )
         self.weights = np.zeros(0) if weights is None else np.ascontiguousarray(weights, dtype=float).ravel()
-        table = records(PackedContour, [(along, across, 0, -1 if weights is None else 0)])
+        first_weight = -1 if weights is None else 0
+        packed = filled(PackedContour, u=along, v=across, first_control=0, first_weight=first_weight)
+        table = records(PackedContour, [packed])
         self.contour = table[0]
         self.scratch = np.zeros(SCRATCH)
         self.result = ContourSearch.one()

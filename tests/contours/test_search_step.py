@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour, PackedDirection
 from heavylift.contours.splines.search_step import (
     ABOVE_U,
     BELOW_U,
@@ -24,11 +24,15 @@ from heavylift.contours.splines.search_step import (
     step_search,
 )
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled
 
-OPEN, CLOSED = records(
-    PackedContour, [((3, 11, closed, 0), (3, 11, False, 0), 0, -1) for closed in (False, True)]
-)
+
+def _surface(closed: bool) -> PackedContour:
+    u, v = (filled(PackedDirection, degree=3, count=11, closed=c, first_knot=0) for c in (closed, False))
+    return filled(PackedContour, u=u, v=v, first_control=0, first_weight=-1)
+
+
+OPEN, CLOSED = _surface(False), _surface(True)
 
 
 @kernel

@@ -120,7 +120,7 @@ def test_a_plot_of_what_is_not_recorded(heavylift, small_case, edit, key, name, 
     [('output_interval = "20 us"', "simulate.output_interval"), ("count = 3", "bodies.beam.modes.count")],
 )
 def test_what_has_a_default_is_not_missing(heavylift, small_case, edit, old, key):
-    """Keys that must be given show no default: in the terminal, in docs/case_keys.md and in the JSON Schema."""
+    """Keys that must be given show no default: in the terminal, in docs/case_keys and in the JSON Schema."""
     edit(small_case, (old, ""))
     result = heavylift("run", small_case)
     assert result.code == 2

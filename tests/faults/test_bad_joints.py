@@ -136,7 +136,12 @@ SPRING = (
         ("ropes.0.axial_stiffness=0", "ropes.0.axial_stiffness", "0 is too small", "> 0 N"),
         ("ropes.1.stiffness=-1 kN/m", "ropes.1.stiffness", "is too small", "> 0 N/m"),
         ("ropes.0.winch.speeds=[0]", "ropes.0.winch.speeds", "2 times and 1 speeds", "one of speeds"),
-        ("ropes.0.type=chain", "ropes.0", "type = 'chain'", "one of 'equalized', 'spring', 'wire'"),
+        (
+            "ropes.0.type=chain",
+            "ropes.0",
+            "type = 'chain'",
+            "one of 'equalized', 'maxwell', 'spring', 'wire'",
+        ),
         ("ropes.0.length=0", "ropes.0.length", "0 is too small", "> 0 m"),
         # from (0, 0, 0) over (0, 0.5, 1) to (0, 0, -8) is 1.118 + 9.014 m, less 2 x 0.2 m for the pulley
         (

@@ -21,6 +21,7 @@ from heavylift.numerics.records import (
     clear_record,
     copy_record,
     filled,
+    filled_rows,
     known_lanes,
     lane_records,
     record_at,
@@ -121,7 +122,7 @@ def test_memory() -> None:
     assert Weight.layout.itemsize == 32 + 8 + 8 + 72 + 32 + 16
     assert Wide.layout.itemsize == 64
     assert records(Wide, 3).ctypes.data % 64 == 0
-    made = records(Wide, [(1.5,), (2.5,)])
+    made = records(Wide, [filled(Wide, value=1.5), filled(Wide, value=2.5)])
     np.testing.assert_array_equal(made["value"], [1.5, 2.5])
     assert isinstance(made[1], Wide)
     place = Place.one()
@@ -280,6 +281,30 @@ def test_records_are_filled_by_name() -> None:
         filled(Place, position=(1.0, 2.0, 3.0))
     with pytest.raises(TypeError, match=r"Place with unknown 'depth', 'mass' and without 'position'"):
         filled(Place, turned=True, depth=(1.0, 2.0), mass=1.0)
+
+
+def test_records_are_filled_by_columns() -> None:
+    """As one by one; names and lengths must fit."""
+    positions = np.arange(6.0).reshape(2, 3)
+    rows = filled_rows(Place, turned=[True, False], position=positions)
+    one_by_one = [filled(Place, turned=i == 0, position=positions[i]) for i in range(2)]
+    assert rows.view(np.uint8).tobytes() == records(Place, one_by_one).view(np.uint8).tobytes()
+    assert len(filled_rows(Wide, value=[])) == 0
+    with pytest.raises(TypeError, match=r"Place without 'turned'"):
+        filled_rows(Place, position=positions)
+    with pytest.raises(ValueError, match=r"Place: columns of different lengths"):
+        filled_rows(Place, position=positions, turned=[True])
+
+
+def test_nothing_is_filled_by_position() -> None:
+    """Neither a table, nor a record, nor one within another: a tuple in order of the fields is refused."""
+    given: dict[str, Any] = {"mass": 2.0, "count": 5, "inertia": np.eye(3), "parts": (7, 8), "turned": False}
+    with pytest.raises(TypeError, match=r"tuple in a table of Wide"):
+        records(Wide, [(1.5,)])  # type: ignore[list-item]
+    with pytest.raises(TypeError, match=r"Place in a table of Wide"):
+        records(Wide, [Place.one()])  # type: ignore[list-item]
+    with pytest.raises(TypeError, match=r"Weight\.start: tuple, expected a Place"):
+        filled(Weight, **given, start=((1.0, 2.0, 3.0), True), position=(4.0, 5.0, 6.0))
 
 
 @entry

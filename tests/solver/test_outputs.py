@@ -9,7 +9,7 @@ import pytest
 
 from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.objects import entry
-from heavylift.numerics.records import Record, Records, records
+from heavylift.numerics.records import Record, Records, filled, records
 from heavylift.solver.recording import check_written, outputs_at, part, placed, unwritten, width_of
 from heavylift.solver.scene.channels import ChannelBook
 from heavylift.solver.scene.descriptions import XYZ, ChannelKind
@@ -116,7 +116,8 @@ def test_kernels_write_what_the_names_say() -> None:
     for i, (segments, sheaves) in enumerate(chosen):
         kinds = (*StiffLineOutputs.CHANNELS, *SegmentOutputs.CHANNELS)
         columns = book.add(f"line_{i}", kinds, {"segment_tension": segments, "sheave_state": sheaves})
-        rows.append((columns.at(StiffLineOutputs), len(segments), columns.parts(SegmentOutputs)))
+        column, placed_segments = columns.at(StiffLineOutputs), placed(SegmentOutputs, columns)
+        rows.append(filled(LineEntry, column=column, count=len(segments), segments=placed_segments))
     row = unwritten(book.width)
     write_lines(LinesOfTest(records(LineEntry, rows)), row)
     with pytest.raises(TypeError, match=r"no kernel writes 'before\.force', 'before\.tension'"):

@@ -27,6 +27,7 @@ from heavylift.contours.splines.neutral import neutral_surface
 from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.preprocess.surfaces.primitives import box_surface, plane_surface
 from heavylift.solver.contact.triangles.kind import GoneContacts
+from heavylift.solver.force_elements.maxwell_rope import MaxwellRope
 from heavylift.solver.force_elements.wire_rope import SpringRope
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.ball import Ball
@@ -50,6 +51,7 @@ BODIES = ("rigid body", "flexible body", "frame mesh", "shell mesh", "hull", "hu
 THINGS = (
     "joint",
     "rope",
+    "rope that creeps",
     "spring",
     "contour contact",
     "triangle contact",
@@ -149,6 +151,10 @@ def combined(of: Subject, thing: str) -> Scene:
         keys["ropes"] = (
             SpringRope(name="link", path=path, length=1.99, stiffness=stiffness, damping=damping),
         )
+    elif thing == "rope that creeps":
+        path = (RopePoint(GROUND, hook), RopePoint(of.name, of.point))
+        rope = MaxwellRope(name="link", path=path, length=1.99, stiffness=stiffness, viscosity=2.0 * damping)
+        keys["ropes"] = (rope,)
     elif thing == "spring":
         ends = {"body_a": GROUND, "point_a": hook, "body_b": of.name, "point_b": of.point}
         forces.append(Spring(name="link", length=1.99, stiffness=stiffness, damping=damping, **ends))
@@ -221,6 +227,7 @@ def link_forces(found: Found, of: Subject, thing: str) -> list[Any]:
     names = {
         "joint": "link.reaction_force",
         "rope": "link.tension",
+        "rope that creeps": "link.tension",
         "spring": "link.force",
         "contour contact": "link.force",
         "triangle contact": "link.force",

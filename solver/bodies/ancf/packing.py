@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.block_pattern import BlockPattern, pack_blocks
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, filled_rows, records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.ancf.at_rest import prepare_mass
@@ -49,6 +50,7 @@ from heavylift.solver.bodies.ancf.mesh_contour import control_vectors
 from heavylift.solver.bodies.ancf.types import MeshType, type_of
 from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.markers import BodyMarkers
+from heavylift.solver.recording import placed
 from heavylift.solver.scene.meshes import DistributedLoad, DriftOutputs, FollowerLoad, FrameBody, MeshBody
 from heavylift.solver.scene.outputs import Columns
 
@@ -75,7 +77,7 @@ class LoadBook:
     """Rows of the loads of all bodies of a kind; `store` appends to its constants."""
 
     store: Callable[[NDArray[np.float64]], int]
-    rows: list[tuple[int, int, int, int, int]] = field(default_factory=list)
+    rows: list[MeshLoad] = field(default_factory=list)
 
     def table(self) -> Records[MeshLoad]:
         """All rows."""
@@ -129,7 +131,7 @@ class LoadBook:
         table = self.store(np.concatenate([times, factors]))
         if isinstance(load, DistributedLoad):
             data = self.store(_dead_load(body, load, rotation, chosen, lanes))
-            self.rows.append((DEAD_LOAD, data, table, len(times), first_node * lanes))
+            self._add(DEAD_LOAD, data, table, times, [first_node * lanes])
             return
         if not isinstance(body, FrameBody):
             if load.tangential != 0.0 or load.node is not None:
@@ -140,8 +142,7 @@ class LoadBook:
                     expected="a pressure: on a shell a follower acts along the normal",
                 )
             data = self.store(np.array([load.normal]))
-            rows = [(FOLLOWER_ELEMENT, data, table, len(times), first_element + int(e)) for e in chosen]
-            self.rows += rows
+            self._add(FOLLOWER_ELEMENT, data, table, times, first_element + chosen)
             return
         axis = rotation.T @ np.asarray(load.axis, dtype=np.float64)
         length = float(np.linalg.norm(axis))
@@ -156,7 +157,7 @@ class LoadBook:
         given.normal, given.tangential, given.axis = load.normal, load.tangential, axis / (length or 1.0)
         data = self.store(given.words.copy())
         if load.node is None:
-            self.rows += [(FOLLOWER_ELEMENT, data, table, len(times), first_element + int(e)) for e in chosen]
+            self._add(FOLLOWER_ELEMENT, data, table, times, first_element + chosen)
             return
         if not 0 <= load.node < len(body.nodes):
             raise InputError(
@@ -165,7 +166,16 @@ class LoadBook:
                 key="loads",
                 expected=f"a number from 0 to {len(body.nodes) - 1}",
             )
-        self.rows.append((FOLLOWER_NODE, data, table, len(times), (first_node + load.node) * lanes))
+        self._add(FOLLOWER_NODE, data, table, times, [(first_node + load.node) * lanes])
+
+    def _add(
+        self, of_type: int, data: int, table: int, times: NDArray[np.float64], places: Iterable[int]
+    ) -> None:
+        """Rows of a load, one a place."""
+        self.rows += [
+            filled(MeshLoad, type=of_type, data=data, table=table, table_length=len(times), place=place)
+            for place in places
+        ]
 
 
 def _dead_load(
@@ -210,7 +220,7 @@ def pack_moving(
         If a body with moving points is no line and no rectangle of elements.
     """
     rows = records(PointsOfBody, len(bodies))
-    points: list[tuple[int, int, int, int, int, bool, int, bool]] = []
+    points: list[MovingPoint] = []
     places: list[NDArray[np.int64]] = []
     factors: list[NDArray[np.float64]] = []
     entries = vectors = paths = compliance = controls = count = 0
@@ -223,7 +233,19 @@ def pack_moving(
         vectors_each = 3 * int(line.node_count + line.base_node_count) * lanes
         path_each = int(line.last_column - line.first_column)
         for _ in range(moving):
-            points.append((entries, 0, vectors, paths, 0, False, -1, False))
+            points.append(
+                filled(
+                    MovingPoint,
+                    first_entry=entries,
+                    entry_count=0,
+                    vectors=vectors,
+                    path=paths,
+                    path_count=0,
+                    live=False,
+                    current_set=-1,
+                    fresh=False,
+                )
+            )
             entries, vectors, paths = entries + entries_each, vectors + vectors_each, paths + path_each
         compliance += (3 * moving) ** 2
         count += moving
@@ -278,7 +300,8 @@ def clears(
             rows += [(int(groups[node]), own, part, int(c)) for part in ALL_PARTS]
     rows.sort(key=lambda row: (row[0], row[2] == CLEAR_DIAGONAL))
     counts = np.bincount([row[0] for row in rows], minlength=int(groups.max()) + 1)
-    return records(FixedCoordinate, [row[1:] for row in rows]), counts
+    _, blocks, parts, indices = np.array(rows, dtype=np.int64).reshape(-1, 4).T
+    return filled_rows(FixedCoordinate, block=blocks, part=parts, index=indices), counts
 
 
 def base_blocks(pattern: BlockPattern, table: Records[MeshPlaces]) -> Records[BaseBlock]:
@@ -287,7 +310,9 @@ def base_blocks(pattern: BlockPattern, table: Records[MeshPlaces]) -> Records[Ba
     for body, line in enumerate(table):
         first, count = int(line.first_node + line.node_count), int(line.base_node_count)
         rows += [
-            (body, i, j, pattern.place(first + i, first + j)[0]) for i in range(count) for j in range(i + 1)
+            filled(BaseBlock, body=body, later=i, earlier=j, place=pattern.place(first + i, first + j)[0])
+            for i in range(count)
+            for j in range(i + 1)
         ]
     return records(BaseBlock, rows)
 
@@ -388,9 +413,9 @@ class _Builder:
         self.coordinates: list[NDArray[np.float64]] = []
         self.start: list[NDArray[np.float64]] = []
         self.speed: list[NDArray[np.float64]] = []
-        self.bases: list[tuple[int, int, int]] = []
-        self.markers: list[tuple[int, int, int, int, int, int]] = []
-        self.sensors: list[tuple[int, int, int, int]] = []
+        self.bases: list[MeshBase] = []
+        self.markers: list[MeshMarker] = []
+        self.sensors: list[MeshSensor] = []
         self.free: list[NDArray[np.float64]] = []
         self.loads = LoadBook(self.store)
         self.moving_count = 0
@@ -438,22 +463,46 @@ class _Builder:
         for i, base in enumerate(bases.bases):
             node, slot = first_base_node + i // self.per_node, i % self.per_node
             place = node * self.lanes + 3 * slot
-            self.bases.append((first_element + base.element, self.store(base.shape), place))
+            self.bases.append(
+                filled(
+                    MeshBase,
+                    element=first_element + base.element,
+                    shape_values=self.store(base.shape),
+                    place=place,
+                    blocks=0,
+                )
+            )
             own = global_nodes[base.element]
             self.edges.append(np.column_stack([np.full(len(own), node), own]))
         for moved in range(self.moving_count, self.moving_count + moving):
-            self.bases.append((-1, 0, 3 * moved))  # behind all nodes, whose number is not known yet
+            place = 3 * moved  # behind all nodes, whose number is not known yet
+            self.bases.append(filled(MeshBase, element=-1, shape_values=0, place=place, blocks=0))
         self.moving_count += moving
         self.last.append(list(range(first_base_node, first_base_node + base_nodes)))
         for entry in bases.entries:
             self.markers.append(
-                (entry.number, row, first_base + entry.base, entry.type, self.store(entry.data), entry.level)
+                filled(
+                    MeshMarker,
+                    number=entry.number,
+                    body=row,
+                    base=first_base + entry.base,
+                    type=entry.type,
+                    data=self.store(entry.data),
+                    level=entry.level,
+                )
             )
         for target, point in zip(sensors.numbers, sensors.vectors, strict=True):
             element, local = self.type.locate(body, point, body.name, "sensor")
             shape = self.type.shape_values(body, element, local, 0)
-            place = self.store(shape)
-            self.sensors.append((target, row, first_element + element, place))
+            self.sensors.append(
+                filled(
+                    MeshSensor,
+                    column=target,
+                    body=row,
+                    element=first_element + element,
+                    shape_values=self.store(shape),
+                )
+            )
 
         start = _start(body)
         rotation = rotation_matrix(np.asarray(body.orientation, dtype=np.float64))
@@ -480,7 +529,7 @@ class _Builder:
         numbers.size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
         line.number, line.dof = number, dof
         line.drift = columns.at(DriftOutputs)
-        self.table["parts"][row] = columns.parts(self.type.outputs)
+        self.table["parts"][row] = placed(self.type.outputs, columns)
         line.first_node, line.node_count, line.base_node_count = first_node, nodes, base_nodes
         line.first_element, line.element_count = first_element, count
         line.first_base, line.base_count, line.moving_count = first_base, len(bases.bases), moving
@@ -555,7 +604,7 @@ class _Builder:
 
     def _based(self, pattern: BlockPattern, elements: Records[MeshElement]) -> Records[MeshBase]:
         """Rows of `bases`, with the blocks that couple them with the nodes of their elements."""
-        bases = records(MeshBase, [(*base, np.zeros(4, dtype=np.int64)) for base in self.bases])
+        bases = records(MeshBase, self.bases)
         element, place = bases["element"], bases["place"]
         fixed = element >= 0
         place[~fixed] += self.node_count * self.lanes
@@ -575,9 +624,8 @@ def _free(body: MeshBody, of_type: MeshType) -> NDArray[np.float64]:
     return free
 
 
-def _sorted(markers: list[tuple[int, int, int, int, int, int]]) -> Records[MeshMarker]:
-    in_order = sorted(markers, key=lambda row: row[5])
-    return records(MeshMarker, in_order)
+def _sorted(markers: list[MeshMarker]) -> Records[MeshMarker]:
+    return records(MeshMarker, sorted(markers, key=attrgetter("level")))
 
 
 def _weigh(kind: Meshes) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -12,6 +13,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.quantity import Absent, Positive, Quantity, Shape
 from heavylift.solver.scene.bodies import BODIES, Free, Started
 from heavylift.solver.scene.descriptions import XYZ
+from heavylift.solver.scene.drawn import Element, NodalShape
 from heavylift.solver.scene.outputs import Components, Outputs, Part, Parts, channel, outputs
 
 __all__ = ["LumpedCable", "LumpedCableOutputs", "LumpedCableParts"]
@@ -127,6 +129,18 @@ class LumpedCable(Started):
         of_nodes = tuple(f"{node}.{axis}" for node in range(self.segments + 1) for axis in "xyz")
         of_segments = tuple(str(segment) for segment in range(self.segments))
         return {"position": of_nodes, "velocity": of_nodes, "tension": of_segments}
+
+    def drawn(self) -> Iterable[Element]:
+        """A line through its nodes, coloured by its tension."""
+        from heavylift.numerics.rotation import rotation_matrix
+
+        yield NodalShape(
+            name=self.name,
+            role="rope",
+            points=self.position + self.nodes @ rotation_matrix(self.orientation).T,
+            positions=f"{self.name}.position",
+            tension=f"{self.name}.tension",
+        )
 
     def refusal(self, integrator: str, *, jointed: bool) -> str:  # noqa: ARG002
         """Only the default integrator iterates a step."""

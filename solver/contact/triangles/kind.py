@@ -53,8 +53,10 @@ class SurfacePair(Record):
         Of the search.
     column
         First record column.
-    most, recorded
-        Most contacts at once, and how many are recorded.
+    most
+        Most contacts at once.
+    first_recorded, recorded
+        Those that are recorded: the first in `SurfacePairs.recorded_columns`, and how many.
     deforms
         Whether a surface deforms.
     outside
@@ -79,6 +81,7 @@ class SurfacePair(Record):
     method: int
     column: int
     most: int
+    first_recorded: int
     recorded: int
     deforms: bool
     outside: BothFloats
@@ -181,6 +184,8 @@ class SurfacePairs(Arrays):
         The pairs.
     sides
         Of each pair two.
+    recorded_columns
+        First record columns of the contacts that pairs record one by one, shape (r,).
     pair_values
         Constants of the contacts of each pair, as in `ContactRows.values`.
     relative
@@ -220,6 +225,7 @@ class SurfacePairs(Arrays):
     searches: FeatureSearches
     pairs: Records[SurfacePair]
     sides: Records[PairSide]
+    recorded_columns: Ints1
     pair_values: Records[ContactValues]
     relative: Records[RelativePose]
     motions: Records[RelativeMotion]

@@ -76,7 +76,7 @@ FOUND_AT_ONCE = 16
 def pack_collisions(
     scene: Scene,
     ordered: Sequence[AnyBody],
-    columns: Sequence[int],
+    columns: Sequence[tuple[int, Sequence[int]]],
     attachment: Callable[[str], Attachment],
     dofs: Mapping[str, int],
     scales: Callable[[str], tuple[float, float]],
@@ -89,7 +89,7 @@ def pack_collisions(
     scene, ordered
         The scene, and its bodies in the order of their kinds.
     columns
-        First record column of each collision.
+        First record column of each collision, and of those of its contacts that are recorded.
     attachment, dofs, scales
         As of `pack_contacts`.
     first_pose
@@ -121,7 +121,8 @@ def pack_collisions(
     count = len(scene.collisions)
     pairs, sides = records(SurfacePair, count), records(PairSide, 2 * count)
     values = records(ContactValues, count)
-    for i, (collision, column) in enumerate(zip(scene.collisions, columns, strict=True)):
+    recorded: list[int] = []
+    for i, (collision, (column, of_contacts)) in enumerate(zip(scene.collisions, columns, strict=True)):
         _check(collision, scene, scales)
         first, second = (numbers[name] for name in collision.surfaces)
         pair, law = pairs[i], collision.law
@@ -131,7 +132,8 @@ def pack_collisions(
         pair.force_law = 0 if isinstance(law, RigidLaw) else force_law(law)
         pair.events = isinstance(law, RigidLaw) and law.events
         pair.method = METHODS[collision.method]
-        pair.column, pair.recorded = column, collision.recorded
+        pair.column, pair.first_recorded, pair.recorded = column, len(recorded), len(of_contacts)
+        recorded += of_contacts
         pair.most = most_of(collision, scene)
         pair.deforms = first in deforming or second in deforming
         if pair.deforms and isinstance(law, RigidLaw) and law.restitution == 0.0:
@@ -173,6 +175,7 @@ def pack_collisions(
         searches=FeatureSearches((search,)),
         pairs=pairs,
         sides=sides,
+        recorded_columns=np.array(recorded, dtype=np.int64),
         pair_values=values,
         relative=records(RelativePose, count),
         motions=records(RelativeMotion, count),

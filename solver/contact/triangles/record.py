@@ -21,12 +21,10 @@ from heavylift.solver.contact.triangles.watch import judge_contact
 from heavylift.solver.extremes import largest_of, note_value, smallest_of
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
-from heavylift.solver.recording import outputs_at, width_of
+from heavylift.solver.recording import outputs_at
 from heavylift.solver.scene.collisions import CollisionOutputs, RecordedContactOutputs
 
-collision_outputs, OWN_WIDTH = outputs_at(CollisionOutputs), width_of(CollisionOutputs)
-recorded_outputs, RECORDED_WIDTH = outputs_at(RecordedContactOutputs), width_of(RecordedContactOutputs)
-"""Recorded contacts stand one after another behind what their collision records."""
+collision_outputs, recorded_outputs = outputs_at(CollisionOutputs), outputs_at(RecordedContactOutputs)
 
 
 @implement(watch_pairs, SurfacePairs)
@@ -62,9 +60,8 @@ def record_mesh_pairs(meshes: SurfacePairs, contacts: ContactRows, work: Workspa
     """Pair by pair."""
     count_members(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
-        at = meshes.pairs[pair].column
-        _record_sums(meshes, contacts, pair, work, collision_outputs(row, at))
-        _record_largest(meshes, contacts, pair, row, at + OWN_WIDTH)
+        _record_sums(meshes, contacts, pair, work, collision_outputs(row, meshes.pairs[pair].column))
+        _record_largest(meshes, contacts, pair, row)
 
 
 @kernel(inline=True, internal=True)
@@ -135,7 +132,7 @@ def _record_sums(
 
 
 @kernel(internal=True)
-def _record_largest(meshes: SurfacePairs, contacts: ContactRows, pair: int, row: Floats1, first: int) -> None:
+def _record_largest(meshes: SurfacePairs, contacts: ContactRows, pair: int, row: Floats1) -> None:
     """Contacts in the order of their normal forces, those of equal ones in that of their places."""
     before, last = math.inf, -1
     for i in range(meshes.pairs[pair].recorded):
@@ -148,7 +145,7 @@ def _record_largest(meshes: SurfacePairs, contacts: ContactRows, pair: int, row:
             later = force < before or (force == before and c > last)
             if state.pair == pair and touches and later and force > largest:
                 best, largest = c, force
-        out = recorded_outputs(row, first + i * RECORDED_WIDTH)
+        out = recorded_outputs(row, meshes.recorded_columns[meshes.pairs[pair].first_recorded + i])
         _clear(out.words)
         out.patch = -1.0
         if best < 0:

@@ -125,7 +125,7 @@ def left_because(bodies: Bodies, number: int) -> tuple[str, str]:
         Of the hull.
     """
     for kind in bodies:
-        if "hulls" not in kind._fields:
+        if not kind.FLOATS:
             continue
         for row in np.flatnonzero(kind.table["number"] == number):
             volume, least = kind.stage[row].clip.volume, kind.hulls[row].least_volume

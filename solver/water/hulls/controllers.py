@@ -26,7 +26,7 @@ from heavylift.numerics.arrays import Arrays, Floats1
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Record, Records, Vector, records
+from heavylift.numerics.records import Record, Records, Vector, filled, filled_rows, records
 from heavylift.numerics.rotation import rotation_matrix, write_rotation_matrix
 from heavylift.numerics.vectors import Vector as Triple
 from heavylift.numerics.vectors import rotate
@@ -464,9 +464,9 @@ def pack_controllers(
     """
     numbers = {pump.name: i for i, pump in enumerate(sea.pumps)}
     table = records(ControllerData, len(sea.controllers))
-    aims: list[tuple[Any, ...]] = []
-    served: list[tuple[int, int, int]] = []
-    plans: list[tuple[float, float]] = []
+    aims: list[AimData] = []
+    served: list[ServedPump] = []
+    plans: list[PlanRow] = []
     effects = 0
     for data, one in zip(table, sea.controllers, strict=True):
         if step > 0.0 and abs(one.period / step - max(1, round(one.period / step))) > 1e-6:
@@ -486,9 +486,9 @@ def pack_controllers(
         aims += found
         effects += len(found) * len(one.pumps)
         for name in one.pumps:
-            rows = sea.pumps[numbers[name]].plan()[:, :2].tolist()
-            served.append((numbers[name], len(plans), len(rows)))
-            plans += [(time, command) for time, command in rows]
+            times, commands = sea.pumps[numbers[name]].plan()[:, :2].T
+            served.append(filled(ServedPump, pump=numbers[name], first=len(plans), count=len(times)))
+            plans.extend(filled_rows(PlanRow, time=times, command=commands))
     most = max(len(one.pumps) for one in sea.controllers)
     return Controllers(
         table=table,
@@ -507,15 +507,19 @@ def pack_controllers(
     )
 
 
-def _aims(one: Controller, hulls: Hulls, names: Sequence[str]) -> list[tuple[Any, ...]]:
+def _aims(one: Controller, hulls: Hulls, names: Sequence[str]) -> list[AimData]:
     """What a controller keeps."""
     nowhere = np.zeros(3)
     hull, found = names.index(one.hull), []
+
+    def add(sort: int, point: Any, value: float, other: int, beside: Any = nowhere) -> None:
+        found.append(filled(AimData, sort=sort, point=point, value=value, other=other, other_point=beside))
+
     for sort, value in ((HEEL, one.heel), (TRIM, one.trim)):
         if value is not None:
-            found.append((sort, nowhere, value, ON_GROUND, nowhere))
+            add(sort, nowhere, value, ON_GROUND)
     if one.draft is not None:
-        found.append((DRAFT, _principal(hulls, hull, one.draft_at), one.draft, ON_SEA, nowhere))
+        add(DRAFT, _principal(hulls, hull, one.draft_at), one.draft, ON_SEA)
     for level in one.levels:
         point = _principal(hulls, hull, level.point)
         if level.of in {GROUND, SEA}:
@@ -523,7 +527,7 @@ def _aims(one: Controller, hulls: Hulls, names: Sequence[str]) -> list[tuple[Any
         else:
             other = names.index(level.of)
             beside = _principal(hulls, other, level.beside)
-        found.append((HEIGHT, point, level.height, other, beside))
+        add(HEIGHT, point, level.height, other, beside)
     return found
 
 

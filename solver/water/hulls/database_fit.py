@@ -470,7 +470,7 @@ def check_rest(
     """
     found = []
     for kind in kinds:
-        if "hulls" not in kind._fields:
+        if not kind.FLOATS:
             continue
         for row, table in enumerate(kind.table):
             volume = float(kind.stage[row].lift[2]) / kind.water.weight

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled, filled_rows, records
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.rigid.kind import RigidFrame
@@ -148,7 +148,9 @@ def pack_hulls(
     group_rows, first_matrix = [], 0
     for group in groups:
         first = names.index(group[0])
-        group_rows.append((first, len(group), first_dof + 6 * first, first_matrix))
+        group_rows.append(
+            filled(HullGroup, first=first, count=len(group), dof=first_dof + 6 * first, matrix=first_matrix)
+        )
         first_matrix += 3 * (6 * len(group)) ** 2
     rows = records(HullData, count)
     damping = np.zeros((6 * count, 6 * count))
@@ -304,8 +306,8 @@ def _pack_tanks(
     columns: Mapping[str, Columns],
 ) -> tuple[Records[TankData], Records[TankLevel], Records[TankRow]]:
     """Tanks, the rows of their schedules and of their shapes."""
-    levels: list[tuple[float, float]] = []
-    shapes: list[tuple[Any, ...]] = []
+    levels: list[TankLevel] = []
+    shapes: list[TankRow] = []
     rows = records(TankData, len(tanks))
     for row, tank in zip(rows, tanks, strict=True):
         times, masses = tank.schedule
@@ -315,7 +317,7 @@ def _pack_tanks(
         row.first_row, row.rows, row.capacity = len(shapes), len(shape), tank.capacity(water)
         row.column = columns[tank.name].at(TankOutputs)
         shapes += [
-            (mass, axes @ (np.array(place) - centre), about, depth)
+            filled(TankRow, mass=mass, centre=axes @ (np.array(place) - centre), surface=about, depth=depth)
             for mass, *place, about, depth in (
                 (line[0], *line[1:4], line[4:6], line[6]) for line in shape.tolist()
             )
@@ -323,11 +325,8 @@ def _pack_tanks(
         point, row.free_surface[:], row.depth = tank.contents(tank.start_mass, water)
         row.point[:] = axes @ (point - centre)
         row.mass = tank.start_mass
-        levels.extend(zip(times, masses, strict=True))
-    made = records(TankRow, len(shapes))
-    for entry, (mass, centre, about, depth) in zip(made, shapes, strict=True):
-        entry.mass, entry.centre[:], entry.surface[:], entry.depth = mass, centre, about, depth
-    return rows, records(TankLevel, levels), made
+        levels.extend(filled_rows(TankLevel, time=times, mass=masses))
+    return rows, records(TankLevel, levels), records(TankRow, shapes)
 
 
 def _pack_pumps(
@@ -336,7 +335,7 @@ def _pack_pumps(
     """Pumps with the rows of their commands; one for a pump that a controller commands."""
     places = {tank.name: i for i, tank in enumerate(tanks)}
     told = {name for one in sea.controllers for name in one.pumps}
-    rows: list[tuple[float, ...]] = []
+    rows: list[PumpRow] = []
     pumps = records(PumpData, len(sea.pumps))
     for data, pump in zip(pumps, sea.pumps, strict=True):
         plan = pump.plan()[: 1 if pump.name in told else None]
@@ -344,7 +343,8 @@ def _pack_pumps(
         data.first, data.count = len(rows), len(plan)
         data.lag, data.most, data.least = pump.lag, pump.rate, -pump.rate if pump.reversible else 0.0
         data.column = columns[pump.name].at(PumpOutputs)
-        rows += [tuple(line) for line in plan.tolist()]
+        time, command, flow, pumped = plan.T
+        rows.extend(filled_rows(PumpRow, time=time, command=command, flow=flow, pumped=pumped))
     return pumps, records(PumpRow, rows)
 
 
@@ -354,7 +354,7 @@ def _pack_tide(water: Water) -> Records[TideRow]:
     if tide is None:
         return records(TideRow, 0)
     rise = np.asarray(tide.levels) - tide.at_start
-    return records(TideRow, zip(tide.times, water.level + rise, strict=True))
+    return filled_rows(TideRow, time=tide.times, level=water.level + rise)
 
 
 def _line_ends(names: Sequence[str], ends: Sequence[tuple[str, int, int]]) -> Records[LineEnd]:
@@ -362,7 +362,8 @@ def _line_ends(names: Sequence[str], ends: Sequence[tuple[str, int, int]]) -> Re
     rows = []
     for i, (name, marker, line) in enumerate(ends):
         others = [j for j, end in enumerate(ends) if end[2] == line and j != i]
-        rows.append((names.index(name), marker, line, others[0] if others else -1))
+        other = others[0] if others else -1
+        rows.append(filled(LineEnd, hull=names.index(name), marker=marker, line=line, other=other))
     return records(LineEnd, rows)
 
 
@@ -380,7 +381,7 @@ def _gauge(sea: Sea) -> Records[WaveComponent]:
         return records(WaveComponent, 0)
     w = sea.waves
     kx, ky = w.wavenumber * np.cos(w.direction), w.wavenumber * np.sin(w.direction)
-    return records(WaveComponent, zip(w.omega, kx, ky, w.phase, w.amplitude, strict=True))
+    return filled_rows(WaveComponent, omega=w.omega, kx=kx, ky=ky, phase=w.phase, amplitude=w.amplitude)
 
 
 # ---- what a database brings: memory and waves ----

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled_rows, records
 from heavylift.solver.scene.moorings import LineSection, check_sections
 from heavylift.solver.water.lines.bottom import BottomState, solve_lines_over_bottom
 from heavylift.solver.water.lines.catenary import (
@@ -121,12 +121,13 @@ def pack_sections(
         The line, one record. Its tail are the sections below the last one that floats, and the last buoy.
     """
     below = list(clumps) if clumps else [0.0] * (len(sections) - 1)
-    rows = records(
+    downwards = sections[::-1]
+    rows = filled_rows(
         SectionData,
-        [
-            (section.length, section.weight, 1.0 / section.axial_stiffness, clump)
-            for section, clump in zip(sections, [0.0, *below], strict=True)
-        ][::-1],
+        length=[section.length for section in downwards],
+        weight=[section.weight for section in downwards],
+        flexibility=[1.0 / section.axial_stiffness for section in downwards],
+        clump=[0.0, *below][::-1],
     )
     lines = records(LineData, 1)
     line = lines[0]

@@ -72,7 +72,7 @@ def pack_mooring_lines(
             line.sections, line.clumps, on_seabed=line.seabed is not None, friction=line.friction
         )
         for name in LineData.fields_of:
-            row[name] = of_line[0][name]
+            setattr(row, name, getattr(of_line[0], name))
         row.first = len(sections)
         row.anchor, row.fairlead, row.column = a, b, column.at(MooringOutputs)
         row.limit = longest_span(line)

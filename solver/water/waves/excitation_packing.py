@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.jit import in_python
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled_rows
 from heavylift.numerics.small import aligned
 from heavylift.preprocess.hydrodynamics.database import HydrodynamicDatabase
 from heavylift.solver.water.waves.excitation import (
@@ -89,10 +89,12 @@ def pack_summed(
     omega = np.clip(trains.omega[inside], database.omega[0], database.omega[-1])
     direction, amplitude = trains.direction[inside], trains.amplitude[inside]
     table = excitation_table(database, omega)
-    yaw_rows = np.array([_yaw_row(table, direction, yaw, turning) for yaw in start])
-    yaw_rows[:, 2] = np.max(yaw_rows[:, 2])  # one number of cells for all hulls
-    yaw_rows[:, 1] /= yaw_rows[:, 2]
-    values, slopes = _over_yaws(table, direction, amplitude, yaw_rows)
+    first, widths, cells_of, periodic = np.array(
+        [_yaw_row(table, direction, yaw, turning) for yaw in start]
+    ).T
+    cells = int(np.max(cells_of))  # one number for all hulls
+    spacing = widths / cells
+    values, slopes = _over_yaws(table, direction, amplitude, first, spacing, cells)
     packed = np.concatenate([values.real, values.imag, slopes.real, slopes.imag], axis=2)
     drift = np.zeros((0, len(omega)))
     if with_drift:
@@ -104,10 +106,16 @@ def pack_summed(
                 key="drift",
                 expected="a database with drift coefficients, or a scene without drift",
             )
-        values, slopes = _over_yaws(over_heading, direction, amplitude, yaw_rows)
+        values, slopes = _over_yaws(over_heading, direction, amplitude, first, spacing, cells)
         drift = np.concatenate([values.real, slopes.real], axis=2).reshape(-1, len(omega))
     wavenumber = trains.wavenumber[inside]
-    yaw_rows[:, 1] = 1.0 / yaw_rows[:, 1]
+    yaw_rows = filled_rows(
+        YawTable,
+        first=first,
+        inverse_spacing=1.0 / spacing,
+        cells=np.full(len(first), cells),
+        periodic=periodic,
+    )
     return SummedExcitation(
         omega=_aligned_copy(trains.omega[inside]),
         kx=_aligned_copy(wavenumber * np.cos(direction)),
@@ -116,7 +124,7 @@ def pack_summed(
         amplitude=_aligned_copy(amplitude),
         table=_aligned_copy(packed.reshape(-1, len(omega))),
         drift=_aligned_copy(drift),
-        yaws=records(YawTable, yaw_rows),
+        yaws=yaw_rows,
         ramp_start=ramp_start,
         ramp_length=ramp,
         cosine=aligned((len(omega),)),
@@ -233,12 +241,14 @@ def _over_yaws(
     table: HeadingTable,
     direction: NDArray[np.float64],
     amplitude: NDArray[np.float64],
-    yaw_rows: NDArray[np.float64],
+    starts: NDArray[np.float64],
+    spacings: NDArray[np.float64],
+    cells: int,
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Amplitude times values, and slopes per spacing, at the yaw angles: shape (N, cells + 1, 6, m)."""
-    shape = (len(yaw_rows), int(yaw_rows[0, 2]) + 1, 6, len(direction))
+    shape = (len(starts), cells + 1, 6, len(direction))
     values, slopes = np.empty(shape, dtype=np.complex128), np.empty(shape, dtype=np.complex128)
-    for hull, (first, spacing, _, _) in enumerate(yaw_rows):
+    for hull, (first, spacing) in enumerate(zip(starts, spacings, strict=True)):
         for node in range(shape[1]):
             v, r = table.with_rates(direction - (first + spacing * node), slice(6 * hull, 6 * hull + 6))
             values[hull, node] = (v * amplitude[:, None]).T

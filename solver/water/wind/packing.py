@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
+from heavylift.numerics.records import Records, filled_rows, records
 from heavylift.solver.interface import FORCES
 from heavylift.solver.markers import MarkerBook
 from heavylift.solver.scene.channels import ChannelBook
@@ -162,13 +162,25 @@ def pack_fluid_loads(
             row.extent, row.vertical = load.extent, load.vertical
     return FluidLoads(
         field_rows,
-        records(TablePoint, profiles.table()),
-        records(TablePoint, turns.table()),
+        _points(profiles.table()),
+        _points(turns.table()),
         fluctuations.table().ravel(),
         records(PresentFlow, len(fields)),
         load_rows,
-        records(CurvePiece, ((row[0], row[1:5], row[5:9], row[9:]) for row in curves.table())),
+        _pieces(curves.table()),
     )
+
+
+def _points(table: Array) -> Records[TablePoint]:
+    """Points of functions, of columns with arguments and values."""
+    at, value = table.T
+    return filled_rows(TablePoint, at=at, value=value)
+
+
+def _pieces(table: Array) -> Records[CurvePiece]:
+    """Pieces of curves, of columns with arguments and the coefficients of three cubics."""
+    at, x, y, turn = np.split(table, [1, 5, 9], axis=1)
+    return filled_rows(CurvePiece, at=at[:, 0], x=x, y=y, turn=turn)
 
 
 class _Rows:

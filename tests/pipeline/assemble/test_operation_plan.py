@@ -53,13 +53,16 @@ def test_a_run_goes_as_it_was_planned(name: str, known: set[str], tmp_path: Path
         else:
             history = results[f"{owner}.position"][:, "xyz".index(axis)]
             history = history - history[0]
-        return float(np.interp(ends[phase], results.time, history.ravel()))
+        # the parabola of the last records within the phase: at its end speeds may jump
+        last = int(np.searchsorted(results.time, ends[phase] + 1e-9, side="right"))
+        times = results.time[last - 3 : last] - ends[phase]
+        return float(np.polyfit(times, history.ravel()[last - 3 : last], 2)[-1])
 
     (bounds,) = plan(scenario, starts, routes)
     for phase in bounds:
         assert phase.takes.low - 1e-9 <= took[phase.name] <= phase.takes.high + 1e-9
         for actuator, value in phase.values.items():
-            assert value.low - 1e-4 <= found(actuator, phase.name) <= value.high + 1e-4
+            assert value.low - 1e-7 <= found(actuator, phase.name) <= value.high + 1e-7
     assert known <= {phase.name for phase in bounds if phase.takes.known}
 
     timed = tuple(
@@ -74,5 +77,4 @@ def test_a_run_goes_as_it_was_planned(name: str, known: set[str], tmp_path: Path
         if value.known
     ]
     assert len(compared) >= len(scenario.phases)
-    # histories are interpolated between records, where speeds change
-    np.testing.assert_allclose(*np.transpose(compared), rtol=0.0, atol=2e-5)
+    np.testing.assert_allclose(*np.transpose(compared), rtol=0.0, atol=1e-7)

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from heavylift.numerics.outcome import InputError
-from heavylift.pipeline.case.schema import case_schema, key_tables, section_tables
+from heavylift.pipeline.case.schema import case_schema, key_pages, key_tables, section_tables
 
 jsonschema = pytest.importorskip("jsonschema")
 
@@ -201,10 +201,36 @@ def test_bad_contacts_are_invalid(changes):
 
 
 def test_the_tables_of_keys_in_the_docs_are_those_of_the_schema():
-    file = Path(__file__).parents[3] / "docs" / "case_keys.md"
-    assert file.read_text(encoding="utf-8") == key_tables() + "\n", (
-        "heavylift schema --tables > docs/case_keys.md"
-    )
+    folder = Path(__file__).parents[3] / "docs" / "case_keys"
+    written = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir()}
+    assert written == key_pages(), "heavylift schema --tables --out docs/case_keys; `git rm` what is gone"
+
+
+def test_pages_have_all_tables_once_and_links_lead_to_them():
+    pages = key_pages()
+    places = {
+        (name, heading_anchor(line))
+        for name, page in pages.items()
+        for line in page.splitlines()
+        if line.startswith("## ")
+    }
+    tables = [line for line in key_tables().splitlines() if line.startswith("## ")]
+    paged = [line for page in pages.values() for line in page.splitlines() if line.startswith("## ")]
+    assert sorted(paged) == sorted(line for line in tables if "Channels of the whole scene" not in line)
+    links = [
+        (other or name, anchor)
+        for name, page in pages.items()
+        for other, anchor in re.findall(r"\]\(([\w.]*)#([^)]+)\)", page)
+    ]
+    assert len(links) > 200
+    assert not set(links) - places
+    assert "(ropes.md#ropes-type--wire)" in pages["README.md"]
+    assert "`energy.kinetic`" in pages["channels.md"]
+
+
+def heading_anchor(line):
+    """As Markdown viewers make it from a heading."""
+    return re.sub(r"[^\w-]", "", line.removeprefix("## ").lower().replace(" ", "-"))
 
 
 def test_every_section_has_a_table_of_its_own_with_a_sentence_for_each_key():
@@ -239,7 +265,7 @@ SECTION = section_tables("ropes", 100)
 
 
 def test_a_section_shows_what_the_docs_say_of_its_keys():
-    """The terminal and docs/case_keys.md have the same keys, quantities, defaults and sentences."""
+    """The terminal and docs/case_keys have the same keys, quantities, defaults and sentences."""
     shown = " ".join(SECTION.split())
     for text in (
         'ropes, type = "wire" A wire rope through any number of points',
@@ -280,3 +306,29 @@ def test_an_unknown_section_is_one_line_with_all_of_them():
     assert line.startswith("schema: section: 'rops', perhaps 'ropes'; expected one of case, ")
     tables = set(case_schema()["properties"]) - {"title", "sources", "parameters"}
     assert tables <= set(line.partition("expected one of ")[2].split(", "))
+
+
+def test_links_of_the_guides_to_pages_of_keys_lead_somewhere():
+    root = Path(__file__).parents[3]
+    pages = key_pages()
+    found = [
+        link
+        for file in (*sorted((root / "docs").glob("*.md")), root / "README.md")
+        for link in re.findall(r"\]\((?:docs/)?case_keys/([\w.]+)(?:#([^)]+))?\)", file.read_text("utf-8"))
+    ]
+    assert len(found) > 10
+    for page, anchor in found:
+        headings = {heading_anchor(line) for line in pages[page].splitlines() if line.startswith("## ")}
+        assert not anchor or anchor in headings, (page, anchor)
+
+
+@pytest.mark.slow
+def test_pages_are_written_with_tables_alone(tmp_path, heavylift):
+    assert heavylift("schema", "--tables", "--out", tmp_path / "keys").code == 0
+    assert (tmp_path / "keys" / "README.md").read_text("utf-8") == key_pages()["README.md"]
+    (tmp_path / "file").write_text("")
+    for words in (("--out", tmp_path / "x"), ("ropes", "--tables", "--out", tmp_path / "x")):
+        run = heavylift("schema", *words)
+        assert run.code == 2
+        assert "--out" in run.stderr
+    assert heavylift("schema", "--tables", "--out", tmp_path / "file").code == 2

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from heavylift.pipeline.drawn.build import EXACT, PAGE, Sources, draw_scene, elements
+from heavylift.pipeline.drawn.moments import Moment
 from heavylift.pipeline.page.exchange import write_glb, write_vtkhdf
 from heavylift.pipeline.page.packing import Block
 from heavylift.pipeline.page.page import drawn_header
@@ -249,6 +250,27 @@ def test_each_thing_is_drawn_by_every_painter(zoo, name, tmp_path):
             assert name in json.loads(file["VTKHDF"].attrs["object_names"])
         assert f'"{name}"'.encode() in (tmp_path / "zoo.glb").read_bytes()
     assert amount(SceneView(few)) > amount(SceneView(without(few, name)))
+
+
+@pytest.mark.parametrize("detail", [EXACT, PAGE])
+def test_what_is_attached_to_nodes_moves_with_the_nearest_one(detail):
+    """A strut from the world to 0.3 m beside the second node of the cable, which sags by a metre."""
+    ends = (At(GROUND, at(0, 0, 5)), At("cable", at(1.2, 30.2)))
+
+    class Hanger:
+        def drawn(self):
+            yield Strut(name="hanger", role="spring", ends=ends)
+
+    scene = draw_scene(Scene(BODIES[2:], forces=(Hanger(),)), records(), detail=detail)
+    cable, hanger = (next(line for line in scene.lines if line.name == name) for name in ("cable", "hanger"))
+    for record, sag in ((0, 0.0), (1, 1.0)):
+        for now in (Moment(scene, pose=record), Moment(scene, time=float(record))):
+            np.testing.assert_allclose(
+                now.line(cable).ravel(), records()["cable.node_position"][record], atol=1e-12
+            )
+            np.testing.assert_allclose(now.line(hanger), [at(0, 0, 5), at(1.2, 30.2, -sag)], atol=1e-12)
+    np.testing.assert_array_equal(cable.tension, [2.0, 5.0])
+    np.testing.assert_allclose(Moment(scene, time=0.5).line(hanger)[1], at(1.2, 30.2, -0.5), atol=1e-12)
 
 
 def amount(view):

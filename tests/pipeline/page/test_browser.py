@@ -297,6 +297,36 @@ def test_play_moves_bodies_to_where_the_records_say(page):
     )
 
 
+def test_a_tone_is_heard_where_the_sound_is_on(driver, lift, tmp_path):
+    """As playback passes its time, once; never without the button, which a page without tones does not show."""
+    case, results, motion = lift
+    file = tmp_path / "heard.html"
+    for tones, hidden in (((), True), (((0.0, 440.0), (0.5, 600.0), (7.9, 300.0)), False)):
+        file.write_text(page_html(made_content(case, motion, results, tones=tones)), encoding="utf-8")
+        page = Page(driver).open(file.as_uri())
+        assert page("document.getElementById('hl-sound').hidden") is hidden
+    page.do(
+        "window.heard = []; const make = AudioContext.prototype.createOscillator;"
+        "AudioContext.prototype.createOscillator = function () {"
+        " const made = make.call(this); const start = made.start.bind(made);"
+        " made.start = (when) => { window.heard.push(made.frequency.value); start(when); }; return made; }"
+    )
+    for sound, heard in ((False, []), (True, [440.0, 600.0])):
+        page.do("heavylift.seek(0)")
+        if sound:
+            page.do("document.getElementById('hl-sound').click()")
+        page.do("heavylift.speed(2)")
+        page.keys(" ")
+        page.wait("heavylift.clock.now > 1.0")
+        page.keys(" ")
+        assert page("window.heard") == heard
+    page.do("heavylift.seek(0)")  # not played
+    page.do("heavylift.seek(2)")
+    page.do("document.getElementById('hl-sound').click()")
+    assert page("window.heard") == [440.0, 600.0]
+    assert page.errors() == []
+
+
 def test_ropes_end_at_their_lugs_between_records(page):
     page.do("heavylift.seek(4.04)")
     (points,) = page("heavylift.points('sling_1')")

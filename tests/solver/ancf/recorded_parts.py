@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from heavylift.solver.bodies.ancf.packing import mesh_columns
 from heavylift.solver.bodies.ancf.types import type_of
+from heavylift.solver.recording import placed
 from heavylift.solver.scene.outputs import Columns
 
 if TYPE_CHECKING:
@@ -18,6 +19,6 @@ __all__ = ["place_parts"]
 def place_parts(kind: Meshes, body: MeshBody, first: int) -> dict[str, slice]:
     """Columns by channel, from a first one on, which the kind is told."""
     columns = Columns(first, [(name, len(parts)) for name, parts in mesh_columns(body).items()])
-    kind.table["parts"][0] = columns.parts(type_of(body).outputs)
+    kind.table["parts"][0] = placed(type_of(body).outputs, columns)
     found = {name: columns.of(name) for name in mesh_columns(body)}
     return {name: slice(part.first, part.first + part.size) for name, part in found.items()}

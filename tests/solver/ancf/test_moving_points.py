@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour, PackedDirection
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled
 from heavylift.solver.bodies.ancf.assembly import set_size
 from heavylift.solver.bodies.ancf.contours import aim_point, form_net
 from heavylift.solver.bodies.ancf.elements import add_stiffness
@@ -389,8 +389,8 @@ def test_control_points_make_the_shape_of_the_mesh(name: str) -> None:
     model = make(name, "carried")
     made = mesh_contour(model.body)
     counts = [space.count for space in made.spaces] + [1] * (2 - len(made.spaces))
-    along, across = (3, counts[0], False, 0), (3, counts[1], False, 0)
-    contour = records(PackedContour, [(along, across, 5, -1)])[0]
+    u, v = (filled(PackedDirection, degree=3, count=c, closed=False, first_knot=0) for c in counts[:2])
+    contour = filled(PackedContour, u=u, v=v, first_control=5, first_weight=-1)
     model.kind.mid_position[:] = model.kind.position + 0.1 * model.kind.velocity
     lanes, count = len(model.kind.shape[1]), len(type_of(model.body).vectors)
     for nodal in (model.kind.mid_position, model.kind.position):

@@ -66,7 +66,7 @@ def test_two_inertias_become_one(torque: float, speeds: tuple[float, float]) -> 
     )
     np.testing.assert_allclose(found["foot.angular_rate"], exact, atol=1e-9)
     np.testing.assert_allclose(found["clutch.slip_rate"][after], 0.0, atol=1e-12)
-    np.testing.assert_allclose(found["clutch.slip_angle"][-1], 0.5 * abs(w1 - w2) * duration, rtol=1e-9)
+    np.testing.assert_allclose(found["clutch.slipped"][-1], 0.5 * abs(w1 - w2) * duration, rtol=1e-9)
     heat = 0.5 * ONE * TWO / (ONE + TWO) * (w1 - w2) ** 2
     np.testing.assert_allclose(found["clutch.heat"][-1], heat, rtol=1e-10)
     np.testing.assert_allclose(found["energy.dissipated"][-1], heat, rtol=1e-10)
@@ -84,7 +84,7 @@ def test_below_its_limit_it_holds_without_creep() -> None:
     assert np.ptp(found["between.angle"]) < 1e-9
     assert np.ptp(found["between.angle"][1:]) < 1e-12
     np.testing.assert_allclose(found["clutch.torque"][1:], -99.0, rtol=1e-9)
-    assert np.all(found["clutch.slip_angle"] == 0.0)
+    assert np.all(found["clutch.slipped"] == 0.0)
 
 
 def test_it_breaks_away_at_its_limit() -> None:

@@ -17,7 +17,7 @@ from scipy.sparse import coo_matrix, identity
 from scipy.sparse.linalg import splu
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled_rows, records
 from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.water.lines.bottom import BottomState, solve_lines_over_bottom
 from heavylift.solver.water.lines.catenary import (
@@ -506,8 +506,9 @@ def random_lines(
     lines["length"], lines["friction"] = length, friction
     lines["weight"] = (rows[:, :, 0] * rows[:, :, 1]).sum(1)
     lines["stretch"] = (rows[:, :, 0] * rows[:, :, 2]).sum(1)
+    lengths, weights, flexibility, clump = rows.reshape(-1, 4).T
     return (
-        records(SectionData, rows.reshape(-1, 4)),
+        filled_rows(SectionData, length=lengths, weight=weights, flexibility=flexibility, clump=clump),
         lines,
         np.column_stack([x, z, m, low if hang else -np.ones(count)]),
     )
@@ -527,7 +528,7 @@ def test_random_lines(sections: int, friction: float, hang: bool) -> None:
     assert set(np.unique(state["branch"])) == {SUSPENDED, RESTING} | ({SLACK} if friction else set())
     nodes = np.empty((sections + 1, 3))
     for i in range(0, 3000, 7):
-        own = records(LineData, [tuple(lines[i])])
+        own = records(LineData, [lines[i]])
         own["first"] = 0
         some = records(SectionData, rows[i * sections : (i + 1) * sections])
         solve_lines_over_bottom(

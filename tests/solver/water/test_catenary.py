@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import Records, records
+from heavylift.numerics.records import Records, filled_rows, records
 from heavylift.solver.scene.moorings import LineSection
 from heavylift.solver.water.lines.catenary import (
     FAILED,
@@ -242,7 +242,9 @@ def random_lines(
     lines["length"] = length
     lines["weight"] = (rows[:, :, 0] * rows[:, :, 1]).sum(1)
     lines["stretch"] = (rows[:, :, 0] * rows[:, :, 2]).sum(1)
-    return records(SectionData, rows.reshape(-1, 4)), lines, np.column_stack([x, z])
+    length, weight, flexibility, clump = rows.reshape(-1, 4).T
+    sections_of = filled_rows(SectionData, length=length, weight=weight, flexibility=flexibility, clump=clump)
+    return sections_of, lines, np.column_stack([x, z])
 
 
 def solve(
