@@ -25,7 +25,7 @@ class LumpedCableParts(Parts):
 
     position: Part = channel("length", "position of every node in the world", None)
     velocity: Part = channel("velocity", "velocity of every node in world axes", None)
-    tension: Part = channel("force", "tension of every segment", None)
+    segment_tension: Part = channel("force", "tension of every segment", None)
 
 
 @outputs
@@ -128,7 +128,7 @@ class LumpedCable(Started):
         """By node and axis, and by segment."""
         of_nodes = tuple(f"{node}.{axis}" for node in range(self.segments + 1) for axis in "xyz")
         of_segments = tuple(str(segment) for segment in range(self.segments))
-        return {"position": of_nodes, "velocity": of_nodes, "tension": of_segments}
+        return {"position": of_nodes, "velocity": of_nodes, "segment_tension": of_segments}
 
     def drawn(self) -> Iterable[Element]:
         """A line through its nodes, coloured by its tension."""
@@ -139,7 +139,7 @@ class LumpedCable(Started):
             role="rope",
             points=self.position + self.nodes @ rotation_matrix(self.orientation).T,
             positions=f"{self.name}.position",
-            tension=f"{self.name}.tension",
+            tension=f"{self.name}.segment_tension",
         )
 
     def refusal(self, integrator: str, *, jointed: bool) -> str:  # noqa: ARG002

@@ -48,7 +48,7 @@ def record_cables(kind: LumpedCables, time: float, work: Workspace, row: Floats1
         cable = kind.table[body]
         first, last = cable.first_node, cable.first_node + cable.node_count - 1
         position, velocity = part(row, cable.parts.position), part(row, cable.parts.velocity)
-        tension = part(row, cable.parts.tension)
+        tension = part(row, cable.parts.segment_tension)
         out = cable_outputs(row, cable.column)
         for i in range(cable.node_count):
             for k in range(3):

@@ -156,7 +156,7 @@ def test_a_slack_cable_neither_pulls_nor_pushes() -> None:
     np.testing.assert_allclose(
         speed[:950], 1.0, rtol=1e-12
     )  # slack, and through each other, till 1 m apart again
-    assert np.all(records[:950, at["cable.tension"]] == 0.0)
+    assert np.all(records[:950, at["cable.segment_tension"]] == 0.0)
     np.testing.assert_allclose(speed[-1], -1.0, rtol=1e-9)  # turned round by a spring that keeps its energy
 
 
@@ -182,7 +182,7 @@ def test_a_load_on_its_end_is_in_its_tension() -> None:
     scene = Scene((body, block), WEIGHT, joints=(pin(np.zeros(3)), hook))
     run = Simulation(scene, step=1e-3, integrator="dele2", start="equilibrium")
     record, at = run.record(), columns(run)
-    tension = record[at["cable.tension"] : at["cable.tension"] + segments]
+    tension = record[at["cable.segment_tension"] : at["cable.tension"] + segments]
     below = load + 1.0 - (np.arange(segments) + 0.5) / segments
     np.testing.assert_allclose(tension, below * G, rtol=1e-9)
     np.testing.assert_allclose(record[at["cable.largest_tension"]], tension[0])
