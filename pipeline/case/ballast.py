@@ -88,7 +88,7 @@ class BallastSection(Section):
     """Bodies that joints hold on the hull and that are not counted: what of their weight it bears is among the loads
     of the stages, as half of a link beam."""
     draft: Annotated[float, Positive("length")] | None = None
-    """Of the middle of the keel [m]; if absent the hull lies as deep as the water that is least pumped makes it."""
+    """Of the middle of the keel [m]; if absent that of the filling with the least pumping."""
     heel: Tilt = 0.0
     """Positive lifts the side of positive y [rad]."""
     trim: Tilt = 0.0

@@ -59,7 +59,7 @@ class _CaseHeading(Section):
     """What a case says before its scene."""
 
     title: str
-    """One line that says what is simulated."""
+    """One line that describes the case."""
     sources: tuple[str, ...] = ()
     """Where the numbers come from."""
     parameters: Parameters = Field(default_factory=dict)

@@ -113,7 +113,7 @@ class _CollisionPlace(Section):
     between: tuple[str, str] | None = None
     """Two surfaces that may touch; forces are recorded on the second."""
     among: Annotated[tuple[str, ...], Field(min_length=2, max_length=200)] | None = None
-    """In place of `between`: all pairs of these surfaces that are not on one body, and of which one gives way."""
+    """In place of `between`: all pairs of these surfaces that are not on one body, of which one can move."""
 
     @model_validator(mode="before")
     @classmethod

@@ -139,8 +139,8 @@ class CircleSection(Section):
     radius: Annotated[float, Positive("length")]
     """[m]."""
     points: Annotated[int, Field(ge=8, le=10_000, strict=True)] | None = None
-    """Of a rigid body or the ground: number of points through which the curve goes; 48 if absent. Between them it
-    leaves the circle by about 4 / points^4 of the radius."""
+    """Of a rigid body or the ground: number of points of the curve; 48 if absent. Between them it deviates from
+    the circle by about 4 / points^4 of the radius."""
 
 
 class CurveSplineSection(Section):

@@ -190,7 +190,7 @@ class FourFilesGeometry(Section):
     stiffness_unit: Annotated[float, Positive("stiffness")] = 1.0
     """Unit of the stiffness, e.g. ``"1 N/mm"``; a Young's modulus in Pa on lengths in mm gives 1e-3 N/m."""
     clamped_nodes: tuple[Count, ...] | None = None
-    """One-based clamped nodes, if the reader cannot tell them from the files; an empty list is a free body."""
+    """One-based clamped nodes, if the reader cannot find them in the files; an empty list is a free body."""
     groups: dict[Name, GroupField] = Field(default_factory=dict)
     """Named groups of nodes."""
 

@@ -109,7 +109,7 @@ class _RestoredSection(Section):
     """In place of `surface`, linear restoring in numbers."""
     restoring: Literal["clipped", "linear", "none"] | None = None
     """``clipped``: of the surface at every instant, the default with one; ``linear``: for small motions, of the numbers
-    in `linear` or of the surface where it floats by itself; ``none``: of a body that is weighed under water."""
+    in `linear` or of the surface where it floats by itself; ``none``: of a body whose weight is given under water."""
     open_deck: Annotated[float, Quantity("length")] | None = None
     """Height in the coordinates of the geometry [m] from which on the surface may be open."""
     hanging: HangingSection | None = None
@@ -165,7 +165,7 @@ class ComputeSection(Section):
     panel_size: Annotated[float, Positive("length")]
     """Side of a panel [m]; at most a sixth of the shortest wave. Round faces get smaller ones if volume asks."""
     frequencies: FrequenciesSection
-    """[rad/s]; the limit of infinite frequency is computed besides."""
+    """[rad/s]; the limit of infinite frequency is computed, too."""
     heading_step: Annotated[float, Quantity("angle", minimum=0.0, maximum=0.1745329252, closed=True)] = (
         0.1745329251994
     )
@@ -189,7 +189,7 @@ class ComputeSection(Section):
 
 
 class DatabaseSection(Section):
-    """Added mass, damping and excitation of one hull, or of several that feel each other's waves."""
+    """Added mass, damping and excitation of one hull, or of several that interact."""
 
     file: Annotated[str, InFolder()] | None = None
     """netCDF of this program or of Capytaine (.nc), BEMIO (.h5), WAMIT (.1, with .3 and .hst beside it; or .out)."""
@@ -214,7 +214,7 @@ class DatabaseSection(Section):
     memory: Memory = "exponentials"
     """Of radiated waves. ``exponentials``: recursive and fast; ``direct``: convolution, for fixed steps; ``none``."""
     memory_length: Annotated[float, Positive("time")] | None = None
-    """How far it goes back [s]; until the kernel has decayed if absent."""
+    """Length of the memory [s]; until the kernel has decayed if absent."""
     fit_error: Annotated[float, Quantity("number", minimum=0.0, maximum=0.5)] = 1e-3
     """Of the kernel relative to its largest value in each coordinate, that the exponentials may have; coordinates that
     hardly radiate count as if they had a thousandth of the critical damping."""
@@ -231,7 +231,7 @@ class DatabaseSection(Section):
     time_convention: TimeConvention | None = None
     """Of a netCDF file that does not state it."""
     symmetric: Annotated[bool, Field(strict=True)] | None = None
-    """Headings of half a turn stand for their mirror images too, in a file that does not state it."""
+    """Headings of half a turn represent their mirror images too, in a file that does not state it."""
     reference_points: tuple[LengthVector, ...] | None = None
     """Of the hulls in the axes of the database [m], for a file that does not state them."""
 

@@ -189,7 +189,7 @@ class ConditionSection(_Comparison):
     arrived: Names | None = None
     """In place of a quantity: all these are at rest at their commanded positions: ropes, hooks, tanks, drives."""
     user: Literal["continue"] | None = None
-    """In place of a quantity: someone says so while the run goes, ``heavylift scenario CASE --send continue``."""
+    """In place of a quantity: the operator sends this during the run, ``heavylift scenario CASE --send continue``."""
     hold: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
     """How long it has to be true without a break [s]."""
 
@@ -337,7 +337,7 @@ class PhaseSection(Section):
     actions: tuple[ActionSection, ...] = ()
     """What happens at its start, in order."""
     until: UntilSection | None = None
-    """When it ends; only the last phase may go on to the end of the run."""
+    """When it ends; only the last phase may continue to the end of the run."""
     limits: tuple[LimitSection, ...] = ()
     """What is watched while it lasts."""
     timeout: TimeoutSection | None = None
@@ -345,7 +345,7 @@ class PhaseSection(Section):
 
 
 class TrackSection(Section):
-    """Phases that go on beside the others, as of a crane that works by itself."""
+    """Phases that run in parallel with the others, as of a crane that works independently."""
 
     name: Name
     """Its name."""
@@ -359,11 +359,11 @@ class ScenarioSection(Section):
     phases: Annotated[tuple[PhaseSection, ...], Field(min_length=1)]
     """In order."""
     tracks: tuple[TrackSection, ...] = ()
-    """Rows of phases that go on beside these."""
+    """Sequences of phases that run in parallel with these."""
     prepared: tuple[Name, ...] = ()
     """Names of ropes that are not connected at the start."""
     at_end: Literal["go_on", "stop"] = "go_on"
-    """Whether the run goes on to its duration when the last phase is done, or stops there."""
+    """Whether the run continues to its duration when the last phase is done, or stops there."""
 
 
 def _rows(section: ScenarioSection) -> list[tuple[str, tuple[PhaseSection, ...]]]:

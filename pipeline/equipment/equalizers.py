@@ -126,9 +126,9 @@ class EqualizerLine:
     other_point: Annotated[NDArray[np.float64] | None, Quantity("length"), Shape((3,)), Absent()] = None
     """A second lug [m]: the line ends on an extension pulley, and a sling over it holds both lugs."""
     length: Annotated[float | None, Positive("length")] = None
-    """Unstretched [m]; as drawn if absent, from a pulley at the same depth as all."""
+    """Unstretched [m]; the initial geometric length if absent, from a pulley at the common depth."""
     count: Annotated[int, Interval(ge=1, le=100)] = 1
-    """How many lines lead to this lug, from as many pulleys beside each other."""
+    """Number of lines to this lug, from as many pulleys beside each other."""
 
 
 @EQUIPMENT.part
@@ -160,7 +160,7 @@ class Equalizer(Equipment):
     along: Annotated[tuple[float, float, float], Quantity("number")] = (1.0, 0.0, 0.0)
     """Horizontal direction of the beam at the start, in the world; any length. Lines follow each other along it."""
     sheave_radius: Annotated[float, Positive("length")]
-    """Of moving pulleys and fixed sheaves [m]; moving pulleys stand four radii apart."""
+    """Of moving pulleys and fixed sheaves [m]; moving pulleys are four radii apart."""
     sheave_depth: Annotated[float, Positive("length")] = 1.5
     """Of the fixed sheaves, and of the ends of the rope, below the hinge [m]."""
     part_length: Annotated[float, Positive("length")]

@@ -53,7 +53,7 @@ class FallsRope:
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Tension per rate of elongation [N s/m], while it is taut."""
     tension: Annotated[float | None, Positive("force"), Absent()] = None
-    """Tension at the start [N], of a search for equilibrium that in the place of rest; as long as drawn if absent."""
+    """Tension at the start [N], in an equilibrium that at rest; the rope is unstretched at first if absent."""
     brake: Annotated[float | None, Positive("force")] = None
     """Tension at which the brake of its winch slips [N]: a scenario can let such a winch keep a tension, or hooks a
     load level."""
@@ -103,7 +103,7 @@ class Falls(Equipment):
     block: HookBlock
     """The hook block."""
     rope: FallsRope
-    """The rope; it is as long as drawn, or as its tension says."""
+    """The rope; its length is the initial geometric length, or follows from its tension."""
     drum: FallsCrown | None = None
     """First drum; the rope begins at the crown if absent."""
     other_drum: FallsCrown | None = None

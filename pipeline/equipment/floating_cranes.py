@@ -66,7 +66,7 @@ class BoomStay:
     at: Annotated[float | None, Positive("length")] = None
     """Where it holds the boom, from the hinge [m]; at its head if absent."""
     rope: FallsRope
-    """The rope; it is as long as drawn, or as its tension says."""
+    """The rope; its length is the initial geometric length, or follows from its tension."""
 
 
 @EQUIPMENT.part
@@ -104,7 +104,7 @@ class Slewing:
     moves: tuple[Turn, ...] = ()
     """How it turns."""
     driven: bool = False
-    """Whether it has a drive though it has no moves: it stands until a scenario tells the drive ``NAME_slewing``."""
+    """Whether it has a drive without moves: at rest until a scenario commands the drive ``NAME_slewing``."""
 
 
 @EQUIPMENT.describe("floating_cranes")
@@ -129,8 +129,8 @@ class FloatingCrane(Equipment):
     luffing: tuple[Turn, ...] = ()
     """How the boom luffs, upwards if positive."""
     driven: bool = False
-    """Whether the hinge of a boom without stay has a drive though it does not luff: it stands until a scenario tells
-    the drive ``NAME_hinge``."""
+    """Whether the hinge of a boom without stay has a drive without luffing: it is at rest until a scenario
+    tells the drive ``NAME_hinge``."""
     level: bool = False
     """Whether the winches of the falls pay out and haul in so that hooks keep their height as the boom luffs by
     ``luffing``."""

@@ -53,8 +53,8 @@ class LinkBeam(Equipment):
     breadth: Annotated[float, Positive("length")]
     """Over which wheels can drive [m]; its bearings are at both corners of the end."""
     lip: Annotated[float, Positive("length")] = 0.02
-    """Height of its upper side over the deck that it lies on, at its end [m]; more than the bearings give way, or
-    wheels find that deck first."""
+    """Height of its upper side over the deck that it lies on, at its end [m]; more than the deflection of the
+    bearings, or wheels are on that deck first."""
     depth: Annotated[float, Positive("length")] = 0.5
     """Of the plate, for its inertia [m]."""
     mass: Annotated[float, Positive("mass")]

@@ -55,7 +55,7 @@ class SpreaderLine:
     point: Annotated[NDArray[np.float64], BodyPoint()]
     """Its lug [m], in the coordinates of the geometry of the load."""
     length: Annotated[float | None, Positive("length")] = None
-    """Unstretched [m]; as drawn if absent."""
+    """Unstretched [m]; the initial geometric length if absent."""
 
 
 @EQUIPMENT.describe("spreaders")

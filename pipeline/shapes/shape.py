@@ -51,7 +51,7 @@ class SurfaceShape(ABC):
 @SHAPES.part
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Exclusion:
-    """A box that moves with the body: triangles wholly on one side of it take no part in collisions."""
+    """A box that moves with the body: triangles completely on one side of it are excluded from collisions."""
 
     centre: Annotated[NDArray[np.float64], Quantity("length"), Shape((3,))]
     """In the coordinates of the geometry; of the ground in the world [m]."""
@@ -61,7 +61,7 @@ class Exclusion:
     """How its axes are turned from those of the body; not at all if absent."""
     keep: Literal["outside", "inside"] = "outside"
     """``outside``: triangles that lie wholly in the box take no part; ``inside``: triangles that lie wholly outside of
-    all such boxes take no part. What the sides of a box cut goes on taking part."""
+    all such boxes are excluded. Triangles cut by the sides of a box are kept."""
 
     @property
     def box(self) -> ExclusionBox:

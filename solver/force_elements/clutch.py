@@ -68,7 +68,7 @@ class ClutchOutputs(Outputs):
 
     torque: float = channel("moment or energy", "torque of the clutch on side b of its joint, about its axis")
     slip_rate: float = channel("angular velocity", "rate at which side b of the clutch turns against side a")
-    slipped: float = channel("angle", "angle by which the clutch has slipped so far, both ways added up")
+    slipped: float = channel("angle", "accumulated slip angle of the clutch, both senses added up")
     slipping: float = channel(
         "number", "0 while the clutch sticks; 1 or -1, the sense of its slip, while it slips"
     )

@@ -121,7 +121,7 @@ class SharedLines(AlongPath):
     direction: Annotated[tuple[float, float, float], Quantity("number")] = (0.0, 0.0, -1.0)
     """Of all guides, in the coordinates of the geometry of that body; any length."""
     depth: Annotated[float, Positive("length")]
-    """Mean of the depths of all pulleys below their outlets, while nothing stretches [m]."""
+    """Mean of the depths of all pulleys below their outlets, without elongation [m]."""
     up: Annotated[float, Positive("length")]
     """Travel of a pulley from that depth towards its outlet [m]."""
     down: Annotated[float, Positive("length")]

@@ -145,7 +145,7 @@ class LineBearing(Between):
     stiffness: Annotated[float, Positive("stiffness")]
     """Of each end [N/m], upwards and while it sticks."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
-    """Of each end, upwards [N s/m]; never so much that it pulls."""
+    """Of each end, upwards [N s/m]; limited so that it never pulls."""
     friction: Annotated[float, Quantity("number", minimum=0.0, closed=True)] = 0.0
     """Coefficient."""
 

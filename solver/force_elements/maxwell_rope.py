@@ -68,7 +68,7 @@ __all__ = ["Creep", "MaxwellRope", "MaxwellRopes", "pack"]
 class CreepOutputs(Outputs):
     """What a Maxwell rope records beside what all ropes do."""
 
-    creep: float = channel("length", "what the damper of the rope has given way so far, which stays")
+    creep: float = channel("length", "elongation of the damper so far, which is permanent")
 
 
 @ROPES.describe("maxwell")

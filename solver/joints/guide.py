@@ -68,7 +68,7 @@ class Guide(Joint):
     speed: Annotated[float, Quantity("velocity")] = 0.0
     """Of b along x of a, constant [m/s]."""
     drive: Annotated[Profile | None, Quantity("length")] = None
-    """What its travel has beside that, as a function of time [m]."""
+    """Additional travel as a function of time [m]."""
 
     @property
     def travel_axis(self) -> NDArray[np.float64]:

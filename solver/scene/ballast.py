@@ -46,7 +46,7 @@ class PumpOutputs(Outputs):
 
     flow: float = channel(MASS_FLOW, "water that the pump moves to its target")
     command: float = channel(MASS_FLOW, "commanded flow")
-    pumped: float = channel("mass", "water that it has moved since the start, less what it has moved back")
+    pumped: float = channel("mass", "net water that it has moved since the start")
 
 
 @AT_SEA.describe("pumps")
@@ -144,7 +144,7 @@ class LevelPoint:
 class ControllerParts(Parts):
     """Channels of each quantity that a controller keeps."""
 
-    error: Part = channel("number", "what it keeps less what that should be, filtered [m, rad]", None)
+    error: Part = channel("number", "controlled value less its target, filtered [m, rad]", None)
 
 
 @outputs
@@ -174,7 +174,7 @@ class Controller:
     gain: Annotated[float, Positive("rate")]
     """Rate at which an error is to vanish [1/s]: ``exp(-gain t)``."""
     filter: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
-    """Time constant [s] of the two lags behind each other through which it looks; 60 s keep waves out."""
+    """Time constant [s] of the two lags in series that filter its samples; 60 s suppress waves."""
     heel: Annotated[float | None, Quantity("angle")] = None
     """That is kept [rad], as `roll` of the hull."""
     trim: Annotated[float | None, Quantity("angle")] = None
@@ -190,7 +190,7 @@ class Controller:
     dead_angle: Annotated[float, Quantity("angle", minimum=0.0, closed=True)] = 0.0
     """Errors of heel and trim that are left alone [rad]."""
     tide_ahead: bool = False
-    """Pump as the tide is known to go, beside the errors that it makes: for heights over the ground."""
+    """Pump ahead of the known tide, in addition to its errors: for heights over the ground."""
 
     @staticmethod
     def check(spec: Any) -> None:

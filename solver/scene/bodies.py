@@ -145,11 +145,11 @@ class Profile:
     harmonics: tuple[Harmonic, ...] = ()
     """Sine functions that are added."""
     interpolation: Literal["smooth", "monotone"] = "smooth"
-    """Of the table: `smooth` has no jumps of the acceleration and may leave the values of two neighbours, which the run
-    tells; `monotone` never leaves them, and has none of the speed only."""
+    """Of the table: `smooth` has no jumps of the acceleration and may overshoot the values of two neighbours, which the
+    run reports; `monotone` never overshoots, and its acceleration jumps."""
     speeds: Annotated[NDArray[np.float64], SPEED, Shape((None,))] = field(default_factory=no_rows)
     """In place of `values`: linear between the times, held before the first and after the last; with `acceleration`
-    targets, to which a drive that stands at first begins to change at the times."""
+    targets, to which a drive, at rest at first, begins to change at the times."""
     acceleration: Annotated[float | None, ACCELERATION] = None
     """Of all changes of the speed."""
     jerk: Annotated[float | None, JERK] = None

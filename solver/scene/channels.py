@@ -82,7 +82,7 @@ class PhaseOutputs(Outputs):
 class TrackOutputs(Parts):
     """Of the tracks beside the first one."""
 
-    track_phase: Part = channel("number", "the same of each track beside the first one", None)
+    track_phase: Part = channel("number", "the same of each sequence beside the first one", None)
 
 
 @dataclass(frozen=True)

@@ -162,6 +162,6 @@ class Collision(CollisionPlace):
     """Contacts recorded one by one, those with the largest forces."""
     clearance: bool = False
     """Record the distance of the surfaces in `gap`, and its smallest value over all steps in `gap_min`, while they are
-    far apart too; it costs a search for each record, and for each step in which they may have come nearer. So it is
-    anyway where a phase waits for it, or criteria, checks, references or the report name it. Otherwise both are no
-    number beyond the reach of the search, a few ways of a step."""
+    far apart too; it costs a search for each record, and for each step in which they may have come nearer. So
+    it is if a phase waits for it, or criteria, checks, references or the report name it. Otherwise both are not a
+    number beyond the reach of the search, a few times the motion in a step."""

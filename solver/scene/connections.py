@@ -218,7 +218,7 @@ class ControlOutputs(Outputs):
     paid_out: float = channel(
         "length", "what a brake or a winch that keeps a tension has paid out beyond its plan"
     )
-    paying_speed: float = channel("velocity", "speed at which it does, mean of the last step")
+    paying_speed: float = channel("velocity", "rate of that, mean of the last step")
 
 
 @dataclass(frozen=True, eq=False)
@@ -670,7 +670,7 @@ class Winch:
     """With `tensions` the largest one. With `lengths` and `acceleration` that of moves from rest to rest, which begin
     at the times; the first length is that at the start."""
     acceleration: Annotated[float | None, Positive("acceleration")] = None
-    """Of all changes of the speed: `speeds` are then targets, to which a winch that stands at first begins to change at
+    """Of all changes of the speed: `speeds` are then targets, to which a winch, at rest at first, begins to change at
     the times."""
     jerk: Annotated[float | None, Positive("jerk")] = None
     """Of all changes of the acceleration, which jumps without."""
@@ -680,7 +680,7 @@ class Winch:
     """In place of `speeds`, tensions that it keeps [N], linear between the times: it pays out above them and hauls in
     below them, at most with `speed`."""
     dead_band: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 0.05
-    """Part of the tension by which it may be off before the winch moves."""
+    """Part of the tension by which it may deviate before the winch moves."""
     brake: Annotated[float | None, Positive("force")] = None
     """Tension at which the brake slips [N]: the drum holds, or follows its commands, below it, and pays out at it."""
     follow: Annotated[str | None, NameOf("rope")] = None

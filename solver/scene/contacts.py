@@ -286,7 +286,7 @@ COLLISION_LAWS: Family[Any] = Family("law", "heavylift.solver.contact.laws", key
 @CONTACT_LAWS.describe("rigid")
 @dataclass(frozen=True)
 class RigidLaw:
-    """Without compliance: what touches does not enter, impacts are at once, and tell impulses, not forces."""
+    """Without compliance: contacts do not penetrate, impacts are instantaneous, and give impulses, not forces."""
 
     restitution: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0, closed=True)] = 0.0
     """Velocity after an impact over that before it (Newton's), 0 to 1."""

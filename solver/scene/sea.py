@@ -178,7 +178,7 @@ class HullOutputs(Outputs):
 @AT_SEA.describe("hulls")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Hull(Restored):
-    """A rigid body that floats: its buoyancy, and what dampens it beside the waves that it makes."""
+    """A rigid body that floats: its buoyancy, and its damping besides radiated waves."""
 
     CHANNELS: ClassVar = HullOutputs.CHANNELS
     """What it records behind the channels of its body."""
@@ -188,7 +188,7 @@ class Hull(Restored):
     damping: Annotated[NDArray[np.float64], Quantity("number"), Square(6), Absent()] = field(
         default_factory=_undamped
     )
-    """Six numbers, or 6 x 6, of surge to yaw in SI: beside that of radiated waves, along the heading."""
+    """Six numbers, or 6 x 6, of surge to yaw in SI: in addition to that of radiated waves, along the heading."""
     quadratic_damping: Annotated[
         NDArray[np.float64], Quantity("number", minimum=0.0, closed=True), Shape((6,))
     ] = field(default_factory=lambda: np.zeros(6))

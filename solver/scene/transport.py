@@ -187,7 +187,7 @@ class HeightGrid:
 @TRANSPORT.part
 @dataclass(frozen=True, eq=False)
 class OilPump:
-    """Oil that is pumped into a group, as the way by which it lifts all bogies of the group."""
+    """Oil that is pumped into a group, as the lift of all bogies of the group."""
 
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,)), Least(1)]
     """[s], increasing."""
@@ -203,7 +203,7 @@ class OilPump:
 @TRANSPORT.part
 @dataclass(frozen=True)
 class Levelling:
-    """Pumps that keep a vehicle level: they look at its tilt every now and then, and lift and lower its groups."""
+    """Pumps that keep a vehicle level: they sample its tilt at intervals, and lift and lower its groups."""
 
     speed: Annotated[float, Positive("velocity")]
     """At which a pump lifts the bogies of a group at most [m/s]: its flow over the area of all their cylinders."""
@@ -211,7 +211,7 @@ class Levelling:
     """In which a tilt is to fall to ``1/e`` [s]; it is faster as the vehicle leans more than its groups. Too short a
     one drives the vehicle, which is refused."""
     period: Annotated[float, Positive("time")] = 0.1
-    """Between two looks [s], at the ends of steps; speeds stay in between."""
+    """Between two samples [s], at the ends of steps; speeds are constant in between."""
     dead_angle: Annotated[float, Quantity("angle", minimum=0.0, closed=True)] = 0.0
     """Tilts that are left alone [rad]."""
     roll: Annotated[float, Quantity("angle")] = 0.0
@@ -235,12 +235,12 @@ class BogieGroup:
     """In place of `oil_stiffness`, a gas accumulator: its gas volume at the start, over the area of a cylinder and the
     number of bogies [m]."""
     constant_force: bool = False
-    """In place of both, cylinders that push with the force of the start whatever their strokes: not how oil does, and
-    nothing stands on it by itself."""
+    """In place of both, cylinders that push with the force of the start whatever their strokes: unlike oil, and
+    unstable alone."""
     relief_force: Annotated[float, Positive("force"), Absent()] = np.inf
     """Of a cylinder at which the relief valve opens [N]: oil beyond it is lost."""
     leak_speed: Annotated[float, Quantity("velocity", minimum=0.0, closed=True)] = 0.0
-    """At which all its bogies sink by oil that leaks, at the force of the start [m/s]; it goes with the force."""
+    """Rate at which all its bogies sink by leaking oil at the force of the start [m/s]; proportional to the force."""
     load: Annotated[float, Quantity("force", minimum=0.0, closed=True), Absent()] = np.nan
     """Force of a bogie at the start [N]; without it the groups carry the weight of the body, all bogies as evenly as
     the balance allows."""
@@ -271,10 +271,10 @@ class BogieGroup:
 @TRANSPORT.part
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PathLeg:
-    """A leg of the way of a transporter, from rest to rest, in the plan of the ground and the decks at the start."""
+    """A leg of the path of a transporter, from rest to rest, in the plan of the ground and the decks at the start."""
 
     steering: Literal["all", "front", "rear", "crab", "carousel"] = "all"
-    """All bogies steer, and the middle of them goes along the curve; or all but the last line, or all but the first,
+    """All bogies steer, and their middle follows the curve; or all but the last line, or all but the first,
     whose own middle follows it; or all are parallel and the vehicle does not turn; or it turns about `centre`."""
     points: Annotated[NDArray[np.float64], Quantity("length"), Shape((None, 2))] = field(
         default_factory=no_rows
@@ -297,7 +297,7 @@ class PathLeg:
     speed: Annotated[float, Positive("velocity")]
     """[m/s]; in a carousel of the bogie farthest from the centre."""
     acceleration: Annotated[float, Positive("acceleration")] = 0.05
-    """With which it gets there and stops again [m/s2]."""
+    """With which it reaches its speed and stops again [m/s2]."""
     pause: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.0
     """Before it [s]."""
 
@@ -358,7 +358,7 @@ class Drive:
 @TRANSPORT.part
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tyres:
-    """Tyres with side slip, all alike: side forces by the angle between where a bogie rolls and where it goes."""
+    """Tyres with side slip, all alike: side forces by the angle between rolling direction and velocity of a bogie."""
 
     cornering: Annotated[float, Positive("number")]
     """C: side force of a bogie over its load and the tangent of its slip angle; 5 to 10."""
@@ -366,7 +366,7 @@ class Tyres:
     """sigma, way in which the side force comes up to ``1 - 1/e`` [m]. A tread that does not roll has the stiffness
     ``C f / sigma``."""
     damping_time: Annotated[float, Quantity("time", minimum=0.0, closed=True)] = 0.01
-    """tau: damping of a tread over its stiffness [s]; of steady forces it changes nothing."""
+    """tau: damping of a tread over its stiffness [s]; it does not change steady forces."""
     steering_errors: Annotated[NDArray[np.float64], Quantity("angle"), Shape((None,))] = field(
         default_factory=no_rows
     )
@@ -419,7 +419,7 @@ class BogieParts(Parts):
 class PathOutputs(Outputs):
     """Of a transporter with a path."""
 
-    path_way: float = channel("length", "way along its path")
+    path_way: float = channel("length", "distance along its path")
     off_path: float = channel("length", "distance of the middle of its bogies from its path")
     off_heading: float = channel("angle", "by which its heading is off its path, to the left")
     push_along: float = channel("force", "on it in the plane, forwards, from drives and brakes")

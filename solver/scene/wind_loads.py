@@ -64,7 +64,7 @@ AIR_DENSITY = 1.225
 FULL_TURN = 6.2831853072
 """[rad], rounded up."""
 
-GOES = "where the wind or current goes, from world x, anticlockwise"
+GOES = "direction in which wind or current flows, from world x, anticlockwise"
 
 Array = NDArray[np.float64]
 
@@ -224,7 +224,7 @@ class Veering:
     times: Annotated[Array, Quantity("time"), Shape((None,)), Least(2)]
     """[s], increasing."""
     angles: Annotated[Array, Quantity("angle"), Shape((None,)), Least(2)]
-    """Where the fluid goes [rad]."""
+    """Direction of the flow [rad]."""
 
     @staticmethod
     def check(spec: Any) -> None:
@@ -284,7 +284,7 @@ class WindField(Fluctuating):
     averaging_time: Annotated[float, Quantity("time", minimum=0.0)] = HOUR
     """Over which the speed is a mean [s], up to an hour; converted to the one-hour mean by ISO 19901-1."""
     direction: Annotated[float | Veering, Quantity("angle")] = 0.0
-    """Where the wind goes [rad], from world x, anticlockwise seen from above; or a table over time."""
+    """Direction in which the wind blows [rad], from world x, anticlockwise seen from above; or a table over time."""
     profile: Literal["log", "power", "uniform"] = "log"
     """``log``: ISO 19901-1; ``power``: with an exponent of 0.11; ``uniform``: the same at all heights."""
     exponent: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0), Absent()] = POWER_EXPONENT
@@ -329,7 +329,7 @@ class CurrentField:
     speed: Annotated[float | CurrentProfile, Quantity("velocity", minimum=0.0, closed=True)]
     """The same at all depths [m/s], or a table over the depth."""
     direction: Annotated[float | Veering, Quantity("angle")] = 0.0
-    """Where the water goes [rad], from world x, anticlockwise seen from above; or a table over time."""
+    """Direction in which the water flows [rad], from world x, anticlockwise seen from above; or a table over time."""
 
     @staticmethod
     def check(spec: Any) -> None:

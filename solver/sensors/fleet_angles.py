@@ -54,16 +54,16 @@ class LeadOutputs(Outputs):
     """What a lead records."""
 
     off_lead: float = channel(
-        "angle", "angle of the way to the axis in the plane, positive on the side of axis x normal"
+        "angle", "angle of the line to the axis in the plane, positive on the side of axis x normal"
     )
-    side_lead: float = channel("angle", "angle of the way to the plane, positive on the side of its normal")
-    lead_angle: float = channel("angle", "angle of the way and the axis, 0 to 180 deg")
+    side_lead: float = channel("angle", "angle of the line to the plane, positive on the side of its normal")
+    lead_angle: float = channel("angle", "angle of the line between the points to the axis, 0 to 180 deg")
 
 
 @MEASURES.describe("leads")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FleetAngle(Between, PackedForce):
-    """Angles of the way from the point of side a to that of side b against an axis and a plane of side a."""
+    """Angles of the line from the point of side a to that of side b against an axis and a plane of side a."""
 
     CHANNELS: ClassVar = LeadOutputs.CHANNELS
     """What it records, in the order of its columns."""

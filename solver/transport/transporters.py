@@ -170,7 +170,7 @@ class Transporter(ForceElement):
     groups: Annotated[tuple[BogieGroup, ...], Least(1)]
     """Bogies, by the groups that share their oil."""
     direction: Annotated[NDArray[np.float64], BodyDirection()] = field(default_factory=forward)
-    """Where it goes, in the axes of the body: roll and pitch are about it and about what lies across it."""
+    """Forward direction in the axes of the body: roll is about it, pitch about the direction across it."""
     wheel_radius: Annotated[float, Quantity("length", minimum=0.0, maximum=5.0, closed=True)]
     """[m]; 0 of a point that follows the road."""
     tyre_stiffness: Annotated[float, Positive("stiffness")]
@@ -180,7 +180,7 @@ class Transporter(ForceElement):
     line_damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
     """Force of a cylinder by the rate of its own stroke, of its pipe [N s/m]."""
     stroke_limits: Annotated[NDArray[np.float64] | None, Quantity("length"), Shape((2,))] = None
-    """Lowest and highest stroke from that of the start [m]; there the tyre alone gives way. None if absent."""
+    """Lowest and highest stroke from that of the start [m]; there only the tyre deflects. None if absent."""
     bogie_mass: Annotated[float, Quantity("mass", minimum=0.0, closed=True)] = 0.0
     """Of a bogie [kg]: adds to the load on the road, not to the inertia. Only if all decks are of the ground: on others
     it belongs to the body that rides."""
@@ -190,8 +190,8 @@ class Transporter(ForceElement):
     """The wheels travel along all decks at this speed from their places at the start on, wherever the body is [m/s]; if
     absent they are where the body takes them."""
     legs: tuple[PathLeg, ...] = ()
-    """Legs of a path along which it is driven from its place at the start on, one after the other: where in the plane
-    it is and where it points. On decks of several bodies it moves along with them, by their shares in its load."""
+    """Legs of a path along which it is driven from its place at the start on, one after the other: its position and
+    heading in the plane. On decks of several bodies it moves with them, by their shares in its load."""
     handover: Annotated[float, Positive("time")] = 5.0
     """Delay with which its path follows the shares of moving bodies in its load [s]."""
     steering_limit: Annotated[float, Quantity("angle", minimum=0.0, maximum=np.pi, closed=True)] = (

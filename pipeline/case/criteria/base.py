@@ -118,8 +118,8 @@ class LoadedCriterion(CriterionSection):
     """What criteria of forces have: which dynamics are inside."""
 
     dynamic_factor: FactorValue | None = None
-    """Dynamic amplification factor on the force at rest, which `static_at` says; if absent the largest force of the run
-    counts, in which the dynamics are, and no factor."""
+    """Dynamic amplification factor on the force at rest, at the time `static_at`; if absent the largest force of the
+    run counts, in which the dynamics are, and no factor."""
     static_at: Moment | None = None
     """When the force is the one at rest: ``start``, ``end``, ``mean`` (over the time that counts), or a time [s]."""
 

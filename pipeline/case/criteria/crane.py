@@ -58,7 +58,7 @@ class ReachSection(Section):
 class CraneCriterion(LoadedCriterion):
     """Load of a crane over its capacity at the radius; off-lead and side-lead of its falls.
 
-    The capacity of a crane may include dynamics of its own: what is inside is the crane's document's to say.
+    The capacity of a crane may include dynamics of its own: see the document of the crane.
     """
 
     ORDER: ClassVar = 1

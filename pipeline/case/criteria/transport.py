@@ -30,7 +30,7 @@ class TransportCriterion(CriterionSection):
     )
     """Least tilt of the road at which it tips over on rigid groups."""
     tipping: Annotated[float, Quantity("angle", minimum=0.0, maximum=1.5, closed=True)] = math.radians(2.0)
-    """Least tilt of the road at which it tips over with what its groups give way."""
+    """Least tilt of the road at which it tips over on compliant groups."""
     group_share: Annotated[float, Quantity("number", minimum=0.0, maximum=0.5)] = 0.0
     """Share of the weight that every group must exceed in the run."""
     stroke_reserve: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0

@@ -1,4 +1,4 @@
-"""Ropes that hold from now on."""
+"""Ropes that are connected from now on."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Connect(Action):
     ORDER: ClassVar[float] = 9
 
     connect: Annotated[str, NamesOf("ropes", "rope")]
-    """Ropes that hold from now on."""
+    """Ropes that are connected from now on."""
     slack: Annotated[float, Quantity("length")] = 0.0
     """What a connected rope is longer than its path [m]; shorter by at most 2 % if negative."""
 

@@ -29,8 +29,8 @@ class HookKeys(LevelKeys):
     hook: Annotated[str, NamesOf("hooks")]
     """Falls whose hooks move: their winches haul n times as fast, n the parts of rope."""
     height: Annotated[float | None, Quantity("length")] = None
-    """In the world, at which the hook stops [m]: it goes what it is below that as the phase begins, n parts times in
-    rope; what ropes stretch and cranes tilt meanwhile is not made up for."""
+    """In the world, at which the hook stops [m]: it moves by its distance below that height when the phase begins, n
+    times as far in rope; elongation of ropes and tilt of cranes meanwhile are not corrected."""
 
     @classmethod
     def made(cls, given: Any, targets: Targets, group: int) -> tuple[Action, ...]:

@@ -104,7 +104,7 @@ class PathKeys(SpeedKeys):
     path: Annotated[str, NamesOf("paths")]
     """Transporters with `legs`: with a `speed` they go to the end of the leg on which they are, or stop if it is 0."""
     planned: Literal[True] | None = None
-    """A transporter goes on: this leg and all others as they are planned."""
+    """A transporter continues: this leg and all others as planned."""
 
     @classmethod
     def check_keys(cls, given: Any, keys: Collection[str]) -> None:

@@ -1,4 +1,4 @@
-"""Ropes and joints that let go."""
+"""Ropes and joints that are released."""
 
 from __future__ import annotations
 
@@ -65,12 +65,12 @@ class ReleaseJoint(Action):
 @ACTIONS.describe("release")
 @dataclass(frozen=True)
 class ReleaseKeys(ActionKeys):
-    """Ropes and joints that let go."""
+    """Ropes and joints that are released."""
 
     ORDER: ClassVar[float] = 6
 
     release: Annotated[str, NamesOf("ropes", "rope or joint")]
-    """Ropes and joints that let go."""
+    """Ropes and joints that are released."""
 
     @classmethod
     def made(cls, given: Any, targets: Targets, group: int) -> tuple[Action, ...]:  # noqa: ARG003

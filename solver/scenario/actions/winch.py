@@ -238,7 +238,7 @@ class WinchTension(Action):
     speed
         At most [m/s].
     dead_band
-        Part of the tension by which it may be off before the winch moves.
+        Part of the tension by which it may deviate before the winch moves.
     """
 
     rope: str
@@ -444,7 +444,7 @@ class LevelKeys(MotionKeys):
     """Whether these winches, two or more, each with a ``brake`` or ``tensions``, keep equal parts of what they hold, of
     hooks of the load: at most with `speed`, in addition to their commands."""
     dead_band: Annotated[float, Quantity("number", minimum=0.0, maximum=1.0)] = 0.05
-    """Part of `tension`, or of the share of `level`, by which it may be off before the winch moves."""
+    """Part of `tension`, or of the share of `level`, by which it may deviate before the winch moves."""
     brake: bool | None = None
     """Whether the brake is set: the drum rests where it is, until it slips."""
 

@@ -54,7 +54,7 @@ class Fender(Between):
 
     CHANNELS: ClassVar = FenderOutputs.CHANNELS
     SENTENCES: ClassVar = {
-        "between": 'Body, or ``"ground"``, that it stands on, and the one that presses it.',
+        "between": 'Body, or ``"ground"``, that it is mounted on, and the one that presses it.',
         "points": "Its tip when it is not compressed, and the point that presses it, in the coordinates of the "
         "geometries; of the ground in the world [m].",
     }
@@ -64,7 +64,7 @@ class Fender(Between):
     stiffness: Annotated[float, Positive("stiffness"), Absent()] = 0.0
     """[N/m]."""
     damping: Annotated[float, Quantity("damping", minimum=0.0, closed=True)] = 0.0
-    """[N s/m]; never so much that it pulls."""
+    """[N s/m]; limited so that it never pulls."""
     compressions: Annotated[
         NDArray[np.float64], Quantity("length", minimum=0.0, closed=True), Shape((None,))
     ] = field(default_factory=no_rows)

@@ -57,7 +57,7 @@ class CoefficientLoad(FluidLoad):
     file: Annotated[str | None, TableFile(HEADERS, COLUMNS)] = None
     """Comma-separated with the header ``angle,cx,cy,cn`` (rad) or ``angle_deg,cx,cy,cn``."""
     angles: Annotated[Array, Quantity("angle"), Shape((None,))] = field(default_factory=no_rows)
-    """In place of `file`: directions in which the fluid goes past the body [rad], from its heading, anticlockwise: 0
+    """In place of `file`: directions of the flow past the body [rad], from its heading, anticlockwise: 0
     comes from astern, 180 degrees is a head wind."""
     cx: Annotated[Array, Quantity("number"), Shape((None,))] = field(default_factory=no_rows)
     """Coefficients of the force ahead, one an angle."""
