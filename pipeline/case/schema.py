@@ -181,7 +181,7 @@ def key_pages() -> dict[str, str]:
         return f"](#{found[1]})" if other == page else f"]({other}#{found[1]})"
 
     return {
-        page: re.sub(r"\]\(#([^)]+)\)", lambda found, page=page: link(found, page), "\n".join(lines)) + "\n"
+        page: re.sub(r"\]\(#([^)]+)\)", partial(link, page=page), "\n".join(lines)) + "\n"
         for page, lines in made.items()
     }
 
