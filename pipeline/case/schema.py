@@ -9,7 +9,7 @@ import json
 import re
 import textwrap
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
