@@ -14,6 +14,7 @@ import numpy as np
 
 from heavylift.solver.contact.layout import LINEAR
 from heavylift.solver.integrate.ramps import short_ramps
+from heavylift.solver.rows.structure import PRESCRIBED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -92,7 +93,11 @@ def _law_periods(layout: Layout) -> dict[int, float]:
                 curve = kind.curves[entry["first"] : entry["first"] + entry["count"]]
                 stiffness = float((np.diff(curve[:, 1]) / np.diff(curve[:, 0])).max())
             softness = float(system.rows["scale"][block, 0]) if block >= 0 else 0.0
-            if stiffness * softness > 0.0:
+            sides = int(entry["attachments"]) if "attachments" in names else 2
+            holders = system.attachments["holder"][2 * block : 2 * block + sides]
+            if stiffness * softness > 0.0 and np.any(
+                holders != PRESCRIBED
+            ):  # between held bodies nothing swings
                 found[block] = 2.0 * math.pi / math.sqrt(stiffness * softness)
     return found
 
