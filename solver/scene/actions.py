@@ -9,6 +9,7 @@ where the actuator is; what is planned before a run calls the same kernels with 
 from __future__ import annotations
 
 import importlib
+import inspect
 import math
 import sys
 from collections.abc import Mapping
@@ -465,11 +466,11 @@ class _Family:
         for folder in importlib.import_module(self.package).__path__:
             if folder in self._folders:
                 continue
-            self._folders.add(folder)
             for file in sorted(Path(folder).glob("[!_]*.py")):
                 module = importlib.import_module(f"{self.package}.{file.stem}")
                 if Path(str(module.__file__)) != file:
                     raise TypeError(f"{file}: another file of this name is {module.__file__}")
+            self._folders.add(folder)
         return dict(sorted(self._found.items(), key=lambda one: (one[1].ORDER, one[0])))
 
 
@@ -497,8 +498,6 @@ def _keys_of(described: type) -> list[ActionKey]:
 
 
 def _annotations(of: type) -> dict[str, Any]:
-    import inspect
-
     return inspect.get_annotations(of, eval_str=True) if "__annotations__" in vars(of) else {}
 
 
