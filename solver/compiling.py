@@ -11,13 +11,12 @@ import gc
 import importlib
 import os
 import pkgutil
-import queue
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numba
 
@@ -38,7 +37,7 @@ from heavylift.numerics.objects import (
 from heavylift.numerics.sources import edited_since_start
 from heavylift.solver.kinds import kind_units, kinds_with_verbs
 
-__all__ = ["all_units", "compile_units", "missing_units", "unit_of"]
+__all__ = ["WaitingUnits", "all_units", "compile_units", "missing_units", "unit_of"]
 
 ALONE = 2
 """Units up to which no process is started: each needs about a second before it can begin."""
@@ -80,7 +79,7 @@ def unit_of(module: str, name: str, group: str) -> Unit:
 def compile_units(
     units: Sequence[Unit], tell: Callable[[str, float], None], processes: int | None = None
 ) -> None:
-    """Make the object files of some units, the largest first.
+    """Make the object files of some units, the largest first, those of one kind in one process if it can be.
 
     Parameters
     ----------
@@ -96,9 +95,7 @@ def compile_units(
     CompileError
         Of the first unit that does not compile; the others are done.
     """
-    waiting: queue.SimpleQueue[Unit] = queue.SimpleQueue()
-    for unit in sorted(units, key=lambda one: len(one.entries), reverse=True):
-        waiting.put(unit)
+    waiting = WaitingUnits(units)
     troubles: list[str] = []
     if len(units) <= ALONE:
         for unit in units:
@@ -110,7 +107,7 @@ def compile_units(
         "PYTHONPATH": os.pathsep.join(module_folders()),
     }
 
-    def work() -> None:
+    def work(number: int) -> None:
         if hasattr(
             signal, "pthread_sigmask"
         ):  # libraries such as gmsh let a write to a dead process end ours
@@ -126,11 +123,8 @@ def compile_units(
         )
         assert process.stdin is not None
         assert process.stdout is not None
-        with contextlib.suppress(
-            queue.Empty, OSError
-        ):  # a process that dies leaves its unit to the caller's own
-            while True:
-                unit = waiting.get_nowait()
+        with contextlib.suppress(OSError):  # a process that dies leaves its unit to the caller's own
+            while (unit := waiting.take(number)) is not None:
                 print(*unit.owner, sep="\t", file=process.stdin, flush=True)
                 kind, _, answer = process.stdout.readline().rstrip("\n").partition("\t")
                 if kind == DONE:
@@ -145,7 +139,7 @@ def compile_units(
         process.wait()
 
     count = min(len(units), processes or _processors())
-    threads = [threading.Thread(target=work, daemon=True) for _ in range(count)]
+    threads = [threading.Thread(target=work, args=(number,), daemon=True) for number in range(count)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -156,6 +150,31 @@ def compile_units(
     for unit in missing_units(units):  # of processes that died; an edited source is compiled where it is used
         if not edited_since_start(unit.modules):
             tell(unit.name, build_unit(unit))
+
+
+class WaitingUnits:
+    """Units that wait for a process.
+
+    What units of one kind call is much the same, and a process knows the types of what it has compiled. So it takes
+    next what belongs to a kind that it has begun; then the largest of a kind that nobody has begun; and before it has
+    nothing to do, the largest of another process.
+    """
+
+    def __init__(self, units: Iterable[Unit]) -> None:
+        self._left = sorted(units, key=lambda one: len(one.entries), reverse=True)
+        self._begun: dict[tuple[str, str], int] = {}
+        self._lock = threading.Lock()
+
+    def take(self, process: int) -> Unit | None:
+        """The next unit for a process, by its number; None if all are taken."""
+        with self._lock:
+            if not self._left:
+                return None
+            by = [self._begun.get(unit.owner[:2]) for unit in self._left]
+            place = by.index(process) if process in by else by.index(None) if None in by else 0
+            unit = self._left.pop(place)
+            self._begun.setdefault(unit.owner[:2], process)
+            return unit
 
 
 def _processors() -> int:
