@@ -133,10 +133,10 @@ def own_words(field: DescribedField, value: Any, coordinate: str = "") -> str:
     if isinstance(value[0], Section):
         parts = ("; ".join(thing_words(part, coordinate)) for part in value)
         return f"{name}: {', then '.join(parts)}" if len(value) <= _PARTS else f"{len(value)} {name}"
-    if field.mark(Shape) is not None and len(field.mark(Shape).lengths) > 1 and len(value) <= _PARTS:
-        return f"{name} {', '.join(numbers_words(row, unit) for row in value)}"
-    if field.mark(Shape) is None or None not in field.mark(Shape).lengths:
-        return f"{name} {numbers_words(value, unit)}"
+    shape = field.mark(Shape)
+    if shape is None or None not in shape.lengths:
+        rows = value if shape is not None and len(shape.lengths) > 1 else [value]
+        return f"{name} {', '.join(numbers_words(row, unit) for row in rows)}"
     return f"{len(value)} {name}: {_ranges(value, unit)}"
 
 
