@@ -23,14 +23,14 @@ from heavylift.solver.forces.tugger import Tugger
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.scene.bodies import Placed
 from heavylift.solver.scene.collisions import CollisionSurface
-from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
+from heavylift.solver.scene.connections import FORCES, GROUND, JOINTS, ROPES, JointFrame, RopePoint
 from heavylift.solver.scene.contacts import BoxShape, CircleShape, Contact, PointShape
 from heavylift.solver.scene.drawn import At, Mark, NodalShape, Strut
-from heavylift.solver.scene.moorings import LineSection
+from heavylift.solver.scene.moorings import MOORINGS, LineSection
 from heavylift.solver.scene.outlines import box
 from heavylift.solver.scene.scene import RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, Sea, Tank, Water
-from heavylift.solver.scene.transport import BogieGroup
+from heavylift.solver.scene.transport import TRANSPORT, BogieGroup
 from heavylift.solver.transport.decks import Deck
 from heavylift.solver.transport.transporters import Transporter
 from heavylift.solver.water.lines.fenders import Fender
@@ -232,6 +232,14 @@ def test_every_list_of_things_is_asked():
     assert (set(probed(Scene)) | set(probed(Sea))) - asked == {
         "collisions", "radiation", "pumps", "controllers", "fields", "loads",
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "family", [JOINTS, FORCES, ROPES, MOORINGS, TRANSPORT], ids=lambda family: family.package
+)
+def test_every_description_answers(family):
+    """No sort of thing is invisible because nobody asked what it looks like."""
+    assert [word for word in family.words if not hasattr(family.get(word), "drawn")] == []
 
 
 @pytest.mark.parametrize("name", sorted({*THINGS, *OF_BODIES}))
