@@ -65,8 +65,7 @@ def check_drawn_points(
 
 def assemble_rigid(name: str, body: RigidBodySection) -> tuple[s.RigidBody, NDArray[np.float64]]:
     """Rigid body of a case, and the origin of its frame in the coordinates of its geometry [m]."""
-    centre = np.array(body.centre_of_mass)
-    origin = centre if body.frame.origin == "centre_of_mass" else np.zeros(3)
+    origin = np.array(body.drawn_origin)
     given = {"name": name, "motion": motion_of(body.frame), **start_of_frame(body.initial, origin)}
     rigid = assemble(body, {name: Side(np.zeros(3), np.eye(3), origin)}, Path(), name, **given)
     return rigid, origin

@@ -92,8 +92,7 @@ def _open_deck(section: Any, origin: NDArray[np.float64]) -> float | None:
 
 def frame_origin(case: Case, name: str) -> NDArray[np.float64]:
     """Origin of the frame of a rigid body in the coordinates of its geometry [m]."""
-    body = case.bodies[name]
-    return np.array(body.centre_of_mass) if body.frame.origin == "centre_of_mass" else np.zeros(3)
+    return np.array(case.bodies[name].drawn_origin)
 
 
 def hull_surface(case: Case, name: str, folder: OutputFolder) -> TriangleSurface:

@@ -166,7 +166,7 @@ def case_loading(case: Case, name: str, folder: OutputFolder) -> Loading:
     loads, unknown = _carried(loads, group, joints, bearings)
     hanging = case.hulls[name].hanging if name in case.hulls else None
     if hanging is not None:
-        origin = np.array(section.centre_of_mass) if section.frame.origin == "centre_of_mass" else np.zeros(3)
+        origin = np.array(section.drawn_origin)
         place = hull.position + rotation_matrix(hull.orientation) @ (np.array(hanging.point) - origin)
         loads.append(_Load("what hangs on ropes", hanging.mass, place))
     return _sum(hull, loads, beyond, shared_with_hulls(case, name), unknown)

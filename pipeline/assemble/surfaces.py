@@ -207,7 +207,7 @@ def magnitude_warnings(case: Case, surfaces: dict[str, StoredSurface]) -> list[s
     found: dict[str, None] = {}
     for section in case.surfaces:
         body = case.bodies.get(section.body)
-        if section.name in surfaces and body is not None and not body.BODY.DEFORMS:
+        if section.name in surfaces and body is not None and body.has_inertia:
             inertia = np.asarray(body.inertia, dtype=np.float64)
             moments = inertia if inertia.ndim == 1 else np.diagonal(inertia)
             gyration = math.sqrt(max(float(moments.max()), 0.0) / body.mass)

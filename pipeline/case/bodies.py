@@ -139,6 +139,19 @@ class BodySection(Section):
         frame = getattr(self, "frame", None)
         return frame is None or bool(frame.motion == "free")
 
+    @property
+    def drawn_origin(self) -> tuple[float, float, float]:
+        """Origin of the frame in the coordinates of the geometry [m], of a body that is given in numbers."""
+        frame = getattr(self, "frame", None)
+        if frame is None or frame.origin == "geometry":
+            return 0.0, 0.0, 0.0
+        return tuple(getattr(self, "centre_of_mass", (0.0, 0.0, 0.0)))
+
+    @property
+    def has_inertia(self) -> bool:
+        """Whether its mass and inertia are keys of it."""
+        return {"mass", "inertia"} <= set(type(self).model_fields)
+
 
 class FlexibleBodySection(BodySection):
     """A body with a finite-element model that deforms."""

@@ -123,7 +123,7 @@ def effective_mass(
         body = case.bodies.get(name)
         if body is None:
             continue
-        if body.BODY.DEFORMS:
+        if not body.has_inertia:
             return None
         if body.frame.motion != "free":
             continue

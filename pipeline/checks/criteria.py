@@ -132,8 +132,7 @@ class RecordedRun(Run):
         if section.BODY.DEFORMS:
             sensor = sensor_at(self.case, body, point)
             return np.asarray(self.results[f"{sensor}.position"][self.inside])
-        if section.frame.origin == "centre_of_mass":
-            given = given - np.array(section.centre_of_mass)
+        given = given - np.array(section.drawn_origin)
         position = self.results[f"{body}.position"][self.inside]
         return np.asarray(position + self.rotations(body).apply(given))
 

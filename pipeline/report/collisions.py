@@ -609,8 +609,7 @@ def _pose(
     if body.BODY.DEFORMS or any(channel not in results for channel in channels):
         return None
     position, R = results[channels[0]][record], rotation_matrix(results[channels[1]][record])
-    if body.frame.origin == "centre_of_mass":
-        position = position - R @ np.array(body.centre_of_mass)
+    position = position - R @ np.array(body.drawn_origin)
     return position, R
 
 

@@ -81,7 +81,7 @@ def integration_words(settings: SimulateSection) -> str:
 
 def rigid_sections(case: Case) -> list[Section]:
     """Sections on the rigid bodies of a case: one each, or one table of many."""
-    rigid = {name: body for name, body in case.bodies.items() if not body.BODY.DEFORMS}
+    rigid = {name: body for name, body in case.bodies.items() if body.has_inertia}
     if len(rigid) <= _SECTIONS:
         return [
             Section(f"Rigid body {name}", (Facts(tuple(body_input_rows(body))),))
@@ -103,21 +103,21 @@ def rigid_sections(case: Case) -> list[Section]:
 
 
 def described_sections(case: Case) -> list[Section]:
-    """Sections on the bodies that are given in numbers and deform, one each: what their keys say."""
+    """Sections on the other bodies that are given in numbers, one each: what their keys say."""
     return [
         Section(
             f"{body.BODY.NOUN.capitalize()} {name}",
             (Facts((("given", "; ".join(thing_words(body))), *initial_rows(body.initial))),),
         )
         for name, body in case.bodies.items()
-        if body.BODY.DEFORMS and hasattr(body, "DESCRIBED")
+        if not body.has_inertia and hasattr(body, "DESCRIBED")
     ]
 
 
 def body_input_rows(body: Any) -> list[tuple[str, str]]:
     """Mass and inertia of a rigid body; motion of the frame and initial state of any body."""
     rows: list[tuple[str, str]] = []
-    if not body.BODY.DEFORMS:
+    if body.has_inertia:
         rows += [
             ("mass", f"{body.mass:.8g} kg"),
             ("centre of mass", numbers_words(body.centre_of_mass, "m")),

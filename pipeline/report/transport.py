@@ -63,8 +63,8 @@ def _stands(
     points = np.vstack([np.asarray(group.bogies, dtype=np.float64) for group in transporter.groups])
     if body.BODY.MODAL:
         points = points - np.array(json.loads(read_header(stages.reduced(transporter.body))["frame_origin"]))
-    elif getattr(body.frame, "origin", "") == "centre_of_mass":
-        points = points - np.asarray(body.centre_of_mass, dtype=np.float64)
+    else:
+        points = points - np.array(body.drawn_origin)
     position = results[f"{transporter.body}.position"]
     turn = Rotation.from_quat(results[f"{transporter.body}.orientation"][:, [1, 2, 3, 0]])
     way = (position + turn.apply(points.mean(axis=0)))[:, :2]

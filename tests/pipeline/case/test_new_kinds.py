@@ -1,4 +1,4 @@
-"""A force, a rope and a load of the wind that are one new file each: nothing that exists is edited."""
+"""A force, a rope, a load of the wind and a body that are one new file each: nothing that exists is edited."""
 
 from __future__ import annotations
 
@@ -186,8 +186,62 @@ LOAD = '''
                 ),
             )
 '''
+BODY = '''
+    """Solid balls: rigid bodies by density and radius."""
+
+    from __future__ import annotations
+
+    from dataclasses import dataclass
+    from typing import Annotated, ClassVar
+
+    import numpy as np
+
+    from heavylift.numerics.quantity import Positive
+    from heavylift.solver.scene.bodies import BODIES, Placed, RigidBody
+
+
+    @BODIES.describe("solid_ball")
+    @dataclass(frozen=True, eq=False, kw_only=True)
+    class SolidBall(Placed):
+        """A ball of one material."""
+
+        KIND_MODULE: ClassVar = RigidBody.KIND_MODULE
+        ORDER: ClassVar = RigidBody.ORDER
+        NOUN: ClassVar = "ball"
+        CHANNELS: ClassVar = RigidBody.CHANNELS
+        DEFORMS: ClassVar = False
+
+        name: str
+        density: Annotated[float, Positive("density")]
+        """Of its material."""
+        radius: Annotated[float, Positive("length")]
+        """Of its surface."""
+
+        centre_of_mass = np.zeros(3)
+        holder = RigidBody.holder
+        inverse_masses = RigidBody.inverse_masses
+        inverse_scales = RigidBody.inverse_scales
+        mass_properties = RigidBody.mass_properties
+
+        @property
+        def mass(self):
+            """[kg]."""
+            return self.density * 4.0 / 3.0 * np.pi * self.radius**3
+
+        @property
+        def inertia(self):
+            """About its centre [kg m2]."""
+            return 0.4 * self.mass * self.radius**2 * np.eye(3)
+'''
 CASE = """
-title = "Magnets, a nylon rope and a pipe in the wind"
+title = "Magnets, a nylon rope, a pipe in the wind and a ball"
+
+[bodies.shot]
+type = "solid_ball"
+density = "7850 kg/m^3"
+radius = "50 mm"
+frame = { motion = "free" }
+initial = { position = [40.0, 0.0, 10.0], velocity = [3.0, 0.0, 0.0] }
 
 [bodies.load]
 type = "rigid"
@@ -236,11 +290,13 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import heavylift.solver.bodies
 import heavylift.solver.forces
 import heavylift.solver.force_elements
 import heavylift.solver.water.wind
 
 folder = Path(sys.argv[1])
+heavylift.solver.bodies.__path__.append(str(folder / "bodies"))
 heavylift.solver.forces.__path__.append(str(folder / "forces"))
 heavylift.solver.force_elements.__path__.append(str(folder / "laws"))
 heavylift.solver.water.wind.__path__.append(str(folder / "wind"))
@@ -252,6 +308,7 @@ case = load_case(folder / "case")
 assert not {"numba", "scipy"} & set(sys.modules)
 assert case.forces[0].strength == 1600.0
 for wrong, message in (
+    ("bodies.shot.radius=2 kg", "bodies.shot.radius: '2 kg' is a mass; expected a length [m]"),
     ("forces.0.strength=2 m", "forces.0.strength: '2 m' is a length; expected a force [N]"),
     ("ropes.0.breaking_strain=0.01", "ropes.0.breaking_strain: as stiff as steel; expected 0.05 or more"),
     ("fluid_loads.0.fluid=gale", "fluid_loads.0.fluid: wind or current 'gale' does not exist"),
@@ -300,20 +357,24 @@ assert row[column["hawser.length"]] > 0.0
 drag = 0.5 * 1.225 * 0.7 * 5.0 * 10.0**2
 assert abs(row[column["windage.force"]] - drag) < 1e-2 * drag
 assert abs(row[column["pipe.velocity"]] * 100.0 / 1e-3 - drag) < 1e-2 * drag
+momentum = 7850.0 * 4.0 / 3.0 * 3.141592653589793 * 0.05**3 * 3.0 + row[column["pipe.velocity"]] * 100.0
+assert abs(row[column["momentum.linear"]] - momentum) < 1e-9 * momentum
 print("all")
 """
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_new_force_rope_and_load_are_one_new_file_each(tmp_path: Path) -> None:
+def test_a_new_force_rope_load_and_body_are_one_new_file_each(tmp_path: Path) -> None:
     for name, text in (
         ("forces/dipoles.py", FORCE),
         ("laws/nylon.py", ROPE),
         ("wind/pipe.py", LOAD),
+        ("bodies/solid_ball/__init__.py", ""),
+        ("bodies/solid_ball/solid_ball.py", BODY),
         ("case/case.toml", CASE),
     ):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
         (tmp_path / name).write_text(textwrap.dedent(text))
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, str(tmp_path)], capture_output=True, text=True, check=False
