@@ -97,10 +97,10 @@ def stop_message(layout: Layout, when: str) -> str:
 def _parted(layout: Layout, block: int) -> tuple[str, str, str]:
     """What a law is called whose positions have left the elongation that it carries, how far, and what may help."""
     for kind in layout.joints:
-        told = ("lines", "line") if "lines" in kind._fields else ("table", "state")
-        if told[0] not in kind._fields or "largest_drift" not in (getattr(kind, told[0]).dtype.names or ()):
+        uses = ("lines", "line") if "lines" in kind._fields else ("table", "state")
+        if uses[0] not in kind._fields or "largest_drift" not in (getattr(kind, uses[0]).dtype.names or ()):
             continue
-        entries, states = (getattr(kind, field) for field in told)
+        entries, states = (getattr(kind, field) for field in uses)
         for entry, state in zip(entries, states, strict=True):
             if entry["block"] == block:
                 if "overlap" in (states.dtype.names or ()) and not state["overlap"] > 0.0:
@@ -288,14 +288,14 @@ def drive_warning(layout: Layout) -> str:
             parts += _tyres_at_their_limit(layout, kind)
             continue
         for path, state in zip(kind.table, kind.state, strict=True):
-            told = (
+            uses = (
                 (state.most_traction, "times the friction that a driven bogie has: its wheels would slip"),
                 (state.most_power, "times the force of its drives at their speed"),
                 (state.most_brake, "times the force of its brakes at rest"),
             )
             words = [
                 f"up to {most.value:.3g} {what} (at t = {most.time:.6g} s)"
-                for most, what in told
+                for most, what in uses
                 if most.value > BEYOND
             ]
             if words:

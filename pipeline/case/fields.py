@@ -200,9 +200,9 @@ def _unreserved(name: str, info: ValidationInfo) -> str:
         reject(f"{name!r} is the name of {what}", "another name")
     if context and context.names.names[name] > 1 and name in context.names.fluids:
         unnamed = name in {"wind", "current"}
-        told = ", which is called so unless it has a 'name' of its own" if unnamed else ""
+        explained = ", which is called so unless it has a 'name' of its own" if unnamed else ""
         reject(
-            f"{name!r} is the name of a wind or current of the sea{told}",
+            f"{name!r} is the name of a wind or current of the sea{explained}",
             f"another name, or a 'name' in [sea.{name}]" if unnamed else "another name",
             kind="repeated",
         )

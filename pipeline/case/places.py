@@ -42,8 +42,8 @@ def in_case(case: Case) -> Iterator[None]:
             raise
         known = places(case)
         parts = error.errors if isinstance(error, InputErrors) else [error]
-        told = [_placed(part, known, case) for part in parts]
-        raise told[0] if len(told) == 1 else InputErrors(told) from None
+        placed = [_placed(part, known, case) for part in parts]
+        raise placed[0] if len(placed) == 1 else InputErrors(placed) from None
 
 
 def _placed(error: InputError, known: dict[str, str], case: Case) -> InputError:

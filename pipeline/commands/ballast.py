@@ -342,13 +342,13 @@ def _lines(document: dict[str, Any]) -> list[str]:
             f"  {row['shear']['value'] * 1e-6:9.3f}  {row['sagging']['value'] * 1e-6:9.2f}"
             f"  {row['hogging']['value'] * 1e-6:9.2f}"
         )
-    told = [
+    too_small = [
         f"  {row['stage']}: {name} needs {abs(row['rates'][name]) / TON_PER_HOUR:.0f} t/h, its pumps give"
         f" {flow / TON_PER_HOUR:.0f} t/h"
         for row in document["stages"]
         for name, flow in row["short"].items()
     ]
-    lines += ["", *told] if told else []
+    lines += ["", *too_small] if too_small else []
     if document["left_out"]:
         lines += ["", f"  not counted: {', '.join(document['left_out'])}"]
     return lines

@@ -229,8 +229,8 @@ def _dynamics(
         gravity=water.gravity,
         folder=folder / "moordyn",
     )
-    told = whole.times >= after - 1e-9
-    if np.count_nonzero(told) < 2:
+    window = whole.times >= after - 1e-9
+    if np.count_nonzero(window) < 2:
         raise InputError(
             f"no records between {after:g} and {last:g} s",
             source=results.source,
@@ -239,11 +239,11 @@ def _dynamics(
         )
     return replace(
         whole,
-        times=whole.times[told],
-        tension=whole.tension[told],
-        anchor_tension=whole.anchor_tension[told],
-        force=whole.force[told],
-        quasi_static=whole.quasi_static[told],
+        times=whole.times[window],
+        tension=whole.tension[window],
+        anchor_tension=whole.anchor_tension[window],
+        force=whole.force[window],
+        quasi_static=whole.quasi_static[window],
     )
 
 

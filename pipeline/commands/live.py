@@ -102,10 +102,10 @@ class LiveRun:
                 notes = [self._problem] if self._problem and not self.running else []
                 return page_content(self.case, None, None, verdict=verdict, notes=notes, **live)
             if self.running:
-                told = JudgedRun(Verdict("Running: checks and criteria follow at the end.", passed=None))
+                judgement = JudgedRun(Verdict("Running: checks and criteria follow at the end.", passed=None))
             else:
-                told = judged_run(self.case, self.folder, self._results, self._problem)
-            return interactive_content(self.case, self.folder, self._results, told, **live)
+                judgement = judged_run(self.case, self.folder, self._results, self._problem)
+            return interactive_content(self.case, self.folder, self._results, judgement, **live)
 
     def stop(self) -> None:
         """Ask the child to stop at its next step; what it has done is kept."""

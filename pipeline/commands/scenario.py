@@ -71,15 +71,15 @@ def scenario_command(
     phases = plan(scenario, starts, routes_of(scene, operation))
     check_plan(case, phases, starts)
     check_hooks(case, scene)
-    told = {name: starts[name] for row in phases for name in row[0].values}
+    commanded = {name: starts[name] for row in phases for name in row[0].values}
     lines = [
         line for spec, row in zip(scenario.rows, phases, strict=True) for line in _table(spec, row, starts)
     ]
-    lines += [_summary(case, name, phases, starts) for name in told]
+    lines += [_summary(case, name, phases, starts) for name in commanded]
     released = [one.name for one in scenario.commands if one.operation in (RELEASE, RELEASE_JOINT)]
     if released:
         lines.append(f"released: {', '.join(released)}")
-    return _document(phases, told), lines
+    return _document(phases, commanded), lines
 
 
 def send_command(path: Path, word: Command, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:

@@ -79,7 +79,7 @@ def interactive_content(
     case: Case,
     stages: OutputFolder,
     results: Results,
-    told: JudgedRun,
+    judgement: JudgedRun,
     *,
     live: str = "",
     version_of_data: int = 0,
@@ -90,22 +90,22 @@ def interactive_content(
     ----------
     case, stages, results
         The case, its output folder and its time histories.
-    told
+    judgement
         Its caption.
     live, version_of_data
         As of `page_content`.
     """
     drawn, problem = recorded_scene(case, stages, results)
-    rows = [_criterion(case, results, one) for one in told.criteria]
-    rows += [_open(name, reason) for name, reason in told.open_criteria.items()]
-    rows += [_check(case, results, one) for one in told.checks]
-    rows += [_open(name, reason) for name, reason in told.open_checks.items()]
-    notes = [*told.warnings, *([problem] if problem else [])]
+    rows = [_criterion(case, results, one) for one in judgement.criteria]
+    rows += [_open(name, reason) for name, reason in judgement.open_criteria.items()]
+    rows += [_check(case, results, one) for one in judgement.checks]
+    rows += [_open(name, reason) for name, reason in judgement.open_checks.items()]
+    notes = [*judgement.warnings, *([problem] if problem else [])]
     return page_content(
         case,
         drawn,
         results,
-        verdict=(told.verdict.text, told.verdict.passed),
+        verdict=(judgement.verdict.text, judgement.verdict.passed),
         judged=rows,
         phases=phase_bands(results),
         events=_events(results, rows),

@@ -119,11 +119,11 @@ def write_report(
     finally:
         if renderer is not None:
             renderer.close()
-    told = judged_run(case, stages, results, problem)
+    judgement = judged_run(case, stages, results, problem)
     if tell is not None:
-        tell(told)
-    judged, open_criteria, verdict = told.criteria, told.open_criteria, told.verdict
-    warnings = [Text(text, warning=True) for text in (*told.warnings, remedy) if text]
+        tell(judgement)
+    judged, open_criteria, verdict = judgement.criteria, judgement.open_criteria, judgement.verdict
+    warnings = [Text(text, warning=True) for text in (*judgement.warnings, remedy) if text]
     document = Document(
         title=case.title,
         subtitle=f"case {case.name} · heavylift {version('heavylift')}",
@@ -131,7 +131,7 @@ def write_report(
             Section("", (verdict, *warnings)),
             *criteria_section(case, out, results, judged, open_criteria, album),
             *lift_section(case, results, album),
-            *([_check_section(told.checks, told.open_checks)] if case.check else []),
+            *([_check_section(judgement.checks, judgement.open_checks)] if case.check else []),
             *stills,
             input_section(case),
             *run_section(case, stages, results),
@@ -151,7 +151,7 @@ def write_report(
     interactive = ("", "")
     if results is not None and len(results.time):
         try:
-            content = interactive_content(case, stages, results, told)
+            content = interactive_content(case, stages, results, judgement)
             interactive = page_parts(content.header, content.block)
         except LibraryMissingError as error:
             missing = Text(f"No interactive scene: {error}", warning=True)
@@ -189,14 +189,16 @@ def judged_run(case: Case, stages: OutputFolder, results: Results | None, proble
     checks, judged = list(found.checks), list(found.criteria)
     open_checks = {name: briefly(error) for name, error in found.open_checks.items()}
     open_criteria = {name: briefly(error) for name, error in found.open_criteria.items()}
-    told = str(results.metadata.get("warning", "")) if results is not None else ""
+    judgement = str(results.metadata.get("warning", "")) if results is not None else ""
     outcome, message = run_ending(stages, results) if case.simulate is not None else (None, "")
     failed = tuple(dict.fromkeys(f"criterion {one.name}" for one in judged if not one.passed))
     verdict = _stopped(outcome, message, checks, failed) or _verdict(
         case, checks, open_checks, simulated=results is not None, judged=judged, open_criteria=open_criteria
     )
     hanging = [] if results is None else hanging_warnings(case, results)
-    warnings = tuple(f"{text}." if text != problem else text for text in (problem, told, *hanging) if text)
+    warnings = tuple(
+        f"{text}." if text != problem else text for text in (problem, judgement, *hanging) if text
+    )
     return JudgedRun(verdict, checks, open_checks, judged, open_criteria, warnings)
 
 

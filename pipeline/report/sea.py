@@ -169,12 +169,12 @@ def _databases(case: Case, stages: OutputFolder) -> list[Table | Text]:
     repaired: list[Text] = []
     for name, section in case.databases.items():
         about = items.get(name, {}).get("properties")
-        told = read_json(stages.refused_database(name).with_suffix(".json")) or {}
-        if told.get("digest") == database_digest(case, section):
+        refusal = read_json(stages.refused_database(name).with_suffix(".json")) or {}
+        if refusal.get("digest") == database_digest(case, section):
             about = None
-            problems = "; ".join(told["problems"])
+            problems = "; ".join(refusal["problems"])
             refused.append(Text(f"{name} was computed and is refused: {problems}.", warning=True))
-            refused += [Text(f"What to set: {told['remedy']}.")] if told["remedy"] else []
+            refused += [Text(f"What to set: {refusal['remedy']}.")] if refusal["remedy"] else []
         if not about:
             rows.append((name, ", ".join(section.hulls), section.file or "computed", *[_NONE] * 4))
             continue
@@ -223,14 +223,14 @@ def _tanks(case: Case) -> list[Table]:
 
 def _pumps(case: Case) -> list[Table]:
     """Pumps, and what commands them."""
-    told = {pump: one.name for one in case.controllers for pump in one.pumps}
+    refusal = {pump: one.name for one in case.controllers for pump in one.pumps}
     rows = [
         (
             pump.name,
             f"{pump.source} {'to and from' if pump.reversible else 'to'} {pump.target}",
             f"{pump.rate:g}",
             f"{pump.lag:g}",
-            f"{'a plan; ' * bool(len(pump.times))}{told.get(pump.name, '')}".rstrip("; "),
+            f"{'a plan; ' * bool(len(pump.times))}{refusal.get(pump.name, '')}".rstrip("; "),
         )
         for pump in case.pumps
     ]

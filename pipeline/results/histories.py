@@ -222,7 +222,7 @@ def _read_segment(path: Path, index: int) -> Segment | None:
     try:
         header = json.loads(str(arrays.pop("header")))
         times, records = arrays.pop("times"), arrays.pop("records")
-        told = header.pop("number"), header["first_record"], header["digest"], header["channels"]
+        stated = header.pop("number"), header["first_record"], header["digest"], header["channels"]
     except (
         KeyError,
         ValueError,
@@ -232,7 +232,7 @@ def _read_segment(path: Path, index: int) -> Segment | None:
     ):  # no table, or not all that it says
         return None
     shaped = times.ndim == 1 and records.ndim == 2 and len(records) == len(times)
-    if told[0] != index or not shaped or {times.dtype.kind, records.dtype.kind} != {"f"}:
+    if stated[0] != index or not shaped or {times.dtype.kind, records.dtype.kind} != {"f"}:
         return None
     state = {key.removeprefix(STATE_PREFIX): value for key, value in arrays.items()}
     return Segment(index, header, times, records, state, checksum)

@@ -207,8 +207,8 @@ def _computed_before(work: Work, name: str, inputs: BemInputs) -> HydrodynamicDa
 
     refused = work.folder.refused_database(name)
     accepted = database_manifest(work.folder).get(name, {}).get("properties", {})
-    told = read_json(refused.with_suffix(".json")) or {}
-    for file, about in ((work.folder.database(name), accepted), (refused, told)):
+    refusal = read_json(refused.with_suffix(".json")) or {}
+    for file, about in ((work.folder.database(name), accepted), (refused, refusal)):
         digest = read_digest(file) if file.is_file() else ""
         if not digest:
             continue

@@ -25,8 +25,8 @@ def report_stage(work: Work) -> StageReport:
     digest = report_digest(work.case, work.folder)
     files = manifest.get("files", {})
     verdict = manifest.get("verdict")
-    told = isinstance(verdict, dict) and {"text", "passed"} <= verdict.keys()
-    if "report" not in work.force and manifest.get("digest") == digest and files and told:
+    complete = isinstance(verdict, dict) and {"text", "passed"} <= verdict.keys()
+    if "report" not in work.force and manifest.get("digest") == digest and files and complete:
         if all(unchanged(folder / name, entry) for name, entry in files.items()):
             work.log.say("report: unchanged, skipped")
             return StageReport(

@@ -734,9 +734,9 @@ def material_of(
         if {"young_modulus", "density"} <= of_file.keys():
             # the unit of mass drops out of E / rho
             ratio = given["young_modulus"] / given["density"]
-            told = of_file["young_modulus"] / of_file["density"] * length**2
-            if abs(ratio - told) > _AGREE * ratio:
-                _disagree("young_modulus / density", ratio, told, "m^2/s^2", found.name, source)
+            of_deck = of_file["young_modulus"] / of_file["density"] * length**2
+            if abs(ratio - of_deck) > _AGREE * ratio:
+                _disagree("young_modulus / density", ratio, of_deck, "m^2/s^2", found.name, source)
     of_file_si = {key: value * units[key] for key, value in of_file.items()}
     for key, unit in (("young_modulus", "Pa"), ("poisson_ratio", ""), ("density", "kg/m^3")):
         known = scale_known or key == "poisson_ratio"

@@ -257,10 +257,10 @@ def _check_haskind(database: HydrodynamicDatabase) -> None:
     for i in range(own.shape[1]):
         if not largest[i] > FELT * of_hull[i]:
             continue
-        told = np.isfinite(by_waves[:, i]) & (own[:, i] > RADIATING * own[:, i].max())
-        if told.sum() < COORDINATES_TOGETHER:
+        usable = np.isfinite(by_waves[:, i]) & (own[:, i] > RADIATING * own[:, i].max())
+        if usable.sum() < COORDINATES_TOGETHER:
             continue
-        ratio = float(np.median(by_waves[told, i] / own[told, i]))
+        ratio = float(np.median(by_waves[usable, i] / own[usable, i]))
         if not 1.0 / HASKIND <= ratio <= HASKIND:
             raise InputError(
                 f"of {coordinate_name(database, i)}: the waves that it would radiate by Haskind's relation take "
@@ -303,11 +303,11 @@ def check_long_waves(database: HydrodynamicDatabase) -> None:
         little = (
             inertia > ACCELERATION * plane > 0.0
         )  # weight and acceleration of the water leave little heave
-        for what, wrong, right, told in (
+        for what, wrong, right, usable in (
             ("heave", abs(heave.imag), abs(heave.real), not little),
             ("the force along the wave", abs(horizontal.real), abs(horizontal.imag), True),
         ):
-            if told and wrong > SLOPE * right:
+            if usable and wrong > SLOPE * right:
                 raise InputError(
                     f"in the longest wave, {2.0 * np.pi / k:.3g} m, {what}{of_hull} is "
                     f"{np.rad2deg(np.arctan2(wrong, right)):.0f} deg off the phase that a small hull has",

@@ -270,10 +270,10 @@ def wamit_database(
                     raise InputError(f"mode {i + 1}", source=source, expected=f"1 .. {n} for {count} bodies")
                 excitation[index, h, i] = value.conjugate() * force_scale[i]
     alone = [w for w in waves if not np.any(np.abs(omega - w) < SAME_FREQUENCY * w)]
-    told: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
     if alone:
         span = f"{min(alone):.4g} to {max(alone):.4g} rad/s"
-        told = (
+        remarks = (
             f"exciting forces at {len(alone)} frequencies without radiation ({span}) left out: is it cut?",
         )
     infinite = np.full((n, n), np.nan)
@@ -295,7 +295,7 @@ def wamit_database(
         depth=depth,
         source=source,
         symmetric=symmetric,
-        repairs=told,
+        repairs=remarks,
     )
 
 
@@ -682,10 +682,10 @@ def read_wamit_out(
     ]
     begun = sum(bool(_BEGUN.match(line)) for line in lines)
     there = len(rows.added_mass)
-    told = (f"the listing begins with {begun} periods and has {there} of them",) if there < begun else ()
+    remarks = (f"the listing begins with {begun} periods and has {there} of them",) if there < begun else ()
     database = replace(
         database,
-        repairs=(*database.repairs, *told),
+        repairs=(*database.repairs, *remarks),
         volumes=np.array([body.volume for body in listed]),
         centres_of_buoyancy=np.array([body.centre_of_buoyancy for body in listed]) + references,
         hydrostatic_stiffness=np.array(stiffness),

@@ -97,14 +97,14 @@ def _along(
     count = np.diff(np.append(first, len(line)))
     winding = np.cumsum(way)
     winding -= np.repeat(winding[first] - way[first], count)
-    told = np.repeat(total == 0, count)[:-1] & (line[1:] == line[:-1])
+    covered = np.repeat(total == 0, count)[:-1] & (line[1:] == line[:-1])
     start, end = height[:-1], height[1:]
     if axis == 2:
         start, end = np.minimum(start, below), np.minimum(end, below)
     else:
         row = line[:-1] // LINES if u == 2 else line[:-1] % LINES
-        told &= shift[0 if u == 2 else 1] + row * size[2] < below
-    length = np.where(told, (end - start) * np.maximum(winding[:-1] - 1, 0), 0.0)
+        covered &= shift[0 if u == 2 else 1] + row * size[2] < below
+    length = np.where(covered, (end - start) * np.maximum(winding[:-1] - 1, 0), 0.0)
     whole = float(length.sum())
     seen = line[:-1][length > 0.0]
     if min(len(np.unique(seen // LINES)), len(np.unique(seen % LINES))) < FEWEST:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from heavylift.contours.splines.convex import BOX, CAPSULE, CYLINDER, ELLIPSOID, RING, Primitive, shape_row
 from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Records, lane_records, records
-from heavylift.solver.contact import layout as told
+from heavylift.solver.contact import layout
 from heavylift.solver.contact.checks import check_contact
 from heavylift.solver.contact.contour_packing import PackedContours, pack_contours
 from heavylift.solver.contact.kind import (
@@ -248,10 +248,10 @@ def _kind(
     bodies = len({side.dof for side in sides if side.width} | set(collided.contours["dof"]) - {-1})
     size = 6 * bodies if rigid_only else 0
     delassus, rates = np.zeros((3 * own, 3 * own)), np.zeros((3, 3 * count))
-    dense = told.Problem(
-        counts=told.ProblemSize.one(),
-        kinds=records(told.RowKind, count),
-        parameters=records(told.RowParameters, count),
+    dense = layout.Problem(
+        counts=layout.ProblemSize.one(),
+        kinds=records(layout.RowKind, count),
+        parameters=records(layout.RowParameters, count),
         ends=np.zeros((0, 4), dtype=np.int64),
         blocks=np.zeros((0, 36)),
         start=rates[0],
@@ -259,7 +259,7 @@ def _kind(
         p=rates[1],
         y=rates[2],
         work=make_work(count, max(3 * own, size)),
-        solution=told.Solution.one(),
+        solution=layout.Solution.one(),
     )
     reduced = _reduced(dense, count if rigid_only else 0, size, len(inverse_mass) if rigid_only else 0)
     reduced.units[factored] = 2 * (count + np.arange(len(factored)))
@@ -314,10 +314,10 @@ def _joined(first: Records[ContourPose], second: Records[ContourPose]) -> Record
     return both
 
 
-def _reduced(dense: told.Problem, contact_count: int, size: int, velocity_count: int) -> Reduced:
+def _reduced(dense: layout.Problem, contact_count: int, size: int, velocity_count: int) -> Reduced:
     """Room for some contacts on some velocities of bodies; none of either where contacts are not solved so."""
     problem = dense._replace(
-        counts=told.ProblemSize.one(),
+        counts=layout.ProblemSize.one(),
         ends=np.zeros((contact_count, 4), dtype=np.int64),
         blocks=np.zeros((contact_count, 36)),
         start=np.zeros(size),

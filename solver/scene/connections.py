@@ -703,13 +703,13 @@ class Winch:
         if spec.follow is not None:
             raise InputError("both 'follow' and 'fastest'", key="fastest", expected="one of them")
         if spec.speed is not None:
-            told, key = spec.speed, "speed"
+            asked, key = spec.speed, "speed"
         else:
             key = "lengths" if len(spec.lengths) else "speeds"
-            told = float(np.abs(_told_speeds(spec)[1]).max()) if len(spec.times) else 0.0
-        if told > spec.fastest * (1.0 + 1e-12):
+            asked = float(np.abs(_told_speeds(spec)[1]).max()) if len(spec.times) else 0.0
+        if asked > spec.fastest * (1.0 + 1e-12):
             raise InputError(
-                f"{told:g} m/s, above the largest speed of the winch, {spec.fastest:g} m/s",
+                f"{asked:g} m/s, above the largest speed of the winch, {spec.fastest:g} m/s",
                 key=key,
                 expected=f"at most {spec.fastest:g} m/s",
             )

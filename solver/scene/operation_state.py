@@ -78,9 +78,10 @@ def helpers_of(
     pumps, controllers, transporters
         Of a scene or a case.
     """
-    told = {name for one in controllers for name in one.pumps}
+    controlled = {name for one in controllers for name in one.pumps}
     found = {
-        pump.name: "" if pump.name in told else "follows its own plan, without a controller" for pump in pumps
+        pump.name: "" if pump.name in controlled else "follows its own plan, without a controller"
+        for pump in pumps
     }
     return found | {one.name: "" for one in transporters if one.levelling is not None}
 

@@ -133,9 +133,9 @@ def levelling_growth(stand: SupportStatics, bogies: LevelledBogies, slower: floa
     both[:size, :size] = A
     both[size - groups : size, size:] = np.eye(groups)
     step = expm(bogies.period * both)
-    told = np.zeros((groups, size))
-    told[:, 1], told[:, 2] = -bogies.rate / slower * bogies.aside, bogies.rate / slower * bogies.ahead
-    values = np.linalg.eigvals(step[:size, :size] + step[:size, size:] @ told)
+    feedback = np.zeros((groups, size))
+    feedback[:, 1], feedback[:, 2] = -bogies.rate / slower * bogies.aside, bogies.rate / slower * bogies.ahead
+    values = np.linalg.eigvals(step[:size, :size] + step[:size, size:] @ feedback)
     grown = np.log(np.abs(values[np.abs(values) > 0.0])) / bogies.period
     turned = np.abs(np.angle(values[np.abs(values) > 0.0])) / bogies.period
     worst = int(np.argmax(grown))

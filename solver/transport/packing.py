@@ -439,11 +439,13 @@ def _mass_of(body: Body, places: Places) -> tuple[float, NDArray[np.float64], ND
 def _start_loads(party: Sequence[Places], gravity: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     """Forces of a bogie of each group of transporters that carry one thing [N]; refuses what does not stand."""
     counts = [len(places.transporter.groups) for places in party]
-    told = np.array([group.load for places in party for group in places.transporter.groups], dtype=np.float64)
+    given_loads = np.array(
+        [group.load for places in party for group in places.transporter.groups], dtype=np.float64
+    )
     parts = np.cumsum(counts)[:-1]
     name, accepted = party[0].transporter.name, all(places.transporter.accept_unstable for places in party)
-    if np.all(np.isfinite(told)) and accepted:
-        return np.split(told, parts)
+    if np.all(np.isfinite(given_loads)) and accepted:
+        return np.split(given_loads, parts)
     down = float(-gravity[2])
     if not down > 0.0 or float(np.abs(gravity[:2]).max()) > 1e-9 * down:
         raise InputError(
@@ -453,28 +455,28 @@ def _start_loads(party: Sequence[Places], gravity: NDArray[np.float64]) -> list[
             expected="gravity along -z: a transporter stands by its weight",
         )
     stand = _stand(party, down)
-    if not np.all(np.isfinite(told)):
-        if np.any(np.isfinite(told)):
+    if not np.all(np.isfinite(given_loads)):
+        if np.any(np.isfinite(given_loads)):
             named = [group.name for places in party for group in places.transporter.groups]
             raise InputError(
-                f"group {named[int(np.argmin(np.isfinite(told)))]!r} has none",
+                f"group {named[int(np.argmin(np.isfinite(given_loads)))]!r} has none",
                 source=name,
                 key="load",
                 expected="a 'load' of all, or none",
             )
-        told = even_loads(stand)
-    elif told @ stand.counts > FAR_TOO_MUCH * stand.weight:
+        given_loads = even_loads(stand)
+    elif given_loads @ stand.counts > FAR_TOO_MUCH * stand.weight:
         raise InputError(
-            f"groups push with {told @ stand.counts:.6g} N in all on a weight of {stand.weight:.6g} N",
+            f"groups push with {given_loads @ stand.counts:.6g} N in all on a weight of {stand.weight:.6g} N",
             source=name,
             key="load",
             expected="the force of a single bogie of the group, or none: then they carry the weight",
         )
     if not accepted:
-        refuse_unstable(_on_tyres(stand, party, told))
+        refuse_unstable(_on_tyres(stand, party, given_loads))
         if any(places.transporter.levelling is not None for places in party):
-            refuse_growing_levelling(stand, _levelled(stand, party, told))
-    return np.split(told, parts)
+            refuse_growing_levelling(stand, _levelled(stand, party, given_loads))
+    return np.split(given_loads, parts)
 
 
 def _oil_stiffness(party: Sequence[Places], loads: NDArray[np.float64]) -> NDArray[np.float64]:

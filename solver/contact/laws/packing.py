@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from heavylift.solver.contact import layout as told
+from heavylift.solver.contact import layout
 from heavylift.solver.contact.kind import ContactValues
 from heavylift.solver.scene.contacts import ContactLaw, HertzLaw, HuntCrossleyLaw, LinearLaw, RigidLaw
 
@@ -12,9 +12,9 @@ __all__ = ["force_law", "put_law"]
 def force_law(law: ContactLaw) -> int:
     """Number of a compliant law for the solver."""
     kinds: dict[type, int] = {
-        LinearLaw: told.LINEAR,
-        HertzLaw: told.HERTZ,
-        HuntCrossleyLaw: told.HUNT_CROSSLEY,
+        LinearLaw: layout.LINEAR,
+        HertzLaw: layout.HERTZ,
+        HuntCrossleyLaw: layout.HUNT_CROSSLEY,
     }
     return kinds[type(law)]
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact import layout as told
+from heavylift.solver.contact import layout
 from heavylift.solver.contact.counts import contact_count, owner_of
 from heavylift.solver.contact.kind import BILATERAL, COMPLIANT, CURVE, RIGID, TRIANGLES, ContactRows
 from heavylift.solver.contact.laws.normal_force import normal_force, stored_energy
@@ -190,13 +190,13 @@ def _tell_end(contacts: ContactRows, j: int, smooth: bool, work: Workspace) -> N
         law.offset[r] = 2.0 * half_impulse[r] if smooth or state.new else 0.0
     kind = contacts.table[c].law
     if kind == COMPLIANT:
-        contacts.kinds[j].kind = told.NORMAL_GIVEN
+        contacts.kinds[j].kind = layout.NORMAL_GIVEN
     elif kind == BILATERAL:
-        contacts.kinds[j].kind = told.BILATERAL
+        contacts.kinds[j].kind = layout.BILATERAL
     elif kind == CURVE:
-        contacts.kinds[j].kind = told.CURVE
+        contacts.kinds[j].kind = layout.CURVE
     else:
-        contacts.kinds[j].kind = told.UNILATERAL
+        contacts.kinds[j].kind = layout.UNILATERAL
         if state.new:
             rate = state.rate if state.present else contact_rates(contacts, c, work.velocity)[0]
             # what is still inside from an impact before comes to rest, or it would hit again in every step
@@ -404,7 +404,7 @@ def _keep_in_cone(contacts: ContactRows, c: int, reaction: NDArray[np.float64], 
 @kernel(inline=True, internal=True)
 def _damping(contacts: ContactRows, c: int) -> float:
     """Of the force law at this touch."""
-    if contacts.table[c].force_law == told.HUNT_CROSSLEY:
+    if contacts.table[c].force_law == layout.HUNT_CROSSLEY:
         return max(contacts.state[c].touch_damping, 0.0)
     return contacts.values[c].damping
 

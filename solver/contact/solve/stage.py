@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from heavylift.numerics.jit import kernel
-from heavylift.solver.contact import layout as told
+from heavylift.solver.contact import layout
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import pose_contours, settle_points
 from heavylift.solver.contact.kind import (
@@ -358,10 +358,10 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
     gap = state.gap
     if kind == COMPLIANT:
         _tell_slip(contacts, j, step)
-        contacts.kinds[j].kind, contacts.kinds[j].law = told.COMPLIANT, contacts.table[c].force_law
+        contacts.kinds[j].kind, contacts.kinds[j].law = layout.COMPLIANT, contacts.table[c].force_law
         law.stiffness, law.exponent = values.stiffness, values.exponent
         law.damping, law.depth, law.step = values.damping, -gap, step
-        if contacts.table[c].force_law == told.HUNT_CROSSLEY:
+        if contacts.table[c].force_law == layout.HUNT_CROSSLEY:
             approach = -contact_rates(contacts, c, work.velocity)[0]
             if state.touch_damping < 0.0 and approach > 0.0:
                 law.damping = hunt_crossley_damping(values.restitution, approach)
@@ -371,15 +371,15 @@ def _tell(contacts: ContactRows, j: int, step: float, work: Workspace) -> None:
                 law.damping = max(state.touch_damping, 0.0)
         return
     if kind == CURVE:
-        contacts.kinds[j].kind = told.CURVE
+        contacts.kinds[j].kind = layout.CURVE
         law.target[0], law.target[1] = -rate * gap, -rate * state.second_gap
         law.target[2] = -rate * state.slip[1]
         return
     if kind == BILATERAL:
-        contacts.kinds[j].kind = told.BILATERAL
+        contacts.kinds[j].kind = layout.BILATERAL
         law.target[0] = -rate * gap
         return
-    contacts.kinds[j].kind = told.UNILATERAL
+    contacts.kinds[j].kind = layout.UNILATERAL
     if gap > 0.0 and not state.closed:  # closes within this step at most
         law.target[0] = -gap / step
         return

@@ -90,9 +90,9 @@ def _edges_outward(surfaces: CollisionSurfaces, outward: NDArray[np.float64]) ->
         there = edges[:, side] >= 0
         np.add.at(total, edges[there, side], (outward[:, np.newaxis] * surfaces.normals)[there])
     length = np.linalg.norm(total, axis=1)
-    told = length > SHARPEST
-    total[~told] = 0.0
-    return total / np.where(told, length, 1.0)[:, np.newaxis]
+    known = length > SHARPEST
+    total[~known] = 0.0
+    return total / np.where(known, length, 1.0)[:, np.newaxis]
 
 
 def outside_of(
@@ -155,7 +155,7 @@ def _within(points: NDArray[np.float64], corners: NDArray[np.float64]) -> bool |
 
     None if some are and some are not, or all of them touch it.
     """
-    told = set()
+    known = set()
     for point in points:
         a, b, c = (corners[:, k] - point for k in range(3))
         p, q, r = (np.linalg.norm(x, axis=1) for x in (a, b, c))
@@ -164,5 +164,5 @@ def _within(points: NDArray[np.float64], corners: NDArray[np.float64]) -> bool |
         if ((np.abs(above) <= BEYOND * p * q * r) & (below <= 0.0)).any():
             continue  # it touches a triangle
         turns = abs(float(np.arctan2(above, below).sum())) / (2.0 * np.pi)
-        told.add(turns > 0.5)
-    return told.pop() if len(told) == 1 else None
+        known.add(turns > 0.5)
+    return known.pop() if len(known) == 1 else None

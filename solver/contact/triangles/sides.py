@@ -114,7 +114,7 @@ def _told(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, ne
     touch, pose = meshes.touch, contacts.poses[meshes.pairs[pair].poses[0]]
     x1, x2, x3 = rotate(pose.rotation, touch.point_a)
     x1, x2, x3 = x1 + pose.origin[0], x2 + pose.origin[1], x3 + pose.origin[2]
-    told, nearest = 0, math.inf
+    sense, nearest = 0, math.inf
     for k in range(contacts.counts.of_contours, count):
         state = contacts.state[k]
         if state.pair != pair or not (holds(contacts, k) or abs(state.gap) <= near):
@@ -123,8 +123,8 @@ def _told(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, ne
         d1, d2, d3 = x1 - state.touched[0], x2 - state.touched[1], x3 - state.touched[2]
         square = d1 * d1 + d2 * d2 + d3 * d3
         if abs(cosine) > ALIGNED and square < nearest:
-            told, nearest = 1 if cosine > 0.0 else -1, square
-    return told
+            sense, nearest = 1 if cosine > 0.0 else -1, square
+    return sense
 
 
 @kernel(internal=True)
@@ -143,12 +143,12 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
         if look_up(meshes, contacts, pair, found.kind, found.first, found.second) >= 0:
             continue
         start = _touching_at_start(meshes, pair, i)
-        told = 0
+        sense = 0
         if abs(start) <= nothing and not deforms:
-            told = _told(meshes, contacts, pair, contact_count(contacts), nothing)
+            sense = _told(meshes, contacts, pair, contact_count(contacts), nothing)
         if found.hit == UNKNOWN:  # it has come through where something holds that has, too
-            found.hit = 0 if told > 0 else UNKNOWN
-        elif told < 0:
+            found.hit = 0 if sense > 0 else UNKNOWN
+        elif sense < 0:
             meshes.found.contacts[i].side = -meshes.found.contacts[i].side
         elif start < -inside and not first:
             found.hit = UNKNOWN

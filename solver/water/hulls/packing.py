@@ -334,11 +334,11 @@ def _pack_pumps(
 ) -> tuple[Records[PumpData], Records[PumpRow]]:
     """Pumps with the rows of their commands; one for a pump that a controller commands."""
     places = {tank.name: i for i, tank in enumerate(tanks)}
-    told = {name for one in sea.controllers for name in one.pumps}
+    controlled = {name for one in sea.controllers for name in one.pumps}
     rows: list[PumpRow] = []
     pumps = records(PumpData, len(sea.pumps))
     for data, pump in zip(pumps, sea.pumps, strict=True):
-        plan = pump.plan()[: 1 if pump.name in told else None]
+        plan = pump.plan()[: 1 if pump.name in controlled else None]
         data.source, data.target = places.get(pump.source, -1), places.get(pump.target, -1)
         data.first, data.count = len(rows), len(plan)
         data.lag, data.most, data.least = pump.lag, pump.rate, -pump.rate if pump.reversible else 0.0
