@@ -358,6 +358,10 @@ def test_a_channel_has_a_known_quantity_and_a_sentence():
         ChannelKind("silent", "length", "")
     with pytest.raises(TypeError, match=r"'angle' is a length .*elsewhere a angle"):
         ChannelKind("angle", "length", "how far")
+    with pytest.raises(
+        TypeError, match="channel 'angle' is one number in one place, and several in another one"
+    ):
+        ChannelKind("angle", "angle", "how far", None)
     with pytest.raises(TypeError, match="'loss' in N, expected another name for N m"):
         ChannelKind("loss", "moment or energy", "how much", unit="N")
     assert "loss" not in known_channels()

@@ -160,7 +160,7 @@ def test_a_number_that_is_none_is_written_too() -> None:
         ('a: float = channel("no such thing", "it")', "expected a known quantity"),
         ('a: float = channel("force", "it", XYZ)', "expected Components"),
         ('a: Components = channel("force", "it")', "expected float"),
-        ('a: Part = channel("force", "it", None)', "expected Part, in a class of Parts"),
+        ('parts: Part = channel("force", "it", None)', "expected Part, in a class of Parts"),
         ('length: float = channel("length", "again")', "stands twice"),
         (
             'a: float = largest("force", "tension")\n    tension_max: float = channel("force", "it")',
