@@ -131,7 +131,7 @@ def test_turned_and_moved():
 
 
 @pytest.mark.parametrize(
-    ("points", "triangles", "said"),
+    ("points", "triangles", "spec"),
     [
         (SQUARE, np.empty((0, 3), dtype=int), "lid: contains no triangle"),
         (SQUARE, [[0, 1, 4]], "lid: triangle 1: point 4; expected numbers from 0 to 3"),
