@@ -19,8 +19,8 @@ from heavylift.solver.joints.slider import Slider
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.descriptions import check_object
 from heavylift.solver.scene.scenario import Condition, Phase, Scenario
-from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.scene.signals import Signal, Term
 from heavylift.solver.simulation import Simulation
 
 ONE, TWO = 20.0, 30.0
