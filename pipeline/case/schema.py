@@ -9,7 +9,7 @@ import json
 import re
 import textwrap
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -180,7 +180,7 @@ def key_pages() -> dict[str, str]:
         return f"](#{found[1]})" if other == page else f"]({other}#{found[1]})"
 
     return {
-        page: re.sub(r"\]\(#([^)]+)\)", lambda found, page=page: link(found, page), "\n".join(lines)) + "\n"
+        page: re.sub(r"\]\(#([^)]+)\)", partial(link, page=page), "\n".join(lines)) + "\n"
         for page, lines in made.items()
     }
 

@@ -69,7 +69,7 @@ class MeshLoad(ABC):
             raise InputError(f"times {list(spec.times)}", expected="increasing times")
 
     @property
-    def table(self) -> dict[str, NDArray[np.float64]]:
+    def table(self) -> dict[str, Any]:
         """Times and factors, if there are some."""
         return {"times": self.times, "factors": self.factors} if len(self.times) else {}
 
