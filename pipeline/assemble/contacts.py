@@ -85,7 +85,7 @@ def assemble_contours(
             else:
                 points = _given_points(case, section)
                 neutral = _fit(name, section, points - sides[section.body].origin, None)
-            sequencer = _director(section, neutral, bodies)
+            director = _director(section, neutral, bodies)
             if neutral is not None:
                 nodes = None if body is None else body.reduced.nodes
                 check_contour(neutral, flip=getattr(section, "flip", False), nodes=nodes, source=name)
@@ -97,7 +97,7 @@ def assemble_contours(
                 flip=getattr(section, "flip", False),
                 radius=getattr(section, "radius", 0.0),
                 width=getattr(section, "width", 0.0),
-                sequencer=sequencer,
+                director=director,
             )
         )
     return tuple(found)

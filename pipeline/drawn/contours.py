@@ -79,7 +79,7 @@ def contour_shape(contour: Contour, *, carried: bool = False) -> ContourShape:
         rings = np.cos(turns)[:, None] * across[:, None] + np.sin(turns)[:, None] * other[:, None]
         beside, round_it = contour.radius * rings, True
     elif contour.width > 0.0:
-        normals = np.cross(contour.sequencer, tangents)
+        normals = np.cross(contour.director, tangents)
         across = np.cross(tangents, normals / np.linalg.norm(normals, axis=1, keepdims=True))
         half = 0.5 * contour.width * across
         beside, round_it = np.stack([-half, 0.0 * half, half], axis=1), False

@@ -200,16 +200,16 @@ def check_about_curve(contour: Contour, is_curve: bool) -> None:
             expected="one of the two",
         )
     if contour.width > 0.0:
-        sequencer = np.asarray(contour.sequencer, dtype=np.float64)
+        director = np.asarray(contour.director, dtype=np.float64)
         across = math.inf
         if contour.neutral is not None:
             chords = np.diff(contour.neutral.control, axis=0)
             chords = chords[np.linalg.norm(chords, axis=1) > 0.0]
-            sine = np.linalg.norm(np.cross(chords, sequencer), axis=1) / np.linalg.norm(chords, axis=1)
+            sine = np.linalg.norm(np.cross(chords, director), axis=1) / np.linalg.norm(chords, axis=1)
             across = float(sine.min(initial=math.inf))
-        if not (np.linalg.norm(sequencer) > 0.0 and across > NEARLY_ALONG * float(np.linalg.norm(sequencer))):
+        if not (np.linalg.norm(director) > 0.0 and across > NEARLY_ALONG * float(np.linalg.norm(director))):
             raise InputError(
-                f"{sequencer.tolist()}",
+                f"{director.tolist()}",
                 source=contour.name,
                 key="director",
                 expected="a vector across the curve everywhere: along the width of the band",

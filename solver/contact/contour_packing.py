@@ -118,7 +118,7 @@ def pack_contours(scene: Scene, ordered: Sequence[AnyBody], dofs: Mapping[str, i
             poses[i].rotation[:] = rotation_matrix(body.orientation).ravel()
             poses[i].origin[:] = body.position
         poses[i].reach = np.linalg.norm(one.control, axis=1).max()
-        poses[i].sequencer[:] = np.asarray(contour.sequencer, dtype=np.float64) @ axes
+        poses[i].director[:] = np.asarray(contour.director, dtype=np.float64) @ axes
         poses[i].radius, poses[i].width = contour.radius, contour.width
         modes.append(len(one.modal))
         normals.append(_across(contour, neutrals[i], body))
@@ -220,7 +220,7 @@ def _across(contour: Contour, one: NeutralContour, body: AnyBody | None) -> NDAr
         return np.eye(3)[:2]
     chord = one.control[1] - one.control[0]
     chord = chord / np.linalg.norm(chord)
-    given = np.asarray(contour.sequencer, dtype=np.float64)
+    given = np.asarray(contour.director, dtype=np.float64)
     if not np.linalg.norm(np.cross(given, chord)) > 1e-9 * max(1.0, float(np.linalg.norm(given))):
         given = np.eye(3)[np.argmin(np.abs(chord))]
     first = given - (given @ chord) * chord

@@ -323,7 +323,7 @@ class ContourPose(RelativePose):
 
     reach: float
     step_shift: float
-    sequencer: Vector
+    director: Vector
     radius: float
     width: float
 

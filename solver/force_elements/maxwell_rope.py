@@ -50,6 +50,7 @@ from heavylift.solver.recording import outputs_at
 from heavylift.solver.rows.structure import RowArrays
 from heavylift.solver.scene.connections import (
     ROPES,
+    AlongPath,
     ForceElement,
     RopeOutputs,
     RopeParts,
@@ -73,7 +74,7 @@ class CreepOutputs(Outputs):
 
 @ROPES.describe("maxwell")
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MaxwellRope(ForceElement):
+class MaxwellRope(AlongPath, ForceElement):
     """A rope that creeps: a spring and a damper one behind the other, from end to end; it pulls and never pushes."""
 
     CHANNELS: ClassVar = (*RopeOutputs.CHANNELS, *RopeParts.CHANNELS, *CreepOutputs.CHANNELS)

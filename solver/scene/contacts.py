@@ -80,7 +80,7 @@ class Contour:
     flip: bool = False
     radius: float = 0.0
     width: float = 0.0
-    sequencer: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    director: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
     def drawn(self) -> Iterable[Element]:
         """Its spline; the shape of a frame or shell is drawn by that."""

@@ -125,7 +125,7 @@ def _put_touch(contacts: ContactRows, c: int, y1: float, y2: float, y3: float) -
             scratch.arm[k] = 0.0
     elif pose.width > 0.0:
         # the director lies along the width; the normal is perpendicular to it and to the curve
-        n1, n2, n3 = cross(pose.sequencer, (t1, t2, t3))
+        n1, n2, n3 = cross(pose.director, (t1, t2, t3))
         size = contacts.contours[contour].flip / math.sqrt(n1 * n1 + n2 * n2 + n3 * n3)
         n1, n2, n3 = size * n1, size * n2, size * n3
         b1, b2, b3 = cross((t1, t2, t3), (n1, n2, n3))

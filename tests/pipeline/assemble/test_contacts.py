@@ -79,7 +79,7 @@ def test_points_of_a_rigid_body_are_in_coordinates_of_its_geometry(folder):
     skid = contour_of(scene_of(folder), "skid")
     assert skid.neutral.spaces[0].degree == 4
     # along the width, so that this x tangent is the normal: points and normal are in the x-z plane
-    np.testing.assert_allclose(skid.sequencer, [0.0, 1.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(skid.director, [0.0, 1.0, 0.0], atol=1e-15)
     assert skid.width == 0.05
     # the frame of the block is 100 mm above the origin of its geometry
     np.testing.assert_allclose(skid.neutral.control[0], [-0.2, 0.0, -0.1], atol=1e-15)
@@ -92,11 +92,11 @@ def test_a_band_is_told_by_its_width_or_by_its_normal_at_the_start(folder):
     band = ["contours.cable.radius=", "contours.cable.type=band", "contours.cable.width=10 mm"]
     change = [*band, "contacts.2.shape.radius=1 mm"]
     told = contour_of(scene_of(folder, *change, "contours.cable.normal=[0.3, 0, 2]"), "cable")
-    np.testing.assert_allclose(told.sequencer, [0.0, -1.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(told.director, [0.0, -1.0, 0.0], atol=1e-15)
     across = contour_of(
         scene_of(folder, *change, "contours.cable.across=[0, 3, 0]", "contours.cable.flip=true"), "cable"
     )
-    np.testing.assert_allclose(across.sequencer, [0.0, 3.0, 0.0])
+    np.testing.assert_allclose(across.director, [0.0, 3.0, 0.0])
     assert across.flip
     with pytest.raises(InputError, match=r"contours\.cable\.normal: \[1\.0, 0\.0, 0\.0\] is along the start"):
         scene_of(folder, *change, "contours.cable.normal=[1, 0, 0]")

@@ -178,7 +178,7 @@ def test_a_cylinder_about_a_circle_is_a_closed_torus_and_a_band_a_ribbon(folder)
     edges = np.sort(np.concatenate([patch.triangles[:, [i, (i + 1) % 3]] for i in range(3)]), axis=1)
     assert np.all(np.unique(edges, axis=0, return_counts=True)[1] == 2)
     band = c.Contour(
-        name="band", body="ground", neutral=rail.neutral, width=0.2, sequencer=np.array([0.0, 0.0, 1.0])
+        name="band", body="ground", neutral=rail.neutral, width=0.2, director=np.array([0.0, 0.0, 1.0])
     )
     ribbon = contour_shape(band)
     # its width is along the axis of the circle, its radius that of the curve

@@ -66,7 +66,7 @@ def test_right_contacts_are_packed() -> None:
         assert len(pack(shape=shape).systems[1].table) == 1
     assert len(pack(RAIL, law=BilateralLaw()).systems[1].table) == 1
     assert len(pack(replace(RAIL, radius=0.1)).systems[1].table) == 1
-    assert len(pack(replace(RAIL, width=0.1, sequencer=np.eye(3)[1])).systems[1].table) == 1
+    assert len(pack(replace(RAIL, width=0.1, director=np.eye(3)[1])).systems[1].table) == 1
 
 
 @pytest.mark.parametrize("closed", [False, True])

@@ -95,7 +95,7 @@ def test_bead_goes_round_the_seam_at_constant_speed():
 
 def rolling(step, seam=0.0, friction=0.5, duration=3.0, angle=0.5):
     way = 1.0 - RADIUS
-    ground = ring(count=POINTS, start=seam, width=0.2, sequencer=np.array([0.0, 1.0, 0.0]), flip=True)
+    ground = ring(count=POINTS, start=seam, width=0.2, director=np.array([0.0, 1.0, 0.0]), flip=True)
     scene = Scene(
         bodies=(ball(place(angle, way)),),
         forces=(Gravity(DOWN),),
@@ -133,7 +133,7 @@ def test_nothing_tells_where_the_seam_of_a_ring_is():
 
 
 def test_ball_dropped_into_a_ring_keeps_its_energy_account():
-    ground = ring(count=POINTS, width=0.2, sequencer=np.array([0.0, 1.0, 0.0]), flip=True)
+    ground = ring(count=POINTS, width=0.2, director=np.array([0.0, 1.0, 0.0]), flip=True)
     scene = Scene(
         bodies=(ball([0.35, 0.0, 0.1]),),
         forces=(Gravity(DOWN),),
