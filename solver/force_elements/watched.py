@@ -59,7 +59,7 @@ class WatchedRopes:
     def members(self, rope: str) -> list[list[int]]:
         """Places in `pulls` that have the tensions of the parts of a rope; of lines of one force, of each line."""
         first, thing = self.first[rope], self.ropes[rope]
-        if hasattr(thing, "legs"):
+        if len(thing.legs) > 1:
             lengths = [len(leg) for leg in thing.legs]
             starts = np.cumsum([0, *lengths[:-1]])
             return [[first + int(s)] for s in starts]

@@ -25,7 +25,6 @@ from heavylift.solver.bodies.frames.motion import (
     write_motion,
 )
 from heavylift.solver.interface import Sums, Workspace
-from heavylift.solver.recording import part
 
 __all__ = [
     "add_totals_of_fixed",
@@ -195,13 +194,14 @@ def record_fixed(kind: FloatingFrameBodies, body: int, work: Workspace, row: NDA
     R = frame.mid_rotation
     _deform(kind, body)
     write_motion(frame, frame_outputs(row, entry.column))
-    q, rates = part(row, entry.parts.modal_position), part(row, entry.parts.modal_velocity)
-    for i in range(n):
-        q[i], rates[i] = kind.modal_position[first + i], kind.modal_velocity[first + i]
+    # places in the row, no views of it: these change how the compiler orders the sums below
+    at, rates_at = entry.parts.modal_position.first, entry.parts.modal_velocity.first
     p1 = p2 = p3 = 0.0
     l1 = l2 = l3 = 0.0
     for i in range(n):
         m = first + i
+        row[at + i] = kind.modal_position[m]
+        row[rates_at + i] = kind.modal_velocity[m]
         a = (
             kind.modal_right_hand_side[m]
             - kind.stiffness[m] * kind.modal_position[m]
