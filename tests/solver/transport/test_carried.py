@@ -172,7 +172,7 @@ def test_places_that_no_body_is_above_and_decks_that_bend_are_refused() -> None:
 def test_places_and_loads_that_cannot_be_meant_are_refused() -> None:
     """Wheels drawn at the body instead of on the road; the load of a group, or of all bogies, as that of a bogie."""
     raised = block(position=np.array([0.0, 0.0, 1.49]))
-    with pytest.raises(InputError, match=r"bogie 1 is drawn 1\.49 m above deck 'yard', more than any stroke"):
+    with pytest.raises(InputError, match=r"bogie 1 is 1\.49 m above deck 'yard', more than any stroke"):
         Simulation(scene(vehicle(), body=raised), step=5e-3)
     groups = tuple(replace(group, load=3.0 * LOAD) for group in groups_of(4))
     with pytest.raises(
