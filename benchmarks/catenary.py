@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled_rows, records
 from heavylift.solver.water.lines.catenary import (
     FAILED,
     LineData,
@@ -59,7 +59,14 @@ def pack(rows, places, seabed):
     lines["length"] = rows[:, :, 0].sum(1)
     lines["weight"] = (rows[:, :, 0] * rows[:, :, 1]).sum(1)
     lines["stretch"] = (rows[:, :, 0] * rows[:, :, 2]).sum(1)
-    return records(SectionData, rows.reshape(-1, 4)), lines, places.astype(float)
+    return (
+        filled_rows(
+            SectionData,
+            **dict(zip(("length", "weight", "flexibility", "clump"), rows.reshape(-1, 4).T, strict=True)),
+        ),
+        lines,
+        places.astype(float),
+    )
 
 
 def measure(name, problem):

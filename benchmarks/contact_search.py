@@ -23,7 +23,7 @@ from heavylift.contours.splines.convex import (
     shape_row,
 )
 from heavylift.contours.splines.evaluate import SCRATCH, Evaluation, surface_point
-from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour, PackedDirection
 from heavylift.contours.splines.sample_packing import pack_samples
 from heavylift.contours.splines.samples import sample_points
 from heavylift.contours.splines.search import closest_on_surface, open_window
@@ -33,7 +33,7 @@ from heavylift.contours.splines.search_shape import closest_shape_cold, closest_
 from heavylift.contours.splines.search_step import CONVERGED, ContourSearch, start_search
 from heavylift.contours.splines.spaces import clamped_space
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -159,8 +159,11 @@ def main() -> None:
     su, sv = spaces
     x, y = np.meshgrid(np.linspace(0.0, 1.0, su.count), np.linspace(0.0, 0.5, sv.count), indexing="ij")
     net = np.stack([x, y, 0.05 * np.sin(9.0 * x) * np.cos(7.0 * y)], -1).reshape(-1, 3)
-    along, across = (3, su.count, False, 0), (3, sv.count, False, su.knots.size)
-    table = records(PackedContour, [(along, across, 0, -1)])
+    along = filled(PackedDirection, degree=3, count=su.count, closed=False, first_knot=0)
+    across = filled(PackedDirection, degree=3, count=sv.count, closed=False, first_knot=su.knots.size)
+    table = records(
+        PackedContour, [filled(PackedContour, u=along, v=across, first_control=0, first_weight=-1)]
+    )
     contour = table[0]
     arrays = contour, np.concatenate([su.knots, sv.knots]), np.zeros(0), np.ascontiguousarray(net)
     scratch, result = np.zeros(SCRATCH), ContourSearch.one()

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from heavylift.contours.splines.convex import RING, shape_row
 from heavylift.contours.splines.evaluate import SCRATCH
-from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour, PackedDirection
 from heavylift.contours.splines.sample_packing import pack_samples
 from heavylift.contours.splines.search_circle import ring_cold, ring_on_surface, start_ring
 from heavylift.contours.splines.search_shape import closest_shape_cold, shape_gap
@@ -25,7 +25,7 @@ from heavylift.contours.splines.search_step import (
 )
 from heavylift.contours.splines.spaces import clamped_space, closed_space
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 
 pytestmark = pytest.mark.slow
 
@@ -57,10 +57,16 @@ class Surface:
         self.knots = np.concatenate([space.knots for space in spaces])
         self.net = control.reshape(-1, 3).copy()
         u = spaces[0]
-        along, across = (u.degree, u.count, u.closed, 0), (0, 1, False, 0)
+        along = filled(PackedDirection, degree=u.degree, count=u.count, closed=u.closed, first_knot=0)
+        across = filled(PackedDirection, degree=0, count=1, closed=False, first_knot=0)
         if len(spaces) == 2:
-            across = (spaces[1].degree, spaces[1].count, spaces[1].closed, u.knots.size)
-        table = records(PackedContour, [(along, across, 0, -1)])
+            v = spaces[1]
+            across = filled(
+                PackedDirection, degree=v.degree, count=v.count, closed=v.closed, first_knot=u.knots.size
+            )
+        table = records(
+            PackedContour, [filled(PackedContour, u=along, v=across, first_control=0, first_weight=-1)]
+        )
         self.contour = table[0]
         self.arrays = (self.contour, self.knots, np.zeros(0), self.net)
         self.scratch, self.result, self.out = np.zeros(SCRATCH), ContourSearch.one(), np.zeros(1)

@@ -20,7 +20,7 @@ from heavylift.contours.splines.convex import (
     shape_row,
 )
 from heavylift.contours.splines.evaluate import SCRATCH
-from heavylift.contours.splines.packed_contour import PackedContour
+from heavylift.contours.splines.packed_contour import PackedContour, PackedDirection
 from heavylift.contours.splines.sample_packing import pack_samples
 from heavylift.contours.splines.search_shape import closest_shape_cold, closest_shape_on_surface, shape_gap
 from heavylift.contours.splines.search_step import (
@@ -36,7 +36,7 @@ from heavylift.contours.splines.search_step import (
 from heavylift.contours.splines.spaces import clamped_space
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.outcome import InputError
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled, records
 
 
 @kernel
@@ -172,15 +172,18 @@ class Surface:
         x, y = np.meshgrid(np.linspace(0, 2, su.count), np.linspace(0, 1.5, sv.count), indexing="ij")
         z = height * np.random.default_rng(seed).standard_normal(x.shape)
         control = np.stack([x, y, z], -1)
-        across = (3, sv.count, False, su.knots.size)
+        along = filled(PackedDirection, degree=3, count=su.count, closed=False, first_knot=0)
+        across = filled(PackedDirection, degree=3, count=sv.count, closed=False, first_knot=su.knots.size)
         self.knots = np.concatenate([su.knots, sv.knots])
         if line:
             self.spaces = (su,)
             control = control[:, 4:5]
-            across = (0, 1, False, 0)
+            across = filled(PackedDirection, degree=0, count=1, closed=False, first_knot=0)
         self.control = control
         self.net = control.reshape(-1, 3).copy()
-        table = records(PackedContour, [((3, su.count, False, 0), across, 0, -1)])
+        table = records(
+            PackedContour, [filled(PackedContour, u=along, v=across, first_control=0, first_weight=-1)]
+        )
         self.contour = table[0]
         self.arrays = (self.contour, self.knots, np.zeros(0), self.net)
         self.scratch, self.result, self.out = np.zeros(SCRATCH), ContourSearch.one(), np.zeros(8)

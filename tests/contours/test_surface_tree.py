@@ -7,7 +7,7 @@ import pytest
 
 from heavylift.contours.triangles.surface_layout import TreeNode
 from heavylift.contours.triangles.surface_tree import LEAF_TRIANGLES, build_tree, tree_depth
-from heavylift.numerics.records import records
+from heavylift.numerics.records import filled_rows
 
 
 def soup(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -102,7 +102,7 @@ def test_triangles_in_one_place_make_a_flat_tree():
 
 def test_depth_is_that_of_the_longest_branch():
     # 0 has children 1 and 2; 2 has 3 and 4
-    nodes = records(TreeNode, [(1, 0, 30), (-1, 0, 8), (3, 8, 16), (-1, 8, 8), (-1, 16, 8)])
+    nodes = filled_rows(TreeNode, left=[1, -1, 3, -1, -1], first=[0, 0, 8, 8, 16], count=[30, 8, 16, 8, 8])
     assert tree_depth(nodes) == 3
     assert tree_depth(nodes, 2) == 2
     assert tree_depth(nodes, 4) == 1

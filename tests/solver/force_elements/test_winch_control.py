@@ -115,7 +115,9 @@ def test_controls_know_no_friction_and_no_explicit_steps() -> None:
         eye("load"),
     ]
     rubbing = scene([body("load", 1.0, (2, 0, 0))], ropes=[wire(*path, winch=Winch(brake=1e3))])
-    with pytest.raises(InputError, match="answers to the tension, on a rope over places with an efficiency"):
+    with pytest.raises(
+        InputError, match="a winch controlled by the tension, on a rope over places with an efficiency"
+    ):
         Simulation(rubbing, 1e-2)
     with pytest.raises(InputError, match="is controlled by its tension"):
         Simulation(lift(Winch(brake=1e3)), 1e-2, "accurate")

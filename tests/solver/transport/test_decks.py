@@ -99,7 +99,7 @@ def test_a_wheel_on_a_step_is_never_in_the_air() -> None:
             (yard(stations=np.array([-30.0, 5, 5, 60.0]), heights=np.array([0, 0, 0.4, 0.4])),),
             "yard: stations: a rise of 0.4 m within 0 m at station 5 m, too steep",
         ),
-        ((yard(heights=np.array([-0.5, -0.5])),), "drawn 0.5 m above deck 'yard', more than its stroke"),
+        ((yard(heights=np.array([-0.5, -0.5])),), "is 0.5 m above deck 'yard', more than its stroke"),
         ((yard(sides=np.array([1.0, -1.0])),), "right border, left border"),
         ((yard(normal=np.array([0.0, 0.0, -1.0])),), r"yard: normal: \[0\.0, 0\.0, -1\.0\] points down"),
         ((yard(direction=np.array([1.0, 0.0, 0.2])),), "at a right angle to 'normal'"),
