@@ -38,7 +38,7 @@ def test_sound_contours_pass() -> None:
 def test_degree_below_three() -> None:
     with pytest.raises(InputError, match=r"degree 2 in the second direction.*expected at least 3"):
         check_degree(neutral_surface(tube(), degrees=(3, 2), closed=(True, False)))
-    with pytest.raises(InputError, match=r"ring: degree: degree 2: what slides"):
+    with pytest.raises(InputError, match=r"ring: degree: degree 2: a body that slides along it"):
         check_contour(neutral_curve(tube()[:, 0], degree=2, closed=True), source="ring")
 
 

@@ -51,7 +51,7 @@ def test_steps_like_the_period_end_the_run(make, length: float, share: float) ->
     period = 2.0 * math.pi * math.sqrt(length / G)
     simulation, found = ran(make(length), share * period, 300)
     assert simulation.outcome is Outcome.NOT_CLOSED
-    assert "'rope': positions have left the elongation" in simulation.message
+    assert "'rope': positions have left the integrated elongation" in simulation.message
     assert np.all(np.abs(found["rope.length"] - length) < 0.11 * max(1.0, length))
 
 
@@ -111,7 +111,7 @@ def test_depths_of_equalized_lines_that_leave_the_geometry_end_the_run(share: fl
     period = 2.0 * math.pi * math.sqrt(10.0 / G)
     simulation, _ = ran(equalized(10.0), share * period, 300)
     assert simulation.outcome is Outcome.NOT_CLOSED
-    assert "rope 'lines': positions have left the elongation" in simulation.message
+    assert "rope 'lines': positions have left the integrated elongation" in simulation.message
 
 
 def test_depths_of_equalized_lines_are_compared_with_the_geometry() -> None:
