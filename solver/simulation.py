@@ -178,10 +178,11 @@ class Simulation:
                 key="start",
                 expected="law 'rigid' of collisions, compliant contacts with contours, or 'check'",
             )
-        meshes = any(kind.NODAL for kind in self._layout.bodies)
-        if self._touches and start in AT_REST and (meshes or integrator != "dele2"):
+        frameless = any(not kind.FRAMES for kind in self._layout.bodies)
+        if self._touches and start in AT_REST and (frameless or integrator != "dele2"):
+            with_what = "bodies without a frame: frames, shells or cables" if frameless else repr(integrator)
             raise InputError(
-                f"{start!r} with contacts" + (" and frames or shells" if meshes else f" and {integrator!r}"),
+                f"{start!r} with contacts and {with_what}",
                 source="simulation",
                 key="start",
                 expected="'check' or 'project': contacts come to rest during the run",

@@ -12,6 +12,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.frames import motion_of, start_of_frame
 from heavylift.pipeline.results.model_io import read_header, read_reduced
 from heavylift.solver.scene import scene as s
+from heavylift.solver.scene.bodies import Body
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -94,7 +95,7 @@ def check_points(
 
 
 @dataclass(frozen=True, eq=False)
-class StartedBody:
+class StartedBody(Body):
     """A flexible body as far as it is known before it has a mesh: where its frame is at the start."""
 
     name: str

@@ -452,7 +452,7 @@ class SceneTables(_EquippedScene):
     """Motions of points of bodies in the axes of other bodies."""
     leads: Annotated[
         tuple[Annotated[Any, Chosen(MEASURES, word="leads")], ...],
-        Table("FleetAngles", "lead", move=_move_sides),
+        Table("Fleet angles", "lead", move=_move_sides),
     ] = ()
     """Angles of ropes against where they should point."""
     lugs: Annotated[

@@ -82,6 +82,7 @@ class Clutch(AlongJoint):
 
     CHANNELS: ClassVar = ClutchOutputs.CHANNELS
     """What it records, in the order of its columns."""
+    NOT_LINEAR: ClassVar = "sticks or slips"
     SENTENCES: ClassVar = {"joint": "A hinge, or another joint with an angle, on which it acts."}
 
     torque: Annotated[float | None, Quantity("moment or energy", minimum=0.0, closed=True)] = None

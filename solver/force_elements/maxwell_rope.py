@@ -79,6 +79,7 @@ class MaxwellRope(AlongPath, ForceElement):
 
     CHANNELS: ClassVar = (*RopeOutputs.CHANNELS, *RopeParts.CHANNELS, *CreepOutputs.CHANNELS)
     """What it records, in the order of its columns."""
+    NOT_LINEAR: ClassVar = "creeps: its stiffness depends on the frequency"
 
     name: str
     path: Annotated[tuple[RopePoint, ...], Least(2)]
@@ -143,6 +144,8 @@ class MaxwellRopes(Ropes):
     creep
         Of each rope.
     """
+
+    COMMANDED: ClassVar[bool] = False
 
     creep: Records[Creep]
 

@@ -18,7 +18,7 @@ from heavylift.solver.force_elements.scalar_laws import (
     ScalarLaws,
     ScalarLawState,
 )
-from heavylift.solver.forces.spring import Spring, spring_fields, spring_side, spring_table
+from heavylift.solver.forces.spring import first_turn, spring_fields, spring_side, spring_table
 from heavylift.solver.interface import ROWS
 from heavylift.solver.joints.coordinate import ANGLE, TRAVEL, joint_markers
 from heavylift.solver.joints.registry import largest_opening
@@ -48,8 +48,8 @@ def pack(things: Sequence[Any], context: PackingContext) -> None:
     for thing in things:
         if isinstance(thing, JointStop):
             rows.append(_pack_stop(thing, context))
-            ends = [end for end in (thing.limits.lower, thing.limits.upper) if np.isfinite(end)]
-            expected.append(sum(ends) / len(ends) if ends else 0.0)
+            # turns of an angle count from zero, where bodies are drawn, or from the stop that is nearest to it
+            expected.append(min(max(0.0, thing.limits.lower), thing.limits.upper))
         elif isinstance(thing, JointFriction):
             rows.append(_pack_friction(thing, context))
             expected.append(0.0)
@@ -64,7 +64,7 @@ def pack(things: Sequence[Any], context: PackingContext) -> None:
                 )
             )
             curves.append(curve)
-            expected.append(float(thing.length if isinstance(thing, Spring) else thing.rest))
+            expected.append(first_turn(thing))
     state = records(ScalarLawState, len(rows))
     state["fresh"], state["value"] = True, expected
     context.add_rows(ScalarLaws(records(ScalarLaw, rows), np.vstack(curves), state))

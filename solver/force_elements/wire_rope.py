@@ -414,6 +414,8 @@ class Ropes(Arrays):
         "state",
         "wraps",
     )
+    COMMANDED: ClassVar[bool] = True
+    """Whether a scenario may command their winches, connect and release them."""
 
     table: Records[RopeEntry]
     places: Records[PlaceMarkers]

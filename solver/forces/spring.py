@@ -13,6 +13,7 @@ corners: `heavylift.solver.force_elements.scalar_laws`, with the same entry and 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
@@ -58,7 +59,15 @@ from heavylift.solver.kinds import implement
 from heavylift.solver.recording import outputs_at
 from heavylift.solver.ringing import steady_rate
 from heavylift.solver.rows.structure import RowArrays, RowSystem
-from heavylift.solver.scene.connections import FORCES, AlongJoint, Between, Joint, TorqueOutputs, as_joint
+from heavylift.solver.scene.connections import (
+    FORCES,
+    AlongJoint,
+    Between,
+    Joint,
+    ThrustOutputs,
+    TorqueOutputs,
+    as_joint,
+)
 from heavylift.solver.scene.descriptions import check_table, named, no_rows
 from heavylift.solver.scene.drawn import Element, Strut
 from heavylift.solver.scene.outputs import Outputs, channel, largest, outputs, smallest
@@ -163,6 +172,17 @@ class Spring(Between):
 class JointSpring(AlongJoint):
     """A spring and damper on the angle of a hinge or the travel of a slider."""
 
+    CHANNEL_BY_COORDINATE: ClassVar = {
+        "angle": replace(
+            TorqueOutputs.CHANNELS[0],
+            sentence="torque about the axis of the joint on its side a; on side b it turns back to `rest`",
+        ),
+        "travel": replace(
+            ThrustOutputs.CHANNELS[0],
+            sentence="force along the axis of the joint on its side a; on side b it pulls back to `rest`",
+        ),
+    }
+
     coordinate: Literal["angle", "travel"] | None = None
     """Of a joint that both turns and slides: what of it counts."""
     rest: Annotated[float, ByCoordinate(Quantity("angle"), Quantity("length"))] = 0.0
@@ -206,6 +226,17 @@ class JointSpring(AlongJoint):
     def packed_by(self, integrator: str) -> str:
         """A table is a row with a law, where there are such."""
         return _packing_module(self, integrator)
+
+
+def first_turn(spring: Spring | JointSpring) -> float:
+    """Value from which the turns of an angle are counted at the start [rad].
+
+    An angle is zero in the initial position of a case; frames of objects may show another one at the start, up to whole
+    turns. It is the one nearest to a rest angle within half a turn, or, if the spring is wound up further, to zero.
+    """
+    if isinstance(spring, Spring):
+        return spring.length
+    return spring.rest if abs(spring.rest) <= math.pi else 0.0
 
 
 def _packing_module(spring: Spring | JointSpring, integrator: str) -> str:
@@ -310,7 +341,7 @@ def pack(springs: Sequence[Spring | JointSpring], context: PackingContext) -> No
         rows.append(filled(SpringEntry, **fields))
         curves.append(curve)
     table, state = records(SpringEntry, rows), records(SpringState, len(rows))
-    state["value"] = table["rest"]
+    state["value"] = [first_turn(spring) for spring in springs]
     kind = Springs(table, np.vstack(curves), state)
     context.add_rows(kind)
     if np.any(table["block"] < 0):

@@ -162,10 +162,13 @@ def reserve_tables(
             made = _with_frame_profiles(made, frames)
         bodies.append(made)
     connections: list[Any] = []
-    longest = max((int(k.table["winch_rows"].max()) for k in kinds[1] if isinstance(k, Ropes)), default=0)
+    longest = max(
+        (int(k.table["winch_rows"].max()) for k in kinds[1] if isinstance(k, Ropes) and k.COMMANDED),
+        default=0,
+    )
     follows = any(command.leader for command in scenario.commands)
     for kind in kinds[1]:
-        if isinstance(kind, Ropes):
+        if isinstance(kind, Ropes) and kind.COMMANDED:
             connections.append(_with_winch_rows(kind, winches, max(MOVE_ROWS, longest if follows else 0)))
         elif isinstance(kind, Paths):
             connections.append(_with_pieces(kind, _commanded_paths(scene)))
@@ -507,7 +510,7 @@ def _rope_kinds(joints: Sequence[Any]) -> tuple[Ropes, Ropes, ControlledRopes]:
         HELD_ROPE: _no_controlled_ropes(),
     }
     for kind in joints:
-        if isinstance(kind, Ropes):
+        if isinstance(kind, Ropes) and kind.COMMANDED:
             rubs = "sheaves" in kind._fields
             found[
                 HELD_ROPE if isinstance(kind, ControlledRopes) else RUBBING_ROPE if rubs else PLAIN_ROPE

@@ -414,6 +414,8 @@ class ForceElement:
 
     STAGE: ClassVar[Stage] = Stage.ROWS
     """When it is packed."""
+    NOT_LINEAR: ClassVar[str] = ""
+    """Why no stiffness and damping stand for its small motions, as words that follow its name; empty if they do."""
 
     def packed_by(self, integrator: str) -> str:
         """Name of the module with the `pack` of its kind, with an integrator."""

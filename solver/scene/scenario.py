@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from heavylift.numerics.outcome import InputError
-from heavylift.solver.scene.operation_state import Movable, OperationState, known_thing
+from heavylift.solver.scene.operation_state import Movable, OperationState
 from heavylift.solver.scene.operations import CONNECT, RELEASE
 
 if TYPE_CHECKING:
@@ -212,8 +212,9 @@ def check_scenario(scenario: Scenario, movable: Movable) -> None:
     """
     if not scenario.phases:
         raise InputError("no phases", key="phases", expected="one or more")
+    start = OperationState(movable, (), ())
     for index, name in enumerate(scenario.prepared):
-        known_thing("rope", name, movable.ropes, f"prepared.{index}")
+        start.rope(name, f"prepared.{index}")
     names: set[str] = set()
     for row, phases in enumerate(scenario.rows):
         others = (phase for other in scenario.rows if other is not phases for phase in other)

@@ -85,7 +85,6 @@ def _refuse_directions(body: LumpedCable, markers: BodyMarkers) -> None:
         raise InputError(
             f"a direction on {body.name!r}, a cable of lumped masses, which has none",
             source=body.name,
-            key="axis",
             expected="what holds or pulls at points of it alone: ball joints, distances, ropes, springs, forces",
         )
 
@@ -106,7 +105,6 @@ def _places_on(body: LumpedCable, first: int) -> Callable[[NDArray[np.float64]],
             raise InputError(
                 f"point {given.tolist()} m is {distances[segment]:.4g} m beside the cable",
                 source=body.name,
-                key="point",
                 expected="a point on its line at the start, in the frame of the body (are the units right?)",
             )
         return np.array([first + segment, shares[segment]])

@@ -357,6 +357,15 @@ def _check(scene: Scene) -> None:
             key="bodies",
             expected="rigid bodies; stiff ones in place of flexible ones for the frequency domain",
         )
+    for one in (*scene.ropes, *scene.forces):
+        reason = getattr(one, "NOT_LINEAR", "")
+        if reason:
+            raise InputError(
+                f"{one.name!r} {reason}",
+                source="scene",
+                key="ropes" if one in scene.ropes else "forces",
+                expected="springs and dampers in its place for the frequency domain",
+            )
 
 
 def _moves(body: Any) -> bool:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from law_scenes import DOWN, NONE, G, body, run
+from law_scenes import DOWN, NONE, G, body, eye, run, wire
 
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.force_elements.maxwell_rope import MaxwellRope, stretch_at_end
 from heavylift.solver.integrate.choice import choose_integrator
+from heavylift.solver.scenario.actions.winch import WinchHaul
 from heavylift.solver.scene.connections import GROUND, RopePoint
 from heavylift.solver.scene.descriptions import check_object
+from heavylift.solver.scene.scenario import Condition, Phase, Scenario
 from heavylift.solver.scene.scene import Fixed, RigidBody, Scene
 
 STIFFNESS, VISCOSITY = 1e5, 4e5
@@ -181,3 +184,31 @@ def test_only_the_default_integrator_serves_it() -> None:
 def test_what_it_has_not_is_refused(key: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         check_object(rope(at(GROUND, 0.0, 0.0, 0.0, **key), at("load", 0.0, 0.0, 0.0)))
+
+
+def beside_a_winch(*actions: object, prepared: tuple[str, ...] = ()) -> Scene:
+    """A load on a wire rope, and one on a Maxwell rope beside it."""
+    loads = body("load", 100.0, (0, 0, -10.0)), body("other", 100.0, (5.0, 0, -10.0))
+    wire_rope = wire(eye(GROUND), eye("load"), name="wire", stiffness=1e7, damping=1e4)
+    ropes = (wire_rope, rope(at(GROUND, 5.0, 0, 0), at("other", 0, 0, 0)))
+    done = (Condition(None, 1.0),)
+    return Scene(
+        loads, (DOWN,), ropes=ropes, scenario=Scenario((Phase("up", tuple(actions), done),), prepared)
+    )
+
+
+def test_a_scenario_commands_wire_ropes_beside_it() -> None:
+    """The winch hauls its length, and the other rope creeps as it does without a scenario."""
+    operation = beside_a_winch(WinchHaul("wire", 0.5, 1.0, acceleration=4.0))
+    found = run(operation, 1e-3, 1.0)
+    assert found["wire.rest_length"][0] - found["wire.rest_length"][-1] == pytest.approx(0.5, abs=1e-12)
+    alone = run(replace(operation, scenario=None), 1e-3, 1.0)
+    np.testing.assert_allclose(found["rope.creep"], alone["rope.creep"], rtol=0, atol=1e-12)
+
+
+def test_a_rope_that_creeps_is_not_prepared_and_not_commanded() -> None:
+    for operation in (beside_a_winch(prepared=("rope",)), beside_a_winch(WinchHaul("rope", 0.5, 1.0))):
+        with pytest.raises(
+            InputError, match=r"'rope' is a rope of type 'maxwell'.*expected a rope of type 'wire'"
+        ):
+            run(operation, 1e-3, 0.1)

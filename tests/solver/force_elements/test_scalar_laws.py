@@ -9,7 +9,8 @@ import pytest
 from law_scenes import NONE, G, body, run, scene, slider
 
 from heavylift.solver.forces.spring import JointSpring
-from heavylift.solver.scene.connections import Limits
+from heavylift.solver.joints.hinge import Hinge
+from heavylift.solver.scene.connections import GROUND, Limits
 
 MASS = 2.0
 
@@ -92,3 +93,51 @@ def test_tabulated_spring_keeps_energy_through_its_corners() -> None:
         np.testing.assert_allclose(result["spring.load"], np.where(x > 0.0, stiff * x, soft * x), atol=1e-9)
     assert errors[1] < 0.3 * errors[0]
     assert errors[1] < 2e-3
+
+
+def wheel(rate: float = 0.0):
+    """A body with unit inertia that turns about the world z axis."""
+    return body("wheel", 10.0, (0, 0, 0), angular_velocity=np.array([0.0, 0.0, rate]))
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "rate"),
+    [(-np.inf, 7.0, 3.0), (-6.5, 0.2, -3.0), (-0.1, 20.0, 3.0), (-np.inf, 3.5, 3.0), (0.0, 18.85, 3.0)],
+)
+def test_stops_beyond_half_a_turn_are_where_they_are_given(lower: float, upper: float, rate: float) -> None:
+    """The angle is zero at the start whatever the range: half a sine beyond the stop, and back at the same rate."""
+    k = 4e4
+    w = math.sqrt(k)
+    hinge = Hinge(name="hinge", body_a=GROUND, body_b="wheel", limits=Limits(lower, upper, stiffness=k))
+    found = run(
+        scene([wheel(rate)], joints=[hinge], field=NONE),
+        1e-4,
+        1.1 * abs((upper if rate > 0.0 else lower) / rate),
+    )
+    stop = upper if rate > 0.0 else lower
+    angle = found["hinge.angle"]
+    reached = angle.max() if rate > 0.0 else angle.min()
+    assert reached - stop == pytest.approx(rate / w, rel=1e-3)
+    touched = stop / rate
+    behind = found.times > touched + math.pi / w + 1e-3
+    back = stop - rate * (found.times - touched - math.pi / w)
+    np.testing.assert_allclose(angle[behind], back[behind], rtol=0, atol=2e-4)
+    assert found.balance < 1e-9
+
+
+@pytest.mark.parametrize("table", [False, True])
+@pytest.mark.parametrize("rest", [7.0, -9.0, 3.3, 1.0])
+def test_a_spring_may_be_wound_up_by_turns(rest: float, table: bool) -> None:
+    """``angle = rest (1 - cos w t)`` from the initial position, in which the angle is zero."""
+    k = 5.0
+    given = (
+        {"deflections": np.array([-20.0, 20.0]), "loads": k * np.array([-20.0, 20.0])}
+        if table
+        else {"stiffness": k}
+    )
+    spring = JointSpring(name="spring", joint="hinge", rest=rest, **given)
+    hinge = Hinge(name="hinge", body_a=GROUND, body_b="wheel")
+    found = run(scene([wheel()], [spring], [hinge], field=NONE), 1e-3, 1.0)
+    exact = rest * (1.0 - np.cos(math.sqrt(k) * found.times))
+    np.testing.assert_allclose(found["hinge.angle"], exact, rtol=0, atol=2e-6 * abs(rest))
+    np.testing.assert_allclose(found["spring.load"], k * (exact - rest), rtol=0, atol=2e-5 * abs(rest))

@@ -9,10 +9,12 @@ from scipy.optimize import brentq
 from scipy.special import j0, jn_zeros
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.surfaces.primitives import box_surface
 from heavylift.solver.bodies.lumped_cable.lumped_cable import LumpedCable
 from heavylift.solver.forces.tugger import Tugger
 from heavylift.solver.joints.ball import Ball
 from heavylift.solver.joints.fixed import FixedJoint
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
 from heavylift.solver.scene.connections import GROUND, JointFrame
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.simulation import Simulation
@@ -252,3 +254,19 @@ def test_integrators_that_do_not_iterate_refuse_it() -> None:
     for integrator in ("accurate", "thesis"):
         with pytest.raises(InputError, match="the step of the cable 'cable' is iterated"):
             Simulation(Scene((cable([[0, 0, 0], [1, 0, 0]], 3),)), step=1e-3, integrator=integrator)
+
+
+def test_a_search_for_equilibrium_with_contacts_is_refused() -> None:
+    """The search meets contacts by frames of bodies, which a cable has not."""
+    ball = RigidBody("ball", 1.0, np.eye(3), position=np.array([3.0, 0.0, 0.5]))
+    floor = CollisionSurface(name="floor", body=GROUND, surface=box_surface((4.0, 4.0, 0.5)))
+    shape = CollisionSurface(name="round", body="ball", surface=box_surface((0.5, 0.5, 0.5)))
+    scene = Scene(
+        (cable([[0, 0, 0], [0, 0, -2.0]], 4), ball),
+        WEIGHT,
+        joints=(pin(np.zeros(3)),),
+        surfaces=(floor, shape),
+        collisions=(Collision(name="landing", surfaces=("round", "floor")),),
+    )
+    with pytest.raises(InputError, match="contacts and bodies without a frame: frames, shells or cables"):
+        Simulation(scene, 1e-3, "dele2", start="equilibrium")

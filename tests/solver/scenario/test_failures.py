@@ -107,7 +107,10 @@ def test_a_winch_that_fails_has_not_arrived() -> None:
 
 
 REFUSED = {
-    "told while it has failed": ((Fail("a", "winch"), WinchSpeed("a", 0.1)), "the actuator of 'a' has failed"),
+    "told while it has failed": (
+        (Fail("a", "winch"), WinchSpeed("a", 0.1)),
+        "the actuator of 'a' has failed",
+    ),
     "followed while it has failed": (
         (Fail("a", "winch"), WinchFollow("b", "a")),
         "the actuator of 'a' has failed",

@@ -15,9 +15,10 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import quaternion_from_rotation_vector
 from heavylift.preprocess.hydrodynamics.netcdf_files import read_netcdf
 from heavylift.preprocess.surfaces.primitives import box_surface
+from heavylift.solver.force_elements.maxwell_rope import MaxwellRope
 from heavylift.solver.forces.spring import Spring
 from heavylift.solver.joints.fixed import FixedJoint
-from heavylift.solver.scene.connections import GROUND, JointFrame
+from heavylift.solver.scene.connections import GROUND, JointFrame, RopePoint
 from heavylift.solver.scene.scene import Gravity, RigidBody, Scene
 from heavylift.solver.scene.sea import Hull, Radiation, Sea, Tank, Water
 from heavylift.solver.water.hulls.frequency_domain import motion_operators, natural_modes
@@ -289,3 +290,11 @@ def test_a_load_that_is_fixed_to_the_hull_moves_with_it_as_one_body() -> None:
     acceleration = -((parts.omega**2)[:, None, None]) * parts.motion[..., 6:9]
     size = np.abs(load_mass * acceleration).max()
     assert np.abs(force - load_mass * acceleration).max() < 1e-6 * size
+
+
+def test_a_rope_that_creeps_has_no_stiffness_for_all_frequencies() -> None:
+    scene = barge_scene()
+    places = RopePoint(GROUND, np.array([3.0, -2.0, 50.0])), RopePoint("barge", np.zeros(3))
+    rope = MaxwellRope(name="strap", path=places, stiffness=1e6, viscosity=1e7)
+    with pytest.raises(InputError, match="'strap' creeps: its stiffness depends on the frequency"):
+        linearise(replace(scene, ropes=(rope,)))
