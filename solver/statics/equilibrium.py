@@ -169,7 +169,8 @@ class _Search:
         while True:
             before = self.residual
             forces.keep()
-            self.residual = forces.norm(place.force) / forces.weight
+            # nothing acts any more where a spring or stop has just let go
+            self.residual = forces.norm(place.force) / forces.weight if forces.weight > 0.0 else 0.0
             done = self.residual <= POLISHED or (self.residual <= BALANCED and self.residual > 0.3 * before)
             if self.iterations >= ITERATIONS or self._is_gone() or not np.isfinite(self.residual):
                 raise self._failure(place.force)

@@ -141,3 +141,10 @@ def test_a_spring_may_be_wound_up_by_turns(rest: float, table: bool) -> None:
     exact = rest * (1.0 - np.cos(math.sqrt(k) * found.times))
     np.testing.assert_allclose(found["hinge.angle"], exact, rtol=0, atol=2e-6 * abs(rest))
     np.testing.assert_allclose(found["spring.load"], k * (exact - rest), rtol=0, atol=2e-5 * abs(rest))
+
+
+def test_a_stop_that_pushes_where_nothing_else_acts_lets_go_at_rest() -> None:
+    """Without weight a search for equilibrium ends where the stop begins."""
+    hinge = Hinge(name="hinge", body_a=GROUND, body_b="wheel", limits=Limits(upper=-0.35, stiffness=1e4))
+    found = run(scene([wheel()], joints=[hinge], field=NONE), 1e-3, 0.1, start="equilibrium")
+    np.testing.assert_allclose(found["hinge.angle"], -0.35, rtol=0, atol=1e-9)
