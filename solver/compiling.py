@@ -35,7 +35,7 @@ from heavylift.numerics.objects import (
     writable_root,
 )
 from heavylift.numerics.sources import edited_since_start
-from heavylift.solver.kinds import kind_units, kinds_with_verbs
+from heavylift.solver.kinds import kind_units, kinds_with_operations
 
 __all__ = ["WaitingUnits", "all_units", "compile_units", "missing_units", "unit_of"]
 
@@ -51,7 +51,7 @@ def all_units() -> dict[str, list[Unit]]:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             importlib.import_module(module.name)
     found: dict[str, list[Unit]] = {}
-    for kind in kinds_with_verbs():
+    for kind in kinds_with_operations():
         units = list(kind_units(kind).values())
         if units:
             found[kind.__name__] = units

@@ -55,13 +55,13 @@ from heavylift.numerics.objects import signature as declared_signature
 
 __all__ = [
     "STEP",
+    "KindOperation",
     "Members",
     "Table",
-    "Verb",
     "generic",
     "implement",
     "kind_units",
-    "kinds_with_verbs",
+    "kinds_with_operations",
     "method",
     "optional",
     "tables_in",
@@ -254,7 +254,7 @@ def _type_of_table(value: Table, context: Any) -> TableType:
     return TableType(type(value))
 
 
-class Verb:
+class KindOperation:
     """What `generic` and `optional` make of a declaration; see there."""
 
     def __init__(self, contract: Callable[..., None], *, needed: bool, group: str) -> None:
@@ -357,7 +357,7 @@ class Members:
 
 
 @cache
-def _parameters(operation: Verb) -> tuple[Any, ...]:
+def _parameters(operation: KindOperation) -> tuple[Any, ...]:
     hints = declared_types(operation.contract)
     made = []
     for name in list(inspect.signature(operation.contract).parameters)[1:]:
@@ -368,12 +368,12 @@ def _parameters(operation: Verb) -> tuple[Any, ...]:
     return tuple(made)
 
 
-def optional(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
+def optional(group: str = STEP) -> Callable[[Callable[..., None]], KindOperation]:
     """As `generic`, but kinds that do not implement the operation are passed over."""
-    return lambda contract: Verb(contract, needed=False, group=group)
+    return lambda contract: KindOperation(contract, needed=False, group=group)
 
 
-def generic(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
+def generic(group: str = STEP) -> Callable[[Callable[..., None]], KindOperation]:
     """Turn a documented signature into an operation.
 
     Parameters
@@ -387,13 +387,13 @@ def generic(group: str = STEP) -> Callable[[Callable[..., None]], Verb]:
     callable
         Takes a function whose docstring says what implementations have to do. Its first parameter is a class of
         tables, in whose place implementations take one kind; the annotations of the others are types of
-        `heavylift.numerics.arrays`. Its body is not used. The `Verb` that it returns can be called from kernels and
-        from plain Python; a kind without an implementation that is put into a table is a `TypeError`.
+        `heavylift.numerics.arrays`. Its body is not used. The `KindOperation` that it returns can be called from
+        kernels and from plain Python; a kind without an implementation that is put into a table is a `TypeError`.
     """
-    return lambda contract: Verb(contract, needed=True, group=group)
+    return lambda contract: KindOperation(contract, needed=True, group=group)
 
 
-def implement(operation: Verb, kind: type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def implement(operation: KindOperation, kind: type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Register a kernel as the version of an operation for one kind.
 
     Parameters
@@ -418,13 +418,13 @@ def implement(operation: Verb, kind: type) -> Callable[[Callable[..., Any]], Cal
         if len(own) != len(inspect.signature(operation.contract).parameters):
             raise TypeError(f"{function.__name__} takes {len(own)} arguments, {operation.name} has others")
         operation.implementations[kind] = function
-        _VERBS_OF.setdefault(kind, []).append(operation)
+        _OPERATIONS_OF.setdefault(kind, []).append(operation)
         return function
 
     return register
 
 
-_VERBS_OF: dict[type, list[Verb]] = {}
+_OPERATIONS_OF: dict[type, list[KindOperation]] = {}
 _METHODS_OF: dict[type, list[Method]] = {}
 _KINDS: dict[str, type] = {}
 
@@ -477,10 +477,10 @@ def import_kernels(kind: Any) -> None:
     """
     for module in getattr(kind, "kernel_modules", ()):
         importlib.import_module(module)
-    known = [operation for base in kind.__mro__ for operation in _VERBS_OF.get(base, ())]
+    known = [operation for base in kind.__mro__ for operation in _OPERATIONS_OF.get(base, ())]
     for table in {operation.table for operation in known if operation.table is not None}:
         for operation in table.operations:
-            if isinstance(operation, Verb) and operation.needed and operation not in known:
+            if isinstance(operation, KindOperation) and operation.needed and operation not in known:
                 raise TypeError(f"{operation.name} is not implemented for {kind.__name__}")
     if _KINDS.setdefault(_name(kind), kind) is not kind:
         where = f"in {kind.__module__} and {_KINDS[_name(kind)].__module__}"
@@ -492,13 +492,13 @@ def _name(kind: type) -> str:
     return kind.__name__ if kind.__module__.startswith("heavylift.") else f"{kind.__module__}.{kind.__name__}"
 
 
-def _symbol(kind: type, operation: Verb | Method) -> str:
+def _symbol(kind: type, operation: KindOperation | Method) -> str:
     return f"{_name(kind)}.{operation.name}"
 
 
-def kinds_with_verbs() -> list[type]:
+def kinds_with_operations() -> list[type]:
     """Kinds of the package that have versions of operations, of the imported modules; bases of kinds are none."""
-    found = {kind: None for base in _VERBS_OF for kind in _final(base)}
+    found = {kind: None for base in _OPERATIONS_OF for kind in _final(base)}
     return [kind for kind in found if kind.__module__.startswith("heavylift.")]
 
 
@@ -517,7 +517,7 @@ def _kind_units(kind: Any) -> dict[str, Unit]:
         kind.__module__
     }  # of versions that the others call, through modules that only declare operations
     for base in reversed(kind.__mro__):
-        for operation in _VERBS_OF.get(base, ()):
+        for operation in _OPERATIONS_OF.get(base, ()):
             function = operation.chosen(kind)
             if not isinstance(function, Dispatcher):
                 continue
@@ -551,7 +551,7 @@ kind_units: Callable[[Any], dict[str, Unit]] = cache(_kind_units)
 # ---- in kernels ----
 
 
-def _declare(operation: Verb) -> None:
+def _declare(operation: KindOperation) -> None:
     """Let kernels call an operation: of a table by its lists, of a single kind directly."""
 
     class Template(AbstractTemplate):
@@ -617,7 +617,7 @@ def _ends_of_list(builder: Any, symbol: str, table: Any) -> tuple[Any, Any]:
     return constant_word(builder, at, 0), constant_word(builder, at, 1)
 
 
-def _lower_table_call(operation: Verb) -> Callable[..., Any]:
+def _lower_table_call(operation: KindOperation) -> Callable[..., Any]:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         first, last = _ends_of_list(builder, operation.symbol, values[0])
         words = [
@@ -646,7 +646,7 @@ def _lower_table_call(operation: Verb) -> Callable[..., Any]:
     return lower
 
 
-def _lower_kind_call(operation: Verb) -> Callable[..., Any]:
+def _lower_kind_call(operation: KindOperation) -> Callable[..., Any]:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         first = signature.args[0]
         if isinstance(first, BaseTuple):

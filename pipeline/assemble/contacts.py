@@ -74,7 +74,7 @@ def assemble_contours(
     flexible: dict[str, Any] = {body.name: body for body in bodies if body.MODAL}
     found = []
     for name, section in case.contours.items():
-        with _told(case, name):
+        with _reported(case, name):
             body = flexible.get(section.body)
             if not _source(section):
                 neutral = None
@@ -132,7 +132,7 @@ def _director(
 
 
 @contextlib.contextmanager
-def _told(case: Case, name: str) -> Iterator[None]:
+def _reported(case: Case, name: str) -> Iterator[None]:
     """Put the place in the case file into errors on the points of a contour."""
     try:
         yield
@@ -237,7 +237,7 @@ def contour_nodes(
     InputError
         Of nodes that are not there, or make no line or grid, with the key in the case file.
     """
-    with _told(case, name):
+    with _reported(case, name):
         return _picked_nodes(case, name, nodes, folder)
 
 

@@ -90,7 +90,7 @@ def _refuse_beyond_memory(place: Place, count: float, bytes_each: float, seconds
 def frame_mesh(place: Place, geometry: Any) -> FrameMesh:
     """Mesh of the geometry of a frame."""
     _refuse_beyond_memory(place, geometry.DESCRIBED.count(geometry), FRAME_BYTES, FRAME_SECONDS)
-    with _told(place):
+    with _reported(place):
         made: FrameMesh = assemble(geometry, {}, place.case.folder).mesh()
         return made
 
@@ -98,13 +98,13 @@ def frame_mesh(place: Place, geometry: Any) -> FrameMesh:
 def shell_mesh(place: Place, geometry: Any) -> ShellMesh:
     """Mesh of the geometry of a shell."""
     _refuse_beyond_memory(place, geometry.DESCRIBED.count(geometry), SHELL_BYTES, SHELL_SECONDS)
-    with _told(place):
+    with _reported(place):
         made: ShellMesh = assemble(geometry, {}, place.case.folder).mesh()
         return made
 
 
 @contextlib.contextmanager
-def _told(place: Place) -> Iterator[None]:
+def _reported(place: Place) -> Iterator[None]:
     """Put the place in the case file into errors on a geometry."""
     try:
         yield

@@ -394,11 +394,11 @@ def scenario_of(section: ScenarioSection, known: Known) -> Scenario:
             actions: list[Action] = []
             for k, action in enumerate(phase.actions):
                 group += 1
-                actions += _told(f"{key}.{i}.actions.{k}", lambda one=action, n=group: one.made(known, n))
+                actions += _reported(f"{key}.{i}.actions.{k}", lambda one=action, n=group: one.made(known, n))
             until, place = phase.until, f"{key}.{i}.until"
-            conditions = () if until is None else _told(place, lambda one=until: one.conditions(known))
+            conditions = () if until is None else _reported(place, lambda one=until: one.conditions(known))
             limits = [
-                _told(f"{key}.{i}.limits.{k}", lambda one=limit: one.made(known))
+                _reported(f"{key}.{i}.limits.{k}", lambda one=limit: one.made(known))
                 for k, limit in enumerate(phase.limits)
             ]
             row.append(
@@ -433,7 +433,7 @@ def _girder_ends(rows: Iterable[tuple[Phase, ...]], known: Known) -> list[Limit]
     return found
 
 
-def _told(key: str, make: Any) -> Any:
+def _reported(key: str, make: Any) -> Any:
     """Result of a function, whose errors are reported at a key."""
     try:
         return make()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.assemble.operation_plan import PlannedPhase
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.log import Log
-    from heavylift.pipeline.stages.operator_commands import Command
+    from heavylift.pipeline.stages.operator_commands import OperatorCommand
     from heavylift.solver.scene.scenario import Phase
 
 __all__ = ["scenario_command", "send_command"]
@@ -82,7 +82,9 @@ def scenario_command(
     return _document(phases, commanded), lines
 
 
-def send_command(path: Path, word: Command, *, out: Path | None = None, overrides: Sequence[str] = ()) -> str:
+def send_command(
+    path: Path, word: OperatorCommand, *, out: Path | None = None, overrides: Sequence[str] = ()
+) -> str:
     """Send a command to the run in progress in the output folder of a case.
 
     Returns

@@ -87,7 +87,7 @@ def hydrostatics(
 
         return hydrostatics_command(case, out=out, overrides=set_, hulls=hull, log=log)
 
-    return _told(command, quiet=quiet, json=json)
+    return _answered(command, quiet=quiet, json=json)
 
 
 def ballast(
@@ -105,7 +105,7 @@ def ballast(
 
         return ballast_command(case, out=out, overrides=set_, log=log)
 
-    return _told(command, quiet=quiet, json=json)
+    return _answered(command, quiet=quiet, json=json)
 
 
 def database(
@@ -123,7 +123,7 @@ def database(
 
         return database_command(case, out=out, overrides=set_, log=log)
 
-    return _told(command, quiet=quiet, json=json)
+    return _answered(command, quiet=quiet, json=json)
 
 
 def rao(
@@ -143,7 +143,7 @@ def rao(
         headings = [math.radians(angle) for angle in heading]
         return rao_command(case, out=out, overrides=set_, headings=headings, log=log)
 
-    return _told(command, quiet=quiet, json=json)
+    return _answered(command, quiet=quiet, json=json)
 
 
 def lines(
@@ -196,7 +196,7 @@ def lines(
             log=log,
         )
 
-    return _told(command, quiet=quiet, json=json)
+    return _answered(command, quiet=quiet, json=json)
 
 
 def statistics(
@@ -219,10 +219,12 @@ def statistics(
             case, out=out, overrides=set_, channels=channels, seeds=seeds, after=after, log=log
         )
 
-    return _told(command, quiet=quiet, json=json)
+    return _answered(command, quiet=quiet, json=json)
 
 
-def _told(command: "Callable[[Log], tuple[dict[str, Any], list[str]]]", *, quiet: bool, json: bool) -> int:
+def _answered(
+    command: "Callable[[Log], tuple[dict[str, Any], list[str]]]", *, quiet: bool, json: bool
+) -> int:
     """Run a command, and print its document or its tables."""
 
     def run(log: "Log") -> int:

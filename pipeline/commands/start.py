@@ -76,11 +76,11 @@ def main() -> None:
         if isinstance(end.__context__, BrokenPipeError):  # of what prints the help
             code = CLOSED_PIPE
         elif isinstance(end.__context__, KeyboardInterrupt):  # of a command that no other answers for
-            code = _told(end.__context__)
+            code = _ending(end.__context__)
     except BrokenPipeError:  # the reader has enough, as in `heavylift schema | head`
         code = CLOSED_PIPE
     except BaseException as error:  # noqa: BLE001  the last place where it can be reported
-        code = _told(error)
+        code = _ending(error)
     # a signal from here on would find nobody: the process is over but for what Python tidies up
     with contextlib.suppress(ValueError):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):
@@ -167,7 +167,7 @@ def _closed(code: int) -> int:
     return code
 
 
-def _told(error: BaseException) -> int:
+def _ending(error: BaseException) -> int:
     """Report an unhandled error in one line; returns the exit code."""
     from heavylift.numerics.outcome import Outcome
 

@@ -114,7 +114,7 @@ class Advancer:
     restart_reason
         Set by `resume`: why it could not continue the results of an earlier run in the folder; empty if it did, or
         if nothing is there.
-    told
+    commands
         What someone outside says to the run, if it has a scenario.
     loss
         Set by `resume`: what of an earlier run is computed again, because segments before it are missing or damaged.
@@ -129,7 +129,7 @@ class Advancer:
     adaptive: bool = False
     restart_reason: str = ""
     loss: str = ""
-    told: OperatorCommands | None = None
+    commands: OperatorCommands | None = None
     segments: list[SegmentMark] = field(default_factory=list)
     _written_steps: int = 0
     _times: list[NDArray[np.float64]] = field(default_factory=list)
@@ -195,9 +195,9 @@ class Advancer:
         ):
             begin = time.monotonic()
             last = self.step_count
-            if self.told is not None:
+            if self.commands is not None:
                 at = simulation.step_index
-                last = min(last, self.told.take(at, at * simulation.step) or last)
+                last = min(last, self.commands.take(at, at * simulation.step) or last)
             self._keep(*simulation.advance(min(piece, last - simulation.step_index)))
             now = time.monotonic()
             piece = _next_piece(piece, now - begin, growth)

@@ -171,7 +171,7 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
             except InputError as error:
                 if found:
                     _write(refused, found[0], digest)
-                    raise _told(work, name, section, found[0], error) from None
+                    raise _explained(work, name, section, found[0], error) from None
                 key = _KEYS.get(error.key)
                 if key is None:
                     raise
@@ -183,7 +183,7 @@ def _made(work: Work, name: str, section: DatabaseSection) -> HydrodynamicDataba
         try:
             database = repaired(database, section.repair)
         except InputError as error:
-            raise _told(work, name, section, raw, error) from None
+            raise _explained(work, name, section, raw, error) from None
     _write(work.folder.database(name), raw, digest)
     if not refused.is_file() or read_digest(refused) == digest:
         for file in (refused, refused.with_suffix(".json")):
@@ -222,7 +222,7 @@ def _computed_before(work: Work, name: str, inputs: BemInputs) -> HydrodynamicDa
     return None
 
 
-def _told(
+def _explained(
     work: Work,
     name: str,
     section: DatabaseSection,

@@ -20,9 +20,9 @@ from heavylift.pipeline.stages.lock import locked
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Command", "OperatorCommands", "send", "words_there"]
+__all__ = ["OperatorCommand", "OperatorCommands", "send", "words_there"]
 
-Command = Literal["continue", "hold", "stop"]
+OperatorCommand = Literal["continue", "hold", "stop"]
 """Commands: continue, wait in this phase, end the run."""
 
 WORDS_FILE, TAKEN_FILE = "scenario_words.txt", "scenario_told.json"
@@ -30,7 +30,7 @@ LONGEST = 100_000
 """Characters of the file of words that are read."""
 
 
-def send(root: Path, word: Command) -> None:
+def send(root: Path, word: OperatorCommand) -> None:
     """Say something to the run in an output folder.
 
     Raises
@@ -106,7 +106,7 @@ class OperatorCommands:
         taken = kept.get("taken") if kept.get("digest") == digest else None
         self._taken: list[tuple[int, str]] = []
         for entry in taken if isinstance(taken, list) else []:
-            if isinstance(entry, list) and len(entry) == 2 and entry[1] in get_args(Command):
+            if isinstance(entry, list) and len(entry) == 2 and entry[1] in get_args(OperatorCommand):
                 self._taken.append((int(entry[0]), str(entry[1])))
         self._done = operation.told_count
         self._read = old
@@ -119,7 +119,7 @@ class OperatorCommands:
         if self._done < len(self._taken):
             return self._taken[self._done][0]
         lines = _lines(self._words)
-        new = [line for line in lines[self._read :] if line in get_args(Command)]
+        new = [line for line in lines[self._read :] if line in get_args(OperatorCommand)]
         self._read = len(lines)
         for word in new:
             self._operation.tell(word, time)

@@ -227,7 +227,7 @@ def _simulate(work: Work, digest: str, *, cut_off: bool) -> StageReport:
         forced = "--force" if "simulate" in work.force else "nothing had been written"
         log.say(f"simulate: restarted from t = 0: {advancer.restart_reason or forced}")
     if simulation.operation is not None:
-        advancer.told = OperatorCommands(folder.root, digest, simulation.operation, old_words)
+        advancer.commands = OperatorCommands(folder.root, digest, simulation.operation, old_words)
     try:
         with stop_requests() as stop, log.progress("simulate", count, done) as progress:
             outcome, message = advancer.run(stop, progress)

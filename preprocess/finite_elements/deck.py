@@ -136,7 +136,7 @@ class DeckLines:
         The first file.
     root
         Folder that is not left, also not through links.
-    said
+    spec
         Of a line as it stands: what it says without comments, ``""`` if that is nothing.
     included
         Of a line that says something, its file and number: the name of the file that it includes, or None.

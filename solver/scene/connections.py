@@ -699,7 +699,7 @@ class Winch:
     @staticmethod
     def check(spec: Any) -> None:
         """A speed or a length a time, none beyond what the winch can do."""
-        _check_told(spec)
+        _check_winch_keys(spec)
         if spec.fastest is None:
             return
         if spec.follow is not None:
@@ -708,7 +708,7 @@ class Winch:
             asked, key = spec.speed, "speed"
         else:
             key = "lengths" if len(spec.lengths) else "speeds"
-            asked = float(np.abs(_told_speeds(spec)[1]).max()) if len(spec.times) else 0.0
+            asked = float(np.abs(_given_speeds(spec)[1]).max()) if len(spec.times) else 0.0
         if asked > spec.fastest * (1.0 + 1e-12):
             raise InputError(
                 f"{asked:g} m/s, above the largest speed of the winch, {spec.fastest:g} m/s",
@@ -735,10 +735,10 @@ class Winch:
     @property
     def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Times [s] and speeds [m/s], between which the speed is linear."""
-        return _told_speeds(self)
+        return _given_speeds(self)
 
 
-def _check_told(spec: Any) -> None:
+def _check_winch_keys(spec: Any) -> None:
     """A winch has one table of commands."""
     given = [key for key in ("speeds", "lengths", "tensions") if len(getattr(spec, key))]
     if spec.follow is not None:
@@ -774,7 +774,7 @@ def _check_told(spec: Any) -> None:
         check_speeds(spec)
 
 
-def _told_speeds(winch: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _given_speeds(winch: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times [s] and speeds [m/s] of a winch, between which the speed is linear.
 
     Notes

@@ -26,7 +26,7 @@ from heavylift.solver.kinds import (
     implement,
     import_kernels,
     kind_units,
-    kinds_with_verbs,
+    kinds_with_operations,
     method,
     optional,
 )
@@ -350,7 +350,7 @@ def test_a_kind_of_bodies_without_a_method_is_refused_by_name() -> None:
 
 def test_bases_of_kinds_are_no_kinds() -> None:
     import_kernels(RigidBodies)
-    known = kinds_with_verbs()
+    known = kinds_with_operations()
     assert RigidBodies in known
     assert not any(issubclass(other, kind) for kind in known for other in known if other is not kind)
 

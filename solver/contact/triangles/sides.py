@@ -106,7 +106,7 @@ def deepest_of(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> float:
 
 
 @kernel(internal=True)
-def _told(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> int:
+def _known_side(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: int, near: float) -> int:
     """Whether the nearest contact that touches along the line of the normal left in `touch` does so along it: 1 or -1.
 
     0 if none does.
@@ -145,7 +145,7 @@ def settle_sides(meshes: SurfacePairs, contacts: ContactRows, pair: int, count: 
         start = _touching_at_start(meshes, pair, i)
         sense = 0
         if abs(start) <= nothing and not deforms:
-            sense = _told(meshes, contacts, pair, contact_count(contacts), nothing)
+            sense = _known_side(meshes, contacts, pair, contact_count(contacts), nothing)
         if found.hit == UNKNOWN:  # it has come through where something holds that has, too
             found.hit = 0 if sense > 0 else UNKNOWN
         elif sense < 0:
