@@ -527,16 +527,16 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
             repair=section.repair,
         )
 
-    spec = section.first_column or "period"
-    other: FirstColumn = "frequency" if spec == "period" else "period"
+    column = section.first_column or "period"
+    other: FirstColumn = "frequency" if column == "period" else "period"
     try:
-        found = read(spec)
+        found = read(column)
     except InputError as error:
         try:
             read(other)
         except InputError:
             raise error from None
-        raise _of_the_other_column(error, spec, other) from None
+        raise _of_the_other_column(error, column, other) from None
     if section.first_column is None and len(found.omega) >= FEWEST:
         scatter = implied_scatter(found)
         if scatter > DOUBTED:
@@ -549,9 +549,9 @@ def _read(case: Case, section: DatabaseSection) -> HydrodynamicDatabase:
                     f"added mass and damping do not belong to each other, by {scatter:.1%}",
                     source=str(path),
                     key="first_column",
-                    expected=f"'first_column = \"{spec}\"' if that is so",
+                    expected=f"'first_column = \"{column}\"' if that is so",
                 )
-                raise _of_the_other_column(doubt, spec, other)
+                raise _of_the_other_column(doubt, column, other)
     return found
 
 
@@ -559,11 +559,11 @@ DOUBTED, BETTER = 0.02, 0.2
 """`implied_scatter` from which a first column is doubted, and the part of it that the other reading must stay below."""
 
 
-def _of_the_other_column(error: InputError, spec: FirstColumn, other: FirstColumn) -> InputError:
+def _of_the_other_column(error: InputError, column: FirstColumn, other: FirstColumn) -> InputError:
     """The same error, with the word by which the file is sound."""
     what = {"period": "periods [s]", "frequency": "frequencies [rad/s]"}
     return InputError(
-        f"{error.problem}; its first column was read as {what[spec]}",
+        f"{error.problem}; its first column was read as {what[column]}",
         source=error.source,
         key=error.key,
         expected=f"{error.expected}; or 'first_column = \"{other}\"', with which the file is sound: HAMS and others "

@@ -83,7 +83,7 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
     """Keywords of a file and of what it includes, in order."""
     card: _Card | None = None
     goes_on = False
-    lines = DeckLines(deck, root, _spec, _included)
+    lines = DeckLines(deck, root, _without_comments, _included)
     for file, number, line in lines.of(deck):
         if line.startswith("*"):
             if card is not None:
@@ -109,7 +109,7 @@ def _cards(deck: Path, root: Path) -> Iterator[_Card]:
         yield card
 
 
-def _spec(raw: str) -> str:
+def _without_comments(raw: str) -> str:
     line = raw.strip()
     return "" if line.startswith("**") else line
 

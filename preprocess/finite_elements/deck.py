@@ -618,13 +618,13 @@ class Deck:
         """Different materials of elements, and which of them each element has."""
         index = np.full(kept.size, -1, dtype=np.int64)
         found: list[DeckMaterial] = []
-        spec = self.material_index[kept] if len(self.materials) else index
-        for number in np.unique(spec[spec >= 0]):
+        owner = self.material_index[kept] if len(self.materials) else index
+        for number in np.unique(owner[owner >= 0]):
             one = self.materials[number]
             place = next((k for k, other in enumerate(found) if other.agrees(one)), len(found))
             if place == len(found):
                 found.append(one)
-            index[spec == number] = place
+            index[owner == number] = place
         without = kept[index < 0]
         if without.size and len(found) > 1:
             raise InputError(
@@ -708,7 +708,7 @@ def material_of(
             source=source,
             expected="linear isotropic elasticity; 'ignore_material' takes the mesh only, with the material given here",
         )
-    spec = length_unit is not None or mass_unit is not None
+    units_given = length_unit is not None or mass_unit is not None
     length, mass = length_unit or 1.0, mass_unit or 1.0
     scale_known = mass_unit is not None or length_unit is None
     units = {"young_modulus": mass / length, "poisson_ratio": 1.0, "density": mass / length**3}
@@ -746,7 +746,7 @@ def material_of(
                 _disagree(key, here, there, unit, found.name, source)
     values = {**of_file_si, **given}
     material = Material(**{key: values[key] for key in keys})
-    if of_file and not spec:
+    if of_file and not units_given:
         _check_material(material, source)
     return material
 

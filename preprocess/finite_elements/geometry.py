@@ -272,12 +272,12 @@ def read_with_meshio(path: Path) -> Any:
             if is_hdf5(file):
                 check_hdf5(file, "an HDF5 file with the numbers of the mesh")
     # meshio prints its complaint and may leave by SystemExit: keep both for the message
-    spec = io.StringIO()
+    printed = io.StringIO()
     try:
-        with contextlib.redirect_stdout(spec), contextlib.redirect_stderr(spec):
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
             return meshio.read(path)
     except (SystemExit, Exception) as error:
-        text = " ".join(spec.getvalue().split())
+        text = " ".join(printed.getvalue().split())
         if not isinstance(error, SystemExit):
             text = " ".join([text, " ".join(str(error).split()) or type(error).__name__]).strip()
         raise InputError(

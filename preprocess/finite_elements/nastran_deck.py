@@ -126,7 +126,7 @@ def _fields(line: str) -> tuple[str, list[str]]:
 
 def _bulk(deck: Path, root: Path) -> Iterator[tuple[Path, int, str]]:
     """Lines of the bulk data, behind the factor on masses if the case control section gives it."""
-    lines = list(DeckLines(deck, root, _spec, _included).of(deck))
+    lines = list(DeckLines(deck, root, _without_comments, _included).of(deck))
     begin = next(
         (k + 1 for k, (*_, line) in enumerate(lines) if re.match(r"\s*BEGIN\b", line, re.IGNORECASE)), 0
     )
@@ -148,7 +148,7 @@ def _bulk(deck: Path, root: Path) -> Iterator[tuple[Path, int, str]]:
         yield file, number, line
 
 
-def _spec(raw: str) -> str:
+def _without_comments(raw: str) -> str:
     """A line without its comment."""
     return raw.partition("$")[0].expandtabs(8).rstrip()
 
