@@ -40,6 +40,9 @@ class SquareJoint(Joint):
         The pairs.
     """
 
+    WORD: ClassVar = "edge"
+    """What it is in words: no joint of a case file, but one of those that an edge is made of."""
+
     squares: tuple[Square, ...]
 
     @property
@@ -63,6 +66,8 @@ class FrameWeld(Joint):
         A direction across the tangents at the start, world axes, shape (3,).
     """
 
+    WORD: ClassVar = "weld"
+    """What it is in words."""
     ROTATIONAL: ClassVar = (False, False, False, True, True)
 
     normal: NDArray[np.float64]
@@ -91,6 +96,9 @@ class EdgeSeam(Joint):
         Factors of the twists on a and on b which make their parts along the normals the same turn of the surface
         along an element of the edge [rad]; none if only the nodes are clamped.
     """
+
+    WORD: ClassVar = "seam"
+    """What it is in words."""
 
     along: tuple[int, int]
     across: tuple[int, int]
