@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
     from heavylift.modal.invariants import ShapeIntegrals
     from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.structures.structure import Structure
 
-__all__ = ["EIGENMODE_RESIDUAL", "ReducedBody", "check_orthonormal"]
+__all__ = ["EIGENMODE_RESIDUAL", "Interface", "ReducedBody", "check_orthonormal"]
 
 EIGENMODE_RESIDUAL = 1e-3
 """A vector with a smaller relative residual is an eigenmode of the full model."""
@@ -69,6 +70,35 @@ def check_orthonormal(
 
 
 @dataclass(frozen=True, eq=False)
+class Interface:
+    """A place of a body that others are attached to: its displacement and its rotation are those of a group of nodes.
+
+    Attributes
+    ----------
+    point
+        Reference point in the body frame [m], shape (3,).
+    displacement
+        Of the point per unit modal coordinate [kg^-1/2], shape (nf, 3).
+    rotation
+        Of the place relative to the frame per unit modal coordinate [rad kg^-1/2 m^-1], shape (nf, 3).
+    nodes
+        Of the group, shape (m,).
+    forces
+        Loads on the nodes of the group from the force and the moment at the point, shape (m, 3, 6); transposed they are
+        displacement and rotation of the place as a mean of those of the nodes.
+    moments
+        The same for the moments on the nodes, shape (m, 3, 6); zeros where nodes have no rotations.
+    """
+
+    point: NDArray[np.float64]
+    displacement: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    nodes: NDArray[np.int64]
+    forces: NDArray[np.float64]
+    moments: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class ReducedBody:
     """A flexible body in modal coordinates: unit modal mass, diagonal modal stiffness.
 
@@ -100,6 +130,15 @@ class ReducedBody:
     continuum
         Whether it is a solid, whose places turn where it bends. A body of loose points has no directions but those of
         its frame.
+    structure
+        Plates, beams and solids between the nodes, in the body frame; None for bodies with a `mesh`, or with neither.
+    mode_rotations
+        Rotations of the nodes per unit modal coordinate [rad kg^-1/2 m^-1], shape (nf, n, 3), zero for nodes that have
+        none; None if no node has any.
+    rotating
+        Sorted nodes that have rotations.
+    interfaces
+        Places that others are attached to, by name.
 
     Raises
     ------
@@ -118,6 +157,10 @@ class ReducedBody:
     dropped: tuple[str, ...] = ()
     mesh: Mesh | None = None
     continuum: bool = True
+    structure: Structure | None = None
+    mode_rotations: NDArray[np.float64] | None = None
+    rotating: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    interfaces: dict[str, Interface] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n, nf = len(self.nodes), len(self.eigenvalues)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +15,9 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.structures.structure import Structure
 
-__all__ = ["DENSITY_LIMIT", "WAVE_SPEEDS", "FEModel", "Material"]
+__all__ = ["DENSITY_LIMIT", "WAVE_SPEEDS", "FEModel", "MassPoints", "Material"]
 
 WAVE_SPEEDS = (10.0, 30e3)
 """Longitudinal waves of all materials [m/s]: soft rubber to beyond diamond."""
@@ -88,21 +90,51 @@ class Material:
         return D
 
 
+@dataclass(frozen=True, eq=False)
+class MassPoints:
+    """Masses that move with the degrees of freedom of a model: plates with thickness, sections of beams, offsets.
+
+    With them the mass matrix ``B^T diag(m) B`` and all inertia integrals of the body follow from the same sums over
+    points, rotary inertia included. A second moment of inertia about a node may be that of points with negative masses.
+
+    Attributes
+    ----------
+    positions
+        [m], shape (np, 3), in the frame of the model.
+    masses
+        [kg], shape (np,).
+    operator
+        B: displacements of the points from the degrees of freedom of the model, sparse (3 np, N), point-major.
+    """
+
+    positions: NDArray[np.float64]
+    masses: NDArray[np.float64]
+    operator: csr_array
+
+    def matrix(self) -> csr_array:
+        """Mass matrix of all degrees of freedom, sparse (N, N)."""
+        from scipy.sparse import csr_array, diags_array
+
+        weighted = diags_array(np.repeat(self.masses, 3)) @ self.operator
+        return csr_array(self.operator.T @ weighted)
+
+
 @dataclass(frozen=True)
 class FEModel:
     """Stiffness and mass of one flexible body.
 
-    Degrees of freedom are node-major: x, y, z of node 0, x, y, z of node 1, ...
+    Degrees of freedom are node-major: x, y, z of node 0, x, y, z of node 1, ...; after those of all nodes come the
+    rotations x, y, z of each of the nodes that have some, N in all.
 
     Parameters
     ----------
     nodes
         Positions [m], shape (n, 3), body frame.
     stiffness
-        K [N/m], sparse (3n, 3n), symmetric, free of boundary conditions. Rows of `fixed_nodes` may be zero.
+        K [N/m, N, N m], sparse (N, N), symmetric, free of boundary conditions. Rows of `fixed_nodes` may be zero.
     mass
-        SCALAR mass matrix M_s [kg], sparse (n, n), diagonal when lumped. The mass matrix of all degrees of
-        freedom is kron(M_s, I3).
+        Without `points` the SCALAR mass matrix M_s [kg], sparse (n, n), diagonal when lumped: the mass matrix of all
+        degrees of freedom is kron(M_s, I3). With them the mass matrix of all degrees of freedom, sparse (N, N).
     mesh, material
         What the matrices were assembled from; None when they were read from files.
     node_groups
@@ -115,6 +147,15 @@ class FEModel:
         Where the model comes from, for messages.
     notes
         What its reader found, chose and left out, one sentence each.
+    rotating
+        Sorted nodes that have rotations.
+    points
+        Where the mass is, of structures of plates and beams; None: the nodes of the scalar mass matrix.
+    constraint
+        Of nodes that follow others: all degrees of freedom from those that are free, sparse (N, free); None if none
+        does. A free one is a degree of freedom of the model too: its column has a 1 in its own row, the others follow.
+    structure
+        Plates, beams and solids that the matrices were assembled from; None when there are none, or in `mesh`.
 
     Raises
     ------
@@ -132,14 +173,22 @@ class FEModel:
     fixed_dofs: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     name: str = ""
     notes: tuple[str, ...] = ()
+    rotating: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    points: MassPoints | None = None
+    constraint: csr_array | None = None
+    structure: Structure | None = None
 
     def __post_init__(self) -> None:
         source = self.name or "finite element model"
         object.__setattr__(self, "nodes", np.ascontiguousarray(self.nodes, dtype=np.float64))
-        for key in ("fixed_nodes", "fixed_dofs"):
+        for key in ("fixed_nodes", "fixed_dofs", "rotating"):
             object.__setattr__(self, key, np.unique(np.asarray(getattr(self, key), dtype=np.int64)))
         n = len(self.nodes)
-        for key, matrix, size in (("stiffness", self.stiffness, 3 * n), ("mass", self.mass, n)):
+        inertial = n if self.points is None else self.dof_count
+        for key, matrix, size in (
+            ("stiffness", self.stiffness, self.dof_count),
+            ("mass", self.mass, inertial),
+        ):
             if matrix.shape != (size, size):
                 raise InputError(
                     f"matrix of shape {matrix.shape}",
@@ -151,7 +200,11 @@ class FEModel:
                 raise InputError(
                     "has entries that are not finite", source=source, key=key, expected="finite numbers"
                 )
-        for key, held, size in (("fixed_nodes", self.fixed_nodes, n), ("fixed_dofs", self.fixed_dofs, 3 * n)):
+        for key, held, size in (
+            ("fixed_nodes", self.fixed_nodes, n),
+            ("fixed_dofs", self.fixed_dofs, self.dof_count),
+            ("rotating", self.rotating, n),
+        ):
             if held.size and (held[0] < 0 or held[-1] >= size):
                 raise InputError(
                     f"indices {held[0]} to {held[-1]}",
@@ -170,13 +223,25 @@ class FEModel:
         return len(self.nodes)
 
     @property
+    def dof_count(self) -> int:
+        """Number N of degrees of freedom: three displacements a node, and three rotations of nodes that have some."""
+        return 3 * (len(self.nodes) + len(self.rotating))
+
+    @cached_property
+    def rotation_dofs(self) -> NDArray[np.int64]:
+        """First of the three rotations of every node, -1 for none, shape (n,)."""
+        first = np.full(len(self.nodes), -1, dtype=np.int64)
+        first[self.rotating] = 3 * (len(self.nodes) + np.arange(len(self.rotating)))
+        return first
+
+    @property
     def total_mass(self) -> float:
-        """Sum of the scalar mass matrix [kg]."""
-        return float(self.mass.sum())
+        """Mass of the body [kg]."""
+        return float(self.mass.sum() if self.points is None else self.points.masses.sum())
 
     @property
     def is_lumped(self) -> bool:
-        """Whether the scalar mass matrix is diagonal."""
+        """Whether no mass couples one node with another."""
         coo = self.mass.tocoo()
         return bool((coo.row == coo.col).all())
 
