@@ -32,7 +32,16 @@ if TYPE_CHECKING:
     from heavylift.preprocess.structures.shell_operators import ShellOperators
     from heavylift.preprocess.structures.structure import Shells, Structure
 
-__all__ = ["CHUNK", "MASS_KINDS", "assemble_structure", "rotating_nodes", "shell_chunks", "shell_operators"]
+__all__ = [
+    "CHUNK",
+    "MASS_KINDS",
+    "assemble_structure",
+    "blocks_of",
+    "element_motion",
+    "rotating_nodes",
+    "shell_chunks",
+    "shell_operators",
+]
 
 MASS_KINDS = ("lumped", "consistent")
 CHUNK = 2048
@@ -184,6 +193,34 @@ def shell_chunks(
         yield part, elements, operators, thickness[part], offset[part]
 
 
+def blocks_of(model: FEModel, elements: NDArray[np.int64], rotations: bool = True) -> NDArray[np.int64]:
+    """Blocks of three degrees of freedom of the nodes of elements (ne, k): displacement, rotation in turn, (ne, 2 k).
+
+    Without rotations the nodes themselves.
+    """
+    return _blocks(model.rotation_dofs, elements) if rotations else elements
+
+
+def _blocks(rotation_dofs: NDArray[np.int64], elements: NDArray[np.int64]) -> NDArray[np.int64]:
+    ne, width = elements.shape
+    return np.stack([elements, rotation_dofs[elements] // 3], axis=2).reshape(ne, 2 * width)
+
+
+def element_motion(
+    model: FEModel, elements: NDArray[np.int64], displacements: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Displacements and rotations of the nodes of elements (ne, k) from those of the model (..., N), (..., ne, 6 k).
+
+    Rotations of nodes without any are zero.
+    """
+    ne, width = elements.shape
+    first = model.rotation_dofs[elements]
+    index = np.stack([3 * elements, first], axis=2)[..., None] + np.arange(3)
+    moved = displacements[..., index]
+    moved[..., 1, :] *= (first >= 0)[..., None]
+    return moved.reshape(*displacements.shape[:-1], ne, 6 * width)
+
+
 class _Parts:
     """Sums of matrices and points of a structure."""
 
@@ -194,21 +231,14 @@ class _Parts:
         self._positions: list[NDArray[np.float64]] = []
         self._masses: list[NDArray[np.float64]] = []
 
-    def blocks_of(self, elements: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Blocks of three degrees of freedom of the nodes of elements, displacement and rotation in turn, (ne, 2 k)."""
-        ne, width = elements.shape
-        found = np.empty((ne, width, 2), dtype=np.int64)
-        found[..., 0] = elements
-        found[..., 1] = self.rotation_dofs[elements] // 3
-        return found.reshape(ne, 2 * width)
-
     def add_shells(self, width: int, *, consistent: bool) -> None:
         """Add all quadrilaterals, or all triangles."""
         chosen = [part for part in self.structure.shells if part.elements.shape[1] == width]
         bending = [part for part in chosen if part.bends]
         if bending:
             pattern = NodePattern(
-                self.blocks_of(np.concatenate([part.elements for part in bending])), self.size // 3
+                _blocks(self.rotation_dofs, np.concatenate([part.elements for part in bending])),
+                self.size // 3,
             )
             matrix = BlockMatrix(pattern)
             first = 0
@@ -254,7 +284,7 @@ class _Parts:
         if not beams:
             return
         pattern = NodePattern(
-            self.blocks_of(np.concatenate([part.elements for part in beams])), self.size // 3
+            _blocks(self.rotation_dofs, np.concatenate([part.elements for part in beams])), self.size // 3
         )
         matrix = BlockMatrix(pattern)
         first = 0

@@ -54,7 +54,7 @@ def structure():
 
 def _sampled(structure, point):
     """Distance of the nearest of many points of all elements."""
-    s = np.linspace(0, 1, 81)
+    s = np.linspace(0, 1, 41)
     a, b = (x.ravel() for x in np.meshgrid(s, s))
     parts = []
     for shells in structure.shells:
@@ -72,12 +72,12 @@ def _sampled(structure, point):
 
 
 def test_nearest_place_is_the_nearest_of_all_points(structure):
-    for point in np.random.default_rng(2).uniform([-1, -1, -1], [7, 2, 3], (60, 3)):
+    for point in np.random.default_rng(2).uniform([-1, -1, -1], [7, 2, 3], (15, 3)):
         nodes, weights, distance = structure.nearest_place(point)
         assert weights.sum() == pytest.approx(1.0)
         assert np.linalg.norm(weights @ NODES[nodes] - point) == pytest.approx(distance)
         assert distance <= _sampled(structure, point) + 1e-9
-        assert distance >= _sampled(structure, point) - 0.03
+        assert distance >= _sampled(structure, point) - 0.05
 
 
 def test_places_on_a_plate_have_its_bilinear_shape_functions(structure):
