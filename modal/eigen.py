@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.modal.constraints import FreeDofs
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = [
@@ -73,7 +74,7 @@ class Modes:
     eigenvalues
         Squared angular frequencies [rad^2/s^2], ascending, shape (nf,).
     shapes
-        Mass-normalised mode shapes [kg^-1/2], node-major, shape (3n, nf); zero at clamped nodes; the
+        Mass-normalised mode shapes [kg^-1/2], node-major, shape (N, nf); zero at clamped nodes; the
         component of largest magnitude is positive.
     residuals
         ``||K phi - w2 M phi|| / (w2 ||M phi||)`` over the free degrees of freedom, shape (nf,).
@@ -107,7 +108,7 @@ def eigenmodes(
     backend: str = "auto",
     flexibility: Flexibility | None = None,
 ) -> Modes:
-    """Lowest flexible eigenmodes of ``K phi = w2 kron(M_s, 1) phi``.
+    """Lowest flexible eigenmodes of ``K phi = w2 M phi``.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ def eigenmodes(
             expected="sizes, densities and moduli whose products a computer can hold",
         ) from None
     shapes = signed(shapes)
-    residuals = relative_residuals(model, values, shapes, free=body.unknowns)
+    residuals = relative_residuals(model, values, shapes, free=body.dofs)
     orthogonality = orthogonality_error(model, shapes)
     if not (np.all(residuals <= RESIDUAL_LIMIT) and orthogonality <= ORTHOGONALITY_LIMIT):
         raise ModesNotConvergedError(
@@ -179,28 +180,27 @@ def relative_residuals(
     eigenvalues: NDArray[np.float64],
     shapes: NDArray[np.float64],
     *,
-    free: NDArray[np.int64] | None = None,
+    free: FreeDofs,
 ) -> NDArray[np.float64]:
-    """``||K phi - w2 M phi|| / (w2 ||M phi||)`` of each column of shapes (3n, nf), over `free` rows."""
-    rows = slice(None) if free is None else free
+    """``||K phi - w2 M phi|| / (w2 ||M phi||)`` of each column of shapes (N, nf), over free degrees of freedom."""
     result = np.empty(len(eigenvalues))
     for first in range(0, len(eigenvalues), BLOCK):
         part = slice(first, first + BLOCK)
-        inertia = (apply_mass(model.mass, shapes[:, part]) * eigenvalues[part])[rows]
-        force = (model.stiffness @ shapes[:, part])[rows]
+        inertia = free.gathered(apply_mass(model.mass, shapes[:, part]) * eigenvalues[part])[free.unknowns]
+        force = free.gathered(model.stiffness @ shapes[:, part])[free.unknowns]
         scale = np.maximum(np.linalg.norm(inertia, axis=0), np.finfo(float).tiny)
         result[part] = np.linalg.norm(force - inertia, axis=0) / scale
     return result
 
 
 def orthogonality_error(model: FEModel, shapes: NDArray[np.float64]) -> float:
-    """``max |Phi^T M Phi - 1|`` of shapes (3n, nf)."""
+    """``max |Phi^T M Phi - 1|`` of shapes (N, nf)."""
     gram = shapes.T @ apply_mass(model.mass, shapes)
     return float(np.abs(gram - np.eye(len(gram))).max(initial=0.0))
 
 
 def signed(shapes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Shapes (3n, nf) with the component of largest magnitude positive; the first of nearly equal ones."""
+    """Shapes (N, nf) with the component of largest magnitude positive; the first of nearly equal ones."""
     magnitude = np.abs(shapes)
     # symmetric bodies have several largest components: rounding must not choose between them
     first = np.argmax(magnitude >= (1.0 - 1e-6) * magnitude.max(axis=0), axis=0)
@@ -209,10 +209,10 @@ def signed(shapes: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _iterative(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Eigenvalues and mass-normalised shapes (3n, count) by block Lanczos."""
+    """Eigenvalues and mass-normalised shapes (N, count) by block Lanczos."""
     mass = body.model.mass
     generator = np.random.default_rng(20140623)
-    loads = np.zeros((3 * body.model.node_count, BLOCK))
+    loads = np.zeros((body.model.dof_count, BLOCK))
     loads[body.unknowns] = generator.standard_normal((len(body.unknowns), BLOCK))
     # one solve makes the random loads smooth, two suppress what the lowest modes do not need
     start = body.solve(apply_mass(mass, body.solve(loads)))
@@ -239,15 +239,11 @@ def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[
     from scipy.linalg import eigh, qr
 
     model, free = body.model, body.unknowns
-    K = model.stiffness[free][:, free].toarray()
-    M = np.zeros_like(K)
-    nodes, axes = np.divmod(free, 3)
-    for k in range(3):
-        along = np.flatnonzero(axes == k)
-        M[np.ix_(along, along)] = model.mass[nodes[along]][:, nodes[along]].toarray()
+    K = body.dofs.condensed(model.stiffness)[free][:, free].toarray()
+    M = body.dofs.condensed(model.full_mass())[free][:, free].toarray()
     complement = np.eye(len(free))
     if body.rigid_count:
-        inertia = apply_mass(model.mass, body.rigid)[free]
+        inertia = body.dofs.gathered(apply_mass(model.mass, body.rigid))[free]
         complement = qr(inertia)[0][:, body.rigid_count :]  # no momentum: x^T M R = 0
         K, M = complement.T @ K @ complement, complement.T @ M @ complement
     # M x = mu K x: the mass may be singular (massless nodes), the stiffness is not
@@ -262,6 +258,6 @@ def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[
             key="modes",
             expected=f"at most {massive}, the number of degrees of freedom that have mass",
         )
-    shapes = np.zeros((3 * model.node_count, count))
+    shapes = np.zeros((model.dof_count, count))
     shapes[free] = complement @ (x / np.sqrt(mu))
-    return 1.0 / mu, shapes
+    return 1.0 / mu, body.dofs.expanded(shapes)
