@@ -104,6 +104,7 @@ def eigenmodes(
     model: FEModel,
     count: int,
     *,
+    up_to: float | None = None,
     fixed_nodes: Sequence[int] | NDArray[np.int64] = (),
     backend: str = "auto",
     flexibility: Flexibility | None = None,
@@ -115,7 +116,9 @@ def eigenmodes(
     model
         Finite element model with a consistent or lumped mass.
     count
-        Number of flexible modes.
+        Number of flexible modes. With `up_to` the largest number, 0 for any.
+    up_to
+        Only modes up to this frequency [Hz].
     fixed_nodes
         Clamped nodes besides the nodes and directions that the model holds itself. None at all: a free body,
         whose six rigid modes are found analytically and removed, as are those that supports leave.
@@ -128,8 +131,8 @@ def eigenmodes(
     Raises
     ------
     InputError
-        More modes than flexible degrees of freedom, none, or a model that is not one supported or
-        free elastic body.
+        More modes than flexible degrees of freedom, none, none up to the frequency, or a model that is not one
+        supported or free elastic body.
     ModesNotConvergedError
         If residuals or orthogonality miss the limits.
 
@@ -142,6 +145,9 @@ def eigenmodes(
     """
     body = flexibility or Flexibility(model, fixed_nodes, backend=backend)
     available = len(body.unknowns) - body.rigid_count
+    highest = None if up_to is None else (2.0 * np.pi * up_to) ** 2
+    if highest is not None and count == 0:
+        count = available
     if not 1 <= count <= available:
         raise InputError(
             f"{count} modes requested",
@@ -150,10 +156,10 @@ def eigenmodes(
             expected=f"1 to {available}, the number of flexible degrees of freedom",
         )
     dense = len(body.unknowns) <= _DENSE_UNKNOWNS or (
-        6 * count > len(body.unknowns) and len(body.unknowns) <= _DENSE_LIMIT
+        highest is None and 6 * count > len(body.unknowns) and len(body.unknowns) <= _DENSE_LIMIT
     )
     try:
-        values, shapes = _dense(body, count) if dense else _iterative(body, count)
+        values, shapes = _dense(body, count, highest) if dense else _iterative(body, count, highest)
     except np.linalg.LinAlgError as error:
         raise InputError(
             f"no modes are found: {str(error).lower()}",
@@ -161,6 +167,15 @@ def eigenmodes(
             key="modes",
             expected="sizes, densities and moduli whose products a computer can hold",
         ) from None
+    if highest is not None:
+        if values[0] > highest:
+            raise InputError(
+                f"no mode up to {up_to:.9g} Hz",
+                source=model.name or "finite element model",
+                key="up_to",
+                expected=f"at least the first frequency, {np.sqrt(values[0]) / (2.0 * np.pi):.6g} Hz",
+            )
+        values, shapes = values[values <= highest], shapes[:, values <= highest]
     shapes = signed(shapes)
     residuals = relative_residuals(model, values, shapes, free=body.dofs)
     orthogonality = orthogonality_error(model, shapes)
@@ -208,7 +223,9 @@ def signed(shapes: NDArray[np.float64]) -> NDArray[np.float64]:
     return shapes * np.where(signs == 0.0, 1.0, signs)
 
 
-def _iterative(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _iterative(
+    body: Flexibility, count: int, highest: float | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Eigenvalues and mass-normalised shapes (N, count) by block Lanczos."""
     mass = body.model.mass
     generator = np.random.default_rng(20140623)
@@ -223,10 +240,11 @@ def _iterative(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDAr
         count,
         tolerance=_KRYLOV_TOLERANCE,
         limit=min(len(body.unknowns), 6 * count + 30 * BLOCK),
+        down_to=0.0 if highest is None else 1.0 / highest,
     )
     if not pairs.converged or np.any(pairs.values <= 0.0):
         raise ModesNotConvergedError(
-            f"{count} modes did not converge in a Krylov space of {pairs.dimension} vectors",
+            f"{len(pairs.values)} modes did not converge in a Krylov space of {pairs.dimension} vectors",
             pairs.errors,
             np.nan,
         )
@@ -234,7 +252,9 @@ def _iterative(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDAr
     return 1.0 / pairs.values, pairs.vectors
 
 
-def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _dense(
+    body: Flexibility, count: int, highest: float | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The same by the dense solver, on the complement of the rigid motions."""
     from scipy.linalg import eigh, qr
 
@@ -251,6 +271,9 @@ def _dense(body: Flexibility, count: int) -> tuple[NDArray[np.float64], NDArray[
     mu, x = eigh(M, 0.5 * (K + K.T), subset_by_index=[size - count, size - 1])
     mu, x = mu[::-1], x[:, ::-1]
     massive = int(np.count_nonzero(mu > 1e-15 * mu[0]))
+    if highest is not None:
+        count = min(massive, count)
+        mu, x = mu[:count], x[:, :count]
     if massive < count:
         raise InputError(
             f"{count} modes requested",
