@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -12,6 +13,7 @@ from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
+from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane
@@ -44,15 +46,19 @@ def cantilever(
     points: tuple[tuple[float, float, float], ...] = (),
     young: float = YOUNG,
     free: bool = False,
+    stiffening: bool = False,
 ) -> ReducedBody:
-    """Clamped at the root, or free; with static vectors for forces at points."""
+    """Clamped at the root, or free; with static vectors for forces at points, and with geometric stiffening."""
     bar = model(elements, young)
     clamp = np.empty(0, dtype=np.int64) if free else bar.node_groups["root"]
     flexibility = Flexibility(bar, clamp)
     basis: Basis = eigenmode_basis(eigenmodes(bar, modes, flexibility=flexibility))
     if points:
         basis += static_vectors(flexibility, place_loads(bar, points))
-    return reduce_body(bar, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=free)
+    reduced = reduce_body(bar, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=free)
+    if not stiffening:
+        return reduced
+    return replace(reduced, stiffening=inertia_stiffening(flexibility, reduced, stress_stiffness(bar)))
 
 
 def beam(reduced: ReducedBody, **more: Any) -> FlexibleBody:
