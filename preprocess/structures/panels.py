@@ -1,14 +1,14 @@
-"""Panels become meshes: plates, stiffeners along them, openings and lugs, cut where they meet and meshed with quadrilaterals.
+"""Panels become meshes: plates, stiffeners along them, openings and lugs, cut where they meet.
 
-Plates are polygons, or faces of a STEP file of surfaces. All faces and stiffener lines are cut along their intersections by
-OpenCASCADE, so that elements meet node on node; fields with four sides are meshed with rows and columns, the others with what
-gmsh recombines.
+Plates are polygons, or faces of a STEP file of surfaces. OpenCASCADE cuts all faces and stiffener lines along their
+intersections, so that elements meet node on node. Fields with four sides are meshed with rows and columns of
+quadrilaterals, the others with what gmsh recombines.
 """
 
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -115,8 +115,8 @@ class Stiffener:
     foot
         From the foot of the web, at the surface of the plate, to the centroid of the section, axes 2 and 3 [m].
     flange
-        Direction of axis 3 of the section, shape (3,), to which flanges and bulbs point; None: that of the line turned to
-        the web by the right hand.
+        Direction of axis 3 of the section, shape (3,), to which flanges and bulbs point; None: that of the line turned
+        to the web by the right hand.
     """
 
     name: str
@@ -186,7 +186,10 @@ def repeated(
     [np.float64(0.0), np.float64(2.0), np.float64(0.5), np.float64(2.5)]
     """
     base = np.asarray(points, dtype=np.float64)
-    shifts = [[k * np.asarray(step, dtype=np.float64) for k in range(n)] for step, n in zip(steps, counts, strict=True)]
+    shifts = [
+        [k * np.asarray(step, dtype=np.float64) for k in range(n)]
+        for step, n in zip(steps, counts, strict=True)
+    ]
     return tuple(base + sum(shift, np.zeros(3)) for shift in product(*shifts))
 
 
@@ -229,7 +232,7 @@ def mesh_panels(
     if not (np.isfinite(size) and size > 0.0):
         raise InputError(f"{size!r}", source=name, key="size", expected="a positive length in m")
     _check_names(plates, stiffeners, lugs, name)
-    everything = [*plates, *chain.from_iterable(_lug_plates(lug) for lug in lugs)]
+    everything: list[Any] = [*plates, *chain.from_iterable(_lug_plates(lug) for lug in lugs)]
     with gmsh_session(name) as gmsh:
         # millimetres inside gmsh, whose tolerances are absolute and made for them
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
@@ -251,7 +254,9 @@ def _check_names(
     names = [one.name for one in (*plates, *stiffeners, *lugs)]
     twice = next((one for one in names if names.count(one) > 1), None)
     if twice is not None:
-        raise InputError(f"{twice!r} is given twice", source=name, expected="one plate, stiffener or lug a name")
+        raise InputError(
+            f"{twice!r} is given twice", source=name, expected="one plate, stiffener or lug a name"
+        )
     known = [plate.name for plate in plates]
     for one in stiffeners:
         if one.plate and one.plate not in known:
@@ -270,7 +275,10 @@ def _frame(corners: NDArray[np.float64], source: str, key: str) -> NDArray[np.fl
     """Unit normal of a plane polygon by the right hand rule."""
     if corners.ndim != 2 or corners.shape[1:] != (3,) or len(corners) < 3 or not np.all(np.isfinite(corners)):
         raise InputError(
-            f"corners {np.array2string(corners, threshold=12)}", source=source, key=key, expected="three or more points"
+            f"corners {np.array2string(corners, threshold=12)}",
+            source=source,
+            key=key,
+            expected="three or more points",
         )
     following = np.roll(corners, -1, axis=0)
     area = 0.5 * np.cross(corners - corners[0], following - corners[0]).sum(axis=0)
@@ -322,14 +330,16 @@ def _outline(
     second: NDArray[np.float64],
     straight: NDArray[np.float64],
 ) -> list[int]:
-    """Curves around an opening: quarters of a circle of the radii `first` and `second`, pulled apart by +-`straight`."""
+    """Curves around an opening: quarters of a circle of radii `first` and `second`, pulled apart by +-`straight`."""
     occ = gmsh.model.occ
     curves, ends = [], []
     for side, turn in ((1.0, 1.0), (-1.0, -1.0)):
         middle = centre + side * straight
         points = [middle - turn * second, middle + turn * first, middle + turn * second]
         tags = [occ.addPoint(*(1e3 * p)) for p in (*points, middle)]
-        curves.append((occ.addCircleArc(tags[0], tags[3], tags[1]), occ.addCircleArc(tags[1], tags[3], tags[2])))
+        curves.append(
+            (occ.addCircleArc(tags[0], tags[3], tags[1]), occ.addCircleArc(tags[1], tags[3], tags[2]))
+        )
         ends.append((tags[0], tags[2]))
     if np.any(straight):
         first_line, second_line = occ.addLine(ends[0][1], ends[1][0]), occ.addLine(ends[1][1], ends[0][0])
@@ -346,7 +356,9 @@ def _cut_openings(gmsh: Any, tag: int, normal: NDArray[np.float64], openings: Se
         high, wide = min(one.width, one.height), max(one.width, one.height)
         along = width if one.width >= one.height else np.cross(normal, width)
         across = np.cross(normal, along)
-        curves = _outline(gmsh, one.centre, 0.5 * high * along, 0.5 * high * across, 0.5 * (wide - high) * along)
+        curves = _outline(
+            gmsh, one.centre, 0.5 * high * along, 0.5 * high * across, 0.5 * (wide - high) * along
+        )
         tools.append((2, occ.addPlaneSurface([occ.addCurveLoop(curves)])))
     left = occ.cut([(2, tag)], tools)[0]
     return [t for _, t in left]
@@ -363,7 +375,7 @@ def _faces(
             found.append((index, _round_end(gmsh, plate)))
             continue
         used = set()
-        for number, polygon in enumerate(plate.polygons):
+        for polygon in plate.polygons:
             key = f"plates.{plate.name}"
             corners = np.asarray(polygon, dtype=np.float64)
             normal = _frame(corners, name, f"{key}.corners")
@@ -371,14 +383,14 @@ def _faces(
             inside = [
                 k
                 for k, one in enumerate(plate.openings)
-                if abs((one.centre - corners[0]) @ normal) <= _FLAT * size and _contains(corners, normal, one.centre)
+                if abs((one.centre - corners[0]) @ normal) <= _FLAT * size
+                and _contains(corners, normal, one.centre)
             ]
             used |= set(inside)
             tags = [_polygon(gmsh, corners)]
             if inside:
                 tags = _cut_openings(gmsh, tags[0], normal, [plate.openings[k] for k in inside])
             found += [(index, tag) for tag in tags]
-            del number
         for k in range(len(plate.openings)):
             if k not in used and plate.polygons:
                 at = ", ".join(f"{1e3 * x:.6g}" for x in plate.openings[k].centre)
@@ -436,7 +448,7 @@ def _imported(
         unknown = set(plate.faces) - set().union(*labels.values())
         if unknown:
             raise InputError(
-                f"no face {sorted(unknown)[0]!r} in {Path(file).name}",
+                f"no face {min(unknown)!r} in {Path(file).name}",
                 source=name,
                 key=f"plates.{plate.name}.faces",
                 expected="labels of its faces, or 'face 1' ... 'face " + f"{len(tags)}'",
@@ -455,7 +467,9 @@ def _imported(
                 source=name,
                 key=f"plates.{plate.name}",
                 expected="faces in these planes; the file spans "
-                + ", ".join(f"{axis} {low:.6g} to {high:.6g}" for axis, low, high in zip("xyz", *box, strict=True))
+                + ", ".join(
+                    f"{axis} {low:.6g} to {high:.6g}" for axis, low, high in zip("xyz", *box, strict=True)
+                )
                 + " mm (is its unit right?)",
             )
         for tag in chosen:
@@ -498,6 +512,9 @@ def _cut(
     """Cut all faces and lines by each other; tags of the parts of each face and of each line."""
     objects = [(2, tag) for _, tag in faces]
     tools = [(1, tag) for _, tag in lines]
+    if len(objects) + len(tools) == 1:  # nothing to cut
+        gmsh.model.occ.synchronize()
+        return [[objects[0][1]]], []
     _, parts = gmsh.model.occ.fragment(objects, tools)
     gmsh.model.occ.synchronize()
     found = [[tag for dim, tag in part if dim == 2] for part in parts[: len(objects)]]
@@ -567,7 +584,10 @@ def _lug_plates(lug: Lug) -> Iterator[Any]:
         side = np.cross(n, d)
         corners = [lug.foot - lug.bracket * side, lug.foot + lug.bracket * side]
         tip = max(lug.height - 0.5 * lug.hole - 0.5 * (lug.radius - 0.5 * lug.hole), 0.3 * lug.height)
-        corners += [lug.foot + tip * n + 0.2 * lug.bracket * side, lug.foot + tip * n - 0.2 * lug.bracket * side]
+        corners += [
+            lug.foot + tip * n + 0.2 * lug.bracket * side,
+            lug.foot + tip * n - 0.2 * lug.bracket * side,
+        ]
         yield Plate(f"{lug.name}_brackets", lug.material, lug.thickness, polygons=(np.array(corners),))
 
 
@@ -681,7 +701,7 @@ def _collect(
     new[used] = np.arange(used.size)
     groups: dict[str, NDArray[np.int64]] = {}
     shells = []
-    for (index, width), parts in sorted(found.items()):
+    for (index, _), parts in sorted(found.items()):
         plate, elements = plates[index], new[np.vstack(parts)]
         shells.append(
             Shells(
@@ -694,7 +714,6 @@ def _collect(
             )
         )
         groups[plate.name] = np.union1d(groups.get(plate.name, np.empty(0, dtype=np.int64)), elements)
-        del width
     rods = []
     thickness = {plate.name: plate.thickness for plate in plates}
     for index, parts in sorted(beams.items()):
@@ -705,7 +724,7 @@ def _collect(
         centre = lug.foot + lug.height * _unit(lug.normal)
         own = groups[lug.name]
         others = [part.elements for part in shells if not part.name.startswith(lug.name)]
-        if not np.intersect1d(own, np.concatenate([elements.ravel() for elements in others] or [[]])).size:
+        if not others or not np.intersect1d(own, np.hstack([elements.ravel() for elements in others])).size:
             at = ", ".join(f"{1e3 * x:.6g}" for x in lug.foot)
             raise InputError(
                 f"its foot at ({at}) mm stands on no plate",
