@@ -266,7 +266,9 @@ class FloatingFrameBodies(FrameBodies):
             first_moment = frame.undeformed_first_moment + S @ self.modal_position[modes]
             load[row.dof + 3 : row.dof + 6] += np.cross(first_moment, inside)
             load[own[modes]] += inside @ S
-            if row.stiffening >= 0 and row.motion != FREE:  # of what is free, weight and support are in balance
+            if (
+                row.stiffening >= 0 and row.motion != FREE
+            ):  # of what is free, weight and support are in balance
                 n = row.mode_count
                 start = row.stiffening + 4 * n * n
                 G = self.constants[start : start + 3 * n * n].reshape(3, n, n)
