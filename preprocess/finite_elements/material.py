@@ -31,7 +31,7 @@ class Material:
     poisson_ratio
         nu [-], -1 < nu < 0.5.
     density
-        rho [kg/m3], positive; zero for parts of a structure that only stiffen it.
+        rho [kg/m3], positive.
 
     Raises
     ------
@@ -47,8 +47,7 @@ class Material:
         errors = []
         for key, unit in (("young_modulus", "Pa"), ("density", "kg/m3")):
             value = getattr(self, key)
-            least = value > 0.0 or (key == "density" and value == 0.0)
-            if not (np.isfinite(value) and least):
+            if not (np.isfinite(value) and value > 0.0):
                 errors.append(
                     InputError(
                         f"{value!r}", source="material", key=key, expected=f"a positive number of {unit}"

@@ -61,6 +61,8 @@ def _channel(width: float, height: float, web: float, flange: float) -> list[Rec
 def _box(
     width: float, height: float, top: float, bottom: float, left: float, right: float
 ) -> list[Rectangle]:
+    if not (left + right < width and top + bottom < height):
+        raise ValueError("dimensions that leave no wall apart")
     return [
         (0.0, bottom, 0.0, width),
         (height - top, height, 0.0, width),
