@@ -288,8 +288,8 @@ def brick_alphas(
         corners, material, np.matmul(reference, np.linalg.inv(J)), weights * np.linalg.det(J)
     )
     load = np.matmul(K[:, 24:, :24], displacements.reshape(len(corners), 24, 1))
-    alphas: NDArray[np.float64] = -np.linalg.solve(K[:, 24:, 24:], load).reshape(-1, 3, 3)
-    return modes, alphas
+    alphas = np.linalg.solve(K[:, 24:, 24:], -load).reshape(-1, 3, 3)
+    return modes, np.asarray(alphas, dtype=np.float64)
 
 
 def _reduced(
