@@ -117,10 +117,25 @@ def rotating_nodes(structure: Structure) -> NDArray[np.int64]:
     for average in structure.averages:
         if np.any(average.components[3:]):
             turning[average.node] = True
-    for link in structure.links:
-        apart = structure.nodes[link.dependent] != structure.nodes[link.node]
-        if apart.any() or turning[link.dependent].any():
-            turning[link.node] = True
+    # nodes that only links, averages and ties hold pass rotations on
+    bare = np.ones(structure.node_count, dtype=bool)
+    for elements in [part.elements for part in structure.shells] + [
+        part.elements for part in structure.solids
+    ]:
+        bare[elements] = False
+    count = -1
+    while count != (count := int(turning.sum())):
+        for link in structure.links:
+            dependent = link.dependent
+            apart = structure.nodes[dependent] != structure.nodes[link.node]
+            if apart.any() or turning[dependent].any():
+                turning[link.node] = True
+            if turning[link.node] and np.any(link.components[3:]):
+                turning[dependent[bare[dependent]]] = True
+        for tie in structure.ties:
+            pair = np.array([tie.node, tie.dependent])
+            if np.any(tie.components[3:]) and turning[pair].any():
+                turning[pair[bare[pair]]] = True
     return np.flatnonzero(turning)
 
 

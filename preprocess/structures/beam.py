@@ -232,7 +232,8 @@ def _shear_ratio(
     material: Material, I: float, shear_area: float, length: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Phi = 12 E I / (G A_s L^2), shape (ne,)."""
-    return 12.0 * material.young_modulus * I / (material.shear_modulus * shear_area * length**2)
+    stiff = material.shear_modulus * shear_area * length**2
+    return np.asarray(12.0 * material.young_modulus * I / stiff, dtype=np.float64)
 
 
 def _principal_turn(section: BeamSection) -> NDArray[np.float64]:

@@ -83,10 +83,12 @@ def quadrilateral_operators(
     local = np.matmul(corners - centre[:, None], axes.transpose(0, 2, 1))
     shape, slopes = _shape(_POINTS)
     J = _jacobians(local, _POINTS)
-    detJ = np.linalg.det(J)
-    G = np.matmul(np.linalg.inv(J), slopes)  # d/dx and d/dy of N, (ne, 4, 2, 4)
+    detJ: NDArray[np.float64] = np.linalg.det(J)
+    inverse = np.asarray(np.linalg.inv(J), dtype=np.float64)
+    G = np.matmul(inverse, slopes)  # d/dx and d/dy of N, (ne, 4, 2, 4)
     J0 = _jacobians(local, np.zeros((1, 2)))[:, 0]
-    det0, inverse0 = np.linalg.det(J0), np.linalg.inv(J0)
+    det0: NDArray[np.float64] = np.linalg.det(J0)
+    inverse0 = np.asarray(np.linalg.inv(J0), dtype=np.float64)
 
     B = np.zeros((ne, 4, 8, 4, 6))
     B[:, :, MEMBRANE] = _membrane(G, detJ, det0, inverse0, poisson_ratio)
@@ -95,7 +97,7 @@ def quadrilateral_operators(
     bending[:, :, 1, :, 3] = -G[:, :, 1]
     bending[:, :, 2, :, 4] = G[:, :, 1]
     bending[:, :, 2, :, 3] = -G[:, :, 0]
-    B[:, :, SHEAR] = _shear(local, np.linalg.inv(J))
+    B[:, :, SHEAR] = _shear(local, inverse)
     to_mid_surface(B, offset[:, None] - local[..., 2])
 
     middle, middle_slopes = _shape(np.zeros((1, 2)))
