@@ -8,7 +8,7 @@ quadrilaterals, the others with what gmsh recombines.
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -779,14 +779,15 @@ def _beams(
         elements = np.where(turned[:, None], elements[:, ::-1], elements)
         along, third = (np.where(turned[:, None], -rows, rows) for rows in (along, third))
     second = np.cross(third, along)
-    offset = np.zeros((len(elements), 3))
+    offset, section = np.zeros((len(elements), 3)), one.section
     if one.plate:
+        section = replace(section, product=0.0)  # the plate keeps it from turning aside
         offset = second * (0.5 * thickness + one.foot[0]) + third * one.foot[1]
     return Beams(
         name=one.name,
         elements=elements,
         material=one.material,
-        section=one.section,
+        section=section,
         orientation=web,
         offset_a=offset,
         offset_b=offset,
