@@ -116,6 +116,13 @@ class FEModel:
             object.__setattr__(self, key, np.unique(np.asarray(getattr(self, key), dtype=np.int64)))
         n = len(self.nodes)
         inertial = n if self.points is None else self.dof_count
+        if self.rotating.size and self.points is None:
+            raise InputError(
+                f"{len(self.rotating)} nodes with rotations and a scalar mass matrix",
+                source=source,
+                key="points",
+                expected="mass points of a model with rotations",
+            )
         for key, matrix, size in (
             ("stiffness", self.stiffness, self.dof_count),
             ("mass", self.mass, inertial),
@@ -131,6 +138,13 @@ class FEModel:
                 raise InputError(
                     "has entries that are not finite", source=source, key=key, expected="finite numbers"
                 )
+        if self.constraint is not None and self.constraint.shape[0] != self.dof_count:
+            raise InputError(
+                f"matrix of shape {self.constraint.shape}",
+                source=source,
+                key="constraint",
+                expected=f"{self.dof_count} rows, one a degree of freedom",
+            )
         for key, held, size in (
             ("fixed_nodes", self.fixed_nodes, n),
             ("fixed_dofs", self.fixed_dofs, self.dof_count),
@@ -165,19 +179,42 @@ class FEModel:
         first[self.rotating] = 3 * (len(self.nodes) + np.arange(len(self.rotating)))
         return first
 
+    def node_dofs(self, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Sorted degrees of freedom of some nodes: displacements, and rotations of those that have some."""
+        turning = self.rotation_dofs[nodes]
+        first = np.concatenate([3 * np.asarray(nodes, dtype=np.int64), turning[turning >= 0]])
+        return np.sort((first[:, None] + np.arange(3)).ravel())
+
+    @cached_property
+    def dof_nodes(self) -> NDArray[np.int64]:
+        """Node of every degree of freedom, shape (N,)."""
+        return np.repeat(np.concatenate([np.arange(len(self.nodes)), self.rotating]), 3)
+
     @property
     def total_mass(self) -> float:
         """Mass of the body [kg]."""
         return float(self.mass.sum() if self.points is None else self.points.masses.sum())
 
     @property
+    def centre_of_mass(self) -> NDArray[np.float64]:
+        """Centre of mass [m], shape (3,)."""
+        if self.points is not None:
+            return self.points.masses @ self.points.positions / self.points.masses.sum()
+        row_sum = np.asarray(self.mass.sum(axis=0)).ravel()
+        return row_sum @ self.nodes / row_sum.sum()
+
+    @property
     def is_lumped(self) -> bool:
         """Whether no mass couples one node with another."""
         coo = self.mass.tocoo()
+        if self.points is not None:
+            return bool((self.dof_nodes[coo.row] == self.dof_nodes[coo.col]).all())
         return bool((coo.row == coo.col).all())
 
     def full_mass(self) -> csr_array:
-        """Mass matrix of all degrees of freedom, kron(M_s, I3) [kg], sparse (3n, 3n)."""
+        """Mass matrix of all degrees of freedom [kg, kg m, kg m2], sparse (N, N)."""
         from scipy.sparse import csr_array, identity, kron
 
+        if self.points is not None:
+            return self.mass
         return csr_array(kron(self.mass, identity(3, format="csr"), format="csr"))
