@@ -18,10 +18,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.modal.bases import Basis, Loads
+from heavylift.modal.bases import Basis, Loads, inner_modes
 from heavylift.modal.constraints import following, free_dofs
 from heavylift.modal.contact_vectors import face_rule
-from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility, held_dofs
 from heavylift.modal.reduced import Interface
 from heavylift.numerics.outcome import InputError
@@ -381,6 +380,7 @@ def stiffened(
 def rigid_craig_bampton(
     model: FEModel,
     fits: Mapping[str, Fit],
+    masters: Mapping[str, NDArray[np.int64]],
     count: int,
     *,
     up_to: float | None = None,
@@ -391,8 +391,8 @@ def rigid_craig_bampton(
 
     Parameters
     ----------
-    model
-        From `stiffened`, or not yet.
+    model, masters
+        From `stiffened`.
     fits
         By name.
     count
@@ -404,36 +404,24 @@ def rigid_craig_bampton(
     backend
         Factorisation.
 
-    Raises
-    ------
-    InputError
-        See `stiffened`.
-
     Notes
     -----
     Craig and Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6 (1968). Interface motions have
     columns of 1 m and of 1 rad about the reference point. The six rigid motions of a free body are among their
     combinations.
     """
-    rigid, masters = stiffened(model, fits, fixed_nodes=fixed_nodes)
     boundary = np.concatenate(list(masters.values()))
-    moving = free_dofs(rigid, held_dofs(rigid, fixed_nodes))
+    moving = free_dofs(model, held_dofs(model, fixed_nodes))
     vectors = np.zeros((model.dof_count, len(boundary)))
     labels: list[str] = []
     for number, (name, dofs) in enumerate(masters.items()):
         vectors[dofs, 6 * number : 6 * number + 6] = _rigid_rows(model, fits[name].point, dofs)
         labels += [f"interface {name} {word}" for word in _MOTIONS]
     vectors = moving.expanded(vectors)
-    held = replace(rigid, fixed_dofs=np.union1d(rigid.fixed_dofs, boundary))
+    held = replace(model, fixed_dofs=np.union1d(model.fixed_dofs, boundary))
     inner = Flexibility(held, fixed_nodes, backend=backend)
     vectors += inner.solve(-(model.stiffness @ vectors))
-    basis = Basis(vectors, tuple(labels))
-    if count or up_to is not None:
-        modes = eigenmodes(held, count, up_to=up_to, flexibility=inner)
-        basis += Basis(
-            modes.shapes, tuple(f"fixed-interface mode {k + 1}" for k in range(len(modes.eigenvalues)))
-        )
-    return basis
+    return Basis(vectors, tuple(labels)) + inner_modes(held, inner, count, up_to)
 
 
 _MOTIONS = ("x", "y", "z", "turn x", "turn y", "turn z")

@@ -193,6 +193,7 @@ def modes_digest(case: Case, body: FlexibleBodySection) -> str:
             "modes": reduction,
             "supports": [support.model_dump(mode="json") for support in body.supports],
             "static": [one.model_dump(mode="json") for one in body.static],
+            "interfaces": {name: one.model_dump(mode="json") for name, one in body.interfaces.items()},
             "origin": body.frame.origin,
             "free": body.frame.motion == "free",
         },
