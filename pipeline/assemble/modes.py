@@ -239,12 +239,38 @@ def _reduce(
         one: interfaces.captured_compliance(reduced, place, exact[one]) for one, place in places.items()
     }
     reduced = replace(reduced, interfaces=places)
+    if options.stiffening:
+        reduced = _stiffened(model, reduced, body, clamped, flexibility)
     states = []
     if body.static:
         assert flexibility is not None
         states = _static_states(flexibility, body.static)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
     return Reduction(reduced, start, states, captured, arm_notes(elastic, fits))
+
+
+def _stiffened(
+    model: FEModel,
+    reduced: ReducedBody,
+    body: FlexibleBodySection,
+    clamped: NDArray[np.int64],
+    flexibility: Flexibility | None,
+) -> ReducedBody:
+    """With what inertia and weight do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
+
+    free = body.frame.motion == "free"
+    if free and (model.fixed_nodes.size or model.fixed_dofs.size):
+        raise InputError(
+            "its frame is free, and supports hold its nodes",
+            key="modes.stiffening",
+            expected="a frame that is 'fixed' or 'driven', or no supports",
+        )
+    stiffness_of = stress_stiffness(model, formulation=body.mesh.formulation)
+    if flexibility is None or (free and clamped.size):
+        flexibility = Flexibility(model, () if free else clamped)
+    return replace(reduced, stiffening=inertia_stiffening(flexibility, reduced, stiffness_of))
 
 
 def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:

@@ -211,6 +211,10 @@ def write_reduced(
         integrals = file.create_group("integrals")
         for key, value in body.integrals._asdict().items():
             _write(integrals, key, value, _INTEGRAL_UNITS[key], key.replace("_", " "))
+        if body.stiffening is not None:
+            group = file.create_group("stiffening")
+            for key, (unit, words) in _STIFFENING.items():
+                _write(group, key, getattr(body.stiffening, key), unit, words)
         statics = file.create_group("static")
         for state in states:
             group = statics.create_group(state.name)
@@ -240,16 +244,27 @@ _INTEGRAL_UNITS = {
 }
 
 
+_STIFFENING = {
+    "second_moments": ("1", "what second moments 11 22 33 12 13 23 lose by products of modal coordinates"),
+    "angular": ("1", "modal stiffness by angular acceleration of the frame"),
+    "linear": ("1/m", "modal stiffness by acceleration of the frame minus gravity"),
+}
+
+
 def read_reduced(path: Path) -> ReducedBody:
     """Read a reduced body that `write_reduced` wrote; errors as `read_model`."""
     from heavylift.modal.invariants import ShapeIntegrals
     from heavylift.modal.reduced import Interface, ReducedBody
+    from heavylift.modal.stiffening import Stiffening
     from heavylift.preprocess.finite_elements.mesh import Mesh
 
     with open_hdf5(path, "make it with `heavylift modes CASE --force`") as file:
         _check_format(file, path, REDUCED_FORMAT)
         integrals = {key: dataset[()] for key, dataset in file["integrals"].items()}
         integrals["mass"] = float(integrals["mass"])
+        stiffening = None
+        if "stiffening" in file:
+            stiffening = Stiffening(**{key: file["stiffening"][key][:] for key in _STIFFENING})
         nodes, mesh = file["nodes"][:], None
         if "mesh" in file:
             group = file["mesh"]
@@ -273,6 +288,7 @@ def read_reduced(path: Path) -> ReducedBody:
             mode_rotations=file["mode_rotations"][:] if "mode_rotations" in file else None,
             rotating=_indices(file, "rotating"),
             interfaces=interfaces,
+            stiffening=stiffening,
         )
 
 
