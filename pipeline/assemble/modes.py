@@ -10,16 +10,17 @@ import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
-from heavylift.pipeline.assemble.interfaces import arm_notes, interface_fits
+from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from heavylift.modal.bases import Loads
+    from heavylift.modal.bases import Basis, Loads
     from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.interfaces import Fit
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.statics import StaticState
     from heavylift.pipeline.case.bodies import FlexibleBodySection
@@ -30,6 +31,10 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = ["reduce_model", "reduced_properties"]
+
+
+_BORNE = 1e-12
+"""Of a load of a place: what rounding leaves of it where it acts on nodes that are held."""
 
 
 class Reduction(NamedTuple):
@@ -226,6 +231,12 @@ def _reduce(
         exact[one] = np.sum(loads.forces * vectors.vectors, axis=0)
         if options.basis != "craig_bampton" or options.interface:
             basis += vectors
+    joined = {}
+    if options.basis != "stored":
+        joined = held_places(case, name, body, elastic, origin, fits.values())
+    for one, found in joined.items():
+        flexibility = flexibility or Flexibility(model, clamped)
+        basis += _felt(flexibility, interfaces.attachment_loads(model, found, f"joint {one}"))
     reduced = reduce_body(
         model,
         basis.vectors,
@@ -246,7 +257,23 @@ def _reduce(
         assert flexibility is not None
         states = _static_states(flexibility, body.static)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
-    return Reduction(reduced, start, states, captured, arm_notes(elastic, fits))
+    notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
+    return Reduction(reduced, start, states, captured, notes)
+
+
+def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
+    """Deflections under those loads of a place that are not borne by what is held there."""
+    from heavylift.modal import bases
+
+    felt = flexibility.dofs.gathered(loads.forces)[flexibility.unknowns]
+    chosen = np.abs(felt).max(axis=0, initial=0.0) > _BORNE * np.abs(loads.forces).max(axis=0)
+    labels = tuple(label for label, one in zip(loads.labels, chosen, strict=True) if one)
+    return bases.static_vectors(flexibility, bases.Loads(loads.forces[:, chosen], labels))
+
+
+def _held_note(joined: Mapping[str, Fit]) -> str:
+    names = ", ".join(repr(one) for one in joined)
+    return f"attachment modes for forces and moments of joints that hold its directions: {names}"
 
 
 def _stiffened(
