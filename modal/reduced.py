@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.invariants import ShapeIntegrals
+    from heavylift.modal.stiffening import Stiffening
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.structures.structure import Structure
 
@@ -161,6 +162,8 @@ class ReducedBody:
         Sorted nodes that have rotations.
     interfaces
         Places that others are attached to, by name.
+    stiffening
+        What loads along the body do to the stiffness of its modes; None: nothing, as in linear theory.
 
     Raises
     ------
@@ -183,6 +186,7 @@ class ReducedBody:
     mode_rotations: NDArray[np.float64] | None = None
     rotating: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     interfaces: dict[str, Interface] = field(default_factory=dict)
+    stiffening: Stiffening | None = None
 
     def __post_init__(self) -> None:
         n, nf = len(self.nodes), len(self.eigenvalues)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,6 +14,7 @@ from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.place_rotation import place_rotation
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
+from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane
@@ -63,8 +65,12 @@ def cantilever(
     free: bool = False,
     density: float = DENSITY,
     held: tuple[tuple[float, float, float], ...] = (),
+    stiffening: bool = False,
 ) -> ReducedBody:
-    """Clamped at the root, or free; with static vectors for forces at points, and for moments too at held places."""
+    """Clamped at the root, or free; with static vectors for forces at points, and for moments too at held places.
+
+    With geometric stiffening if asked for.
+    """
     bar = model(elements, young, density)
     clamp = np.empty(0, dtype=np.int64) if free else bar.node_groups["root"]
     flexibility = Flexibility(bar, clamp)
@@ -73,7 +79,10 @@ def cantilever(
         basis += static_vectors(flexibility, place_loads(bar, (*points, *held)))
     if held:
         basis += static_vectors(flexibility, moment_loads(bar, held))
-    return reduce_body(bar, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=free)
+    reduced = reduce_body(bar, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=free)
+    if not stiffening:
+        return reduced
+    return replace(reduced, stiffening=inertia_stiffening(flexibility, reduced, stress_stiffness(bar)))
 
 
 def beam(reduced: ReducedBody, **more: Any) -> FlexibleBody:

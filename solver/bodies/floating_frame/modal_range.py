@@ -13,7 +13,8 @@ the root is the whole spin across a slender body, and next to nothing about its 
 cantilever that bends by a tenth of its length under a load at its tip turns there by 0.15 rad and is 0.6 % shorter; in
 a frame that follows its mean motion a parabola is a sixth of its displacement, and half of its turn. A blade that turns
 at a third of its frequency has its lowest mode in the plane of rotation at 94 % of its frequency in place of 101 %
-(Southwell: w^2 + 0.19 Omega^2).
+(Southwell: w^2 + 0.19 Omega^2). Of modes with their geometric stiffening (`heavylift.modal.stiffening`) the spin is not
+looked at.
 
 Places that joints turn with are looked at, and of the others those that one of the lowest modes moves most. The lowest
 frequency is that of the modes, and of a free frame the one that its joints leave, with their points and the axes that
@@ -189,7 +190,9 @@ class ModalRange:
 
 def _remedy(state: NDArray[np.float64], limits: NDArray[np.float64]) -> str:
     softer = "a body of type 'frame' or 'shell', which bends and turns as far as it likes"
-    return softer + (", or smaller loads" if np.any(state[:, :2] > limits[:, :2]) else ", or a slower drive")
+    if np.any(state[:, :2] > limits[:, :2]):
+        return f"{softer}, or smaller loads"
+    return f"{softer}, 'modes.stiffening' of the body, or a slower drive"
 
 
 def _joint_sides(body: FlexibleBody, joints: Sequence[Joint]) -> list[tuple[Joint, JointFrame]]:
@@ -267,7 +270,8 @@ def _watched(body: FlexibleBody, columns: dict[str, int], joints: Sequence[Joint
     if moments[0] < SLENDER * moments[1]:  # twist about the axis of a slender body shortens nothing
         turned = turned - (turned @ axes[:, 0])[..., None] * axes[:, 0]
     lowest, held = float(reduced.eigenvalues.min()), _held_frequency(body, joints)
-    turns = not isinstance(body.motion, Fixed) and lowest > 0.0
+    # modes that know of their stiffening by inertia hold for any spin
+    turns = not isinstance(body.motion, Fixed) and lowest > 0.0 and reduced.stiffening is None
     return _Watched(
         body.name,
         reduced.size,

@@ -20,6 +20,7 @@ from heavylift.solver.bodies.floating_frame.kind import (
     product_columns,
     shape_of,
 )
+from heavylift.solver.bodies.floating_frame.stiffening import correct_inertia
 from heavylift.solver.bodies.floating_frame.turned_directions import write_turned_direction
 from heavylift.solver.bodies.frames.motion import (
     add_wrench,
@@ -224,6 +225,7 @@ def stage_at_state(kind: FloatingFrameBodies, body: int, with_inertia: bool) -> 
             frame,
             kind.coupling[:, modes],
         )
+        correct_inertia(kind, body, kind.modal_position[modes])
 
 
 @implement(fill_markers, FloatingFrameBodies)
