@@ -46,6 +46,7 @@ __all__ = [
     "assemble_several",
     "brick_alphas",
     "brick_stiffness",
+    "consistent_mass_rule",
     "mass_matrix",
     "stiffness_matrix",
 ]
@@ -518,6 +519,16 @@ def mass_matrix(
             nodal = np.repeat(Me.sum(axis=(1, 2))[:, None] / 8.0, 8, axis=1)
         np.add.at(lumps, mesh.elements[start : start + len(Me)].ravel(), nodal.ravel())
     return csr_array(diags_array(lumps, format="csr"))
+
+
+def consistent_mass_rule(
+    mesh: Mesh,
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]]:
+    """Yield nodes (m, k), shape functions (points, k), volumes (m, points) [m3] that consistent masses are sums of."""
+    rule = _quadrature(mesh.element_type, _MASS_ORDER[mesh.element_type])
+    for start, corners in _chunks(mesh):
+        volumes = rule.weights * _determinants(mesh, start, jacobians(corners, rule.gradients))
+        yield mesh.elements[start : start + len(corners)], rule.shape, volumes
 
 
 def _chunks(mesh: Mesh) -> Iterator[tuple[int, NDArray[np.float64]]]:

@@ -137,7 +137,7 @@ class FloatingFrameBodies(FrameBodies):
     constants
         Packed inertia shapes (bodies of one reduced model share one), drives, and marker data: of a
         point its body-frame position [m] and mode shapes, 3 + 3 nf, component by component; of a
-        direction the body-frame vector.
+        direction the body-frame vector, and if modes turn it the rotations of its place, 3 + 3 nf.
     modal_position, modal_velocity, modal_acceleration
         State of the modes of all bodies: coordinates, rates, difference quotients of the rates; shape (modes,), as
         all of the following have for their last dimension.

@@ -161,8 +161,8 @@ def pack_floating_frames(
             critical = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
             kind.damping[modes] = 2.0 * body.damping_ratio * critical
         dof += 6 + counts[row]
-    shapes_of = [_marker_shapes(body) for body in bodies]
-    marker_index = pack_markers(markers, shapes_of, constants)
+    shapes_of = [_point_shapes(body) for body in bodies]
+    marker_index = pack_markers(markers, shapes_of, constants, [_direction_turns(body) for body in bodies])
     sensor_index = pack_markers(sensors, shapes_of, constants)
     flat = aligned(sum(map(len, constants)))
     flat[:] = np.concatenate(constants)
@@ -266,12 +266,33 @@ def _check_free_modes(name: str, integrals: ShapeIntegrals) -> None:
         )
 
 
-def _marker_shapes(body: FlexibleBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def _point_shapes(body: FlexibleBody) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Return a function from a body-frame point to (undeformed position, 3 nf mode shape entries)."""
-    reduced = body.reduced
 
     def shapes(point: NDArray[np.float64]) -> NDArray[np.float64]:
-        nodes, weights = reduced.locate(point, source=body.name)
-        return np.concatenate([weights @ reduced.nodes[nodes], reduced.shapes_at(nodes, weights).T.ravel()])
+        place, displacement = body.reduced.point_at(point, source=body.name)
+        return np.concatenate([place, displacement.T.ravel()])
 
     return shapes
+
+
+def _direction_turns(
+    body: FlexibleBody,
+) -> Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]:
+    """Return a function from a direction at a body-frame point to it and 3 nf entries of the rotation of the place.
+
+    The direction alone, if modes do not turn it there.
+    """
+    reduced = body.reduced
+    known: dict[bytes, NDArray[np.float64] | None] = {}
+
+    def turns(direction: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
+        key = point.tobytes()
+        if key not in known:
+            known[key] = reduced.motion_at(point, source=body.name).rotation
+        rotation = known[key]
+        if rotation is None or not reduced.turns(rotation, direction):
+            return np.asarray(direction, dtype=np.float64)
+        return np.concatenate([direction, rotation.T.ravel()])
+
+    return turns
