@@ -92,7 +92,7 @@ def _static_states(flexibility: Flexibility, cases: Sequence[StaticCaseSection])
     model = flexibility.model
     states = []
     for index, one in enumerate(cases):
-        forces = np.zeros(3 * model.node_count)
+        forces = np.zeros(model.dof_count)
         for number, load in enumerate(one.loads):
             forces += _nodal_forces(model, load, f"static.{index}.loads.{number}")
         states.append(solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name))
@@ -100,22 +100,24 @@ def _static_states(flexibility: Flexibility, cases: Sequence[StaticCaseSection])
 
 
 def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[np.float64]:
-    """Nodal forces of a load [N], node-major, shape (3n,)."""
+    """Nodal forces of a load [N, N m], node-major, shape (N,)."""
     from heavylift.modal.contact_vectors import outer_faces
     from heavylift.modal.flexibility import apply_mass
     from heavylift.modal.statics import face_area, face_forces
 
     if load.acceleration is not None:
-        return apply_mass(model.mass, np.tile(load.acceleration, model.node_count))
+        field = np.zeros(model.dof_count)
+        field[: 3 * model.node_count] = np.tile(load.acceleration, model.node_count)
+        return apply_mass(model.mass, field)
     nodes = _place_nodes(model, load, key)
     try:
         faces = outer_faces(model, nodes, name=key)
     except InputError:
         if load.force is None:
             raise
-        forces = np.zeros((model.node_count, 3))
-        forces[nodes] = np.asarray(load.force) / len(nodes)
-        return forces.ravel()
+        forces = np.zeros(model.dof_count)
+        forces[: 3 * model.node_count].reshape(-1, 3)[nodes] = np.asarray(load.force) / len(nodes)
+        return forces
     if load.pressure is not None:
         return face_forces(model, faces, pressure=load.pressure)
     if load.traction is not None:
@@ -139,8 +141,7 @@ def _reduce(
         static_loads += contour_loads(case, name, model, folder, fixed_nodes=clamped)
     origin = np.zeros(3)
     if body.frame.origin == "centre_of_mass":
-        row_sum = np.asarray(model.mass.sum(axis=0)).ravel()
-        origin = row_sum @ model.nodes / row_sum.sum()
+        origin = model.centre_of_mass
     if options.basis == "stored":
         assert body.geometry.type == "four_files"
         shapes = four_files(case, body.geometry).modes
@@ -178,10 +179,36 @@ def _reduce(
         origin=origin,
         mean_axis=body.frame.motion == "free",
     )
+    if options.stiffening:
+        reduced = _stiffened(model, reduced, body, clamped, flexibility)
     states = []
     if body.static:
         states = _static_states(flexibility or Flexibility(model, clamped), body.static)
     return reduced, (float(origin[0]), float(origin[1]), float(origin[2])), states
+
+
+def _stiffened(
+    model: FEModel,
+    reduced: ReducedBody,
+    body: FlexibleBodySection,
+    clamped: NDArray[np.int64],
+    flexibility: Flexibility | None,
+) -> ReducedBody:
+    """With what inertia and weight do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
+
+    free = body.frame.motion == "free"
+    if free and (model.fixed_nodes.size or model.fixed_dofs.size):
+        raise InputError(
+            "its frame is free, and supports hold its nodes",
+            key="modes.stiffening",
+            expected="a frame that is 'fixed' or 'driven', or no supports",
+        )
+    stiffness_of = stress_stiffness(model, formulation=body.mesh.formulation)
+    if flexibility is None or (free and clamped.size):
+        flexibility = Flexibility(model, () if free else clamped)
+    return replace(reduced, stiffening=inertia_stiffening(flexibility, reduced, stiffness_of))
 
 
 def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:

@@ -27,6 +27,7 @@ from heavylift.pipeline.case.fields import (
 )
 from heavylift.pipeline.case.geometry import Geometry, MaterialSection, MeshSection
 from heavylift.pipeline.case.modes import ModesSection
+from heavylift.pipeline.case.panels import PanelsGeometry
 from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection
 from heavylift.pipeline.case.stress import StressSection
 from heavylift.solver.scene.bodies import MOTIONS, Body, FlexibleBody, Placed, RigidBody
@@ -162,7 +163,7 @@ class FlexibleBodySection(BodySection):
     CHANNELS: ClassVar = FlexibleBody.CHANNELS
 
     type: Literal["flexible"]
-    geometry: Geometry
+    geometry: Annotated[Geometry | PanelsGeometry, Field(discriminator="type")]
     """Shape, or matrices of another program."""
     material: MaterialSection | None = None
     """Material; needed unless the geometry brings matrices, or is a mesh file that says it, which must agree."""
@@ -187,7 +188,7 @@ class FlexibleBodySection(BodySection):
         matrices = given in {"four_files", "matrices"}
         if matrices and self.material is not None:
             reject(f"'material' with geometry {given!r}", "no material: the files hold the matrices")
-        if given not in {"four_files", "matrices", "mesh"} or getattr(
+        if given not in {"four_files", "matrices", "mesh", "panels"} or getattr(
             self.geometry, "ignore_material", False
         ):
             if self.material is None:
@@ -197,6 +198,12 @@ class FlexibleBodySection(BodySection):
                     reject(f"no {key!r}", "young_modulus, poisson_ratio and density", key=f"material.{key}")
         if matrices and "mesh" in self.model_fields_set:
             reject(f"'mesh' with geometry {given!r}", "no mesh section: the files hold the matrices")
+        if given == "panels":
+            if self.mesh.size is None:
+                reject("no 'mesh.size'", "edge length of the elements of plates", key="mesh.size")
+            extra = sorted(self.mesh.model_fields_set - {"mass", "size"})
+            if extra:
+                reject(f"'mesh' has {', '.join(extra)} with geometry 'panels'", "only 'size' and 'mass'")
         if given != "step" and self.mesh.curved:
             reject(f"'mesh.curved' with geometry {given!r}", "geometry 'step'")
         if given == "mesh" and self.mesh.model_fields_set - {"mass", "formulation", "element"}:

@@ -91,6 +91,8 @@ class ModesSection(Section):
     """With `attach`: where the surface may be touched, in place of the contours."""
     order: Index = 1
     """For ``krylov``: number of blocks of vectors K^-1 b, K^-1 M K^-1 b, ..."""
+    stiffening: bool = False
+    """Whether inertia and weight along the body stiffen or soften it, as centrifugal forces stiffen a blade."""
     damping_ratio: Annotated[
         tuple[DampingRatio, ...],
         BeforeValidator(_listed, json_schema_input_type=DampingRatio | list[DampingRatio]),

@@ -16,7 +16,7 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.finite_elements.model import Material
+    from heavylift.preprocess.finite_elements.material import Material
     from heavylift.preprocess.structures.sections import BeamSection
 
 __all__ = ["Average", "Beams", "PointMass", "RigidLink", "Shells", "Solids", "Structure", "Tie"]

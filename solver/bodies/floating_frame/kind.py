@@ -27,6 +27,7 @@ from heavylift.numerics.jit import kernel, view
 from heavylift.numerics.records import Records, Vector, Vector6
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.solver.bodies.frames.base import Frame, FrameBodies, FrameIndex
+from heavylift.solver.drive import FREE
 from heavylift.solver.interface import Workspace
 from heavylift.solver.scene.bodies import ModalOutputs
 
@@ -49,6 +50,8 @@ class FlexibleIndex(FrameIndex):
         Modes, and place of the first of them among those of all bodies.
     shape_start
         Place of its shape in the constants.
+    stiffening
+        Place of its geometric stiffening in the constants, -1 of a body without.
     parts
         Of its modes in a record.
     """
@@ -56,6 +59,7 @@ class FlexibleIndex(FrameIndex):
     mode_count: int
     first_mode: int
     shape_start: int
+    stiffening: int
     parts: ModalOutputs
 
 
@@ -127,7 +131,7 @@ class FloatingFrameBodies(FrameBodies):
     constants
         Packed inertia shapes (bodies of one reduced model share one), drives, and marker data: of a
         point its body-frame position [m] and mode shapes, 3 + 3 nf, component by component; of a
-        direction the body-frame vector.
+        direction the body-frame vector, and if modes turn it the rotations of its place, 3 + 3 nf.
     modal_position, modal_velocity, modal_acceleration
         State of the modes of all bodies: coordinates, rates, difference quotients of the rates; shape (modes,), as
         all of the following have for their last dimension.
@@ -150,6 +154,8 @@ class FloatingFrameBodies(FrameBodies):
         difference quotients only the first 3 n.
     midpoint_products, mid_velocity_products
         The same at the midpoint, and with the rates there.
+    shortened
+        Of bodies that stiffen: ``E q`` at the position of the inertia.
     moves
         Whether the frame of any is free or driven.
     """
@@ -197,6 +203,7 @@ class FloatingFrameBodies(FrameBodies):
     acceleration_products: Floats1
     midpoint_products: Floats1
     mid_velocity_products: Floats1
+    shortened: Floats1
     moves: bool
 
     def _inertia(self) -> NDArray[np.float64]:
@@ -248,7 +255,7 @@ class FloatingFrameBodies(FrameBodies):
         self.frame["at_end"] = False
 
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
-        """The weight of the deformed bodies, and ``-k q``."""
+        """The weight of the deformed bodies, ``-k q``, and what the weight does to the stiffness."""
         super().collect_load(work, load)
         own = self._modal_dofs()
         load[own] -= self.stiffness * self.modal_position
@@ -259,6 +266,13 @@ class FloatingFrameBodies(FrameBodies):
             first_moment = frame.undeformed_first_moment + S @ self.modal_position[modes]
             load[row.dof + 3 : row.dof + 6] += np.cross(first_moment, inside)
             load[own[modes]] += inside @ S
+            if (
+                row.stiffening >= 0 and row.motion != FREE
+            ):  # of what is free, weight and support are in balance
+                n = row.mode_count
+                start = row.stiffening + 4 * n * n
+                G = self.constants[start : start + 3 * n * n].reshape(3, n, n)
+                load[own[modes]] += np.tensordot(inside, G, axes=1) @ self.modal_position[modes]
 
 
 # ---- where the data of one body lie, and the step ratio ----

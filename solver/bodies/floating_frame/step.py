@@ -75,6 +75,11 @@ from heavylift.solver.bodies.floating_frame.stage import (
     solve_stage,
     update_products,
 )
+from heavylift.solver.bodies.floating_frame.stiffening import (
+    add_quadratic_forces,
+    add_step_forces,
+    correct_inertia,
+)
 from heavylift.solver.bodies.frames.motion import advance_pose, check_frames, orientation_of, predict_pose
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_pose, drive_velocity
 from heavylift.solver.interface import Workspace, advance, check, correct, factor, finish, predict
@@ -183,6 +188,7 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             frame,
             kind.coupling[:, modes],
         )
+        correct_inertia(kind, body, mid_modal_position)
         moved = cross(
             subtract(frame.position, frame.mid_position),
             frame.linear_momentum,
@@ -201,6 +207,8 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
     for body in range(kind.table.shape[0]):
         n, first = kind.table[body].mode_count, kind.table[body].first_mode
         motion = kind.table[body].motion
+        middle = kind.mid_modal_position[first : first + n]
+        add_step_forces(kind, body, h, work.sums.gravity, middle)
         if motion == FIXED:
             factor_fixed(kind, body, h, work)
             continue
@@ -253,6 +261,7 @@ def factor_floating_frames(kind: FloatingFrameBodies, step: float, work: Workspa
             vector(frame.mid_spin),
             quadratic_force,
         )
+        add_quadratic_forces(kind, body, vector(frame.mid_spin))
         if motion == FREE:
             force = add_scaled(frame.force, frame.mass, work.sums.gravity)
             p = rotate_back(R, add_scaled(frame.linear_momentum, 0.5 * h, force))
@@ -302,6 +311,7 @@ def correct_floating_frames(kind: FloatingFrameBodies, step: float, work: Worksp
             vector_at(velocity, 3),
             kind.quadratic_force[first : first + n],
         )
+        add_quadratic_forces(kind, body, vector_at(velocity, 3))
         solve_stage(kind, body, 0.5 * step, work)
 
 
@@ -401,6 +411,7 @@ def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
         frame,
         kind.coupling[:, modes],
     )
+    correct_inertia(kind, body, kind.modal_position[modes])
     R = frame.end_rotation
     write_rotation_matrix(orientation_of(frame), R)
     if kind.table[body].motion == FREE:
