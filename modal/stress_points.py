@@ -57,7 +57,7 @@ class StressPoints(ABC):
     axes: NDArray[np.float64] | None = None
 
     components = 6
-    """Of the stress of a layer: `heavylift.modal.stress.VOIGT`; xx, yy, xy of a plate; normal and shear of a beam."""
+    """Of the stress of a layer: `heavylift.modal.stress.VOIGT`; xx, yy, xy of a plate; the normal one of a beam."""
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -135,11 +135,11 @@ def solid_points(
 def equivalent_stress(stress: NDArray[Any]) -> NDArray[Any]:
     """Von Mises stress [Pa] of stresses with their components first, shape (components, ...); shape (...).
 
-    Six components are in the order of `heavylift.modal.stress.VOIGT`; three are those of plane stress, xx, yy, xy; two
-    a normal and a shear stress.
+    Six components are in the order of `heavylift.modal.stress.VOIGT`; three are those of plane stress, xx, yy, xy; one
+    is a normal stress alone.
     """
-    if len(stress) == 2:
-        return np.sqrt(stress[0] ** 2 + 3.0 * stress[1] ** 2)
+    if len(stress) == 1:
+        return np.abs(stress[0])
     if len(stress) == 3:
         xx, yy, xy = stress
         return np.sqrt(np.maximum(xx * xx - xx * yy + yy * yy + 3.0 * xy * xy, 0.0))

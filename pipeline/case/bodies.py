@@ -282,17 +282,20 @@ class FlexibleBodySection(BodySection):
             )
         if given not in {"blocks", "step"}:
             return
+        if self.stress.thickness is not None:
+            return
+        words = "is missing: the strength of {} depends on it, and solids have none"
         if self.stress.grade is not None and not self.stress.groups:
             reject(
-                f"{self.stress.grade!r} without a thickness, which solids do not have",
-                "'groups' with a 'thickness' each, or 'yield_strength'",
-                key="stress.grade",
+                words.format(self.stress.grade),
+                "the thickness of the material, or 'yield_strength'",
+                key="stress.thickness",
             )
         for index, group in enumerate(self.stress.groups):
             by_grade = group.grade or (self.stress.grade if group.yield_strength is None else None)
             if by_grade is not None and group.thickness is None:
                 reject(
-                    f"is missing: the strength of {by_grade} depends on it, and solids have none",
+                    words.format(by_grade),
                     "the thickness of the material, or 'yield_strength'",
                     key=f"stress.groups.{index}.thickness",
                 )

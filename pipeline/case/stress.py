@@ -28,6 +28,8 @@ class _StrengthSection(Section):
     """Grade of structural steel by EN 10025-2, as ``"S355"``, whose yield strength depends on the thickness."""
     yield_strength: Annotated[float, Positive("pressure")] | None = None
     """Yield strength [Pa], in place of `grade`."""
+    thickness: Annotated[float, Positive("length")] | None = None
+    """Of the material [m], by which a grade has its yield strength, where plates do not say it: of solids and beams."""
 
     @field_validator("grade")
     @classmethod
@@ -40,6 +42,12 @@ class _StrengthSection(Section):
     def _has_one_strength(self) -> "_StrengthSection":
         if self.grade is not None and self.yield_strength is not None:
             reject("both 'grade' and 'yield_strength'", "one of them", key="yield_strength")
+        if self.grade is not None and self.thickness is not None and self.thickness > thickest(self.grade):
+            reject(
+                f"{1e3 * self.thickness:g} mm of {self.grade}",
+                f"up to {1e3 * thickest(self.grade):g} mm, or 'yield_strength'",
+                key="thickness",
+            )
         return self
 
     @property
@@ -53,18 +61,6 @@ class StressGroupSection(_StrengthSection):
 
     name: Name
     """Group of plates or beams, by the name of their property, or of nodes."""
-    thickness: Annotated[float, Positive("length")] | None = None
-    """Of the material [m], by which a grade has its yield strength; needed of solids, plates have their own."""
-
-    @model_validator(mode="after")
-    def _is_thin_enough(self) -> "StressGroupSection":
-        if self.grade is not None and self.thickness is not None and self.thickness > thickest(self.grade):
-            reject(
-                f"{1e3 * self.thickness:g} mm of {self.grade}",
-                f"up to {1e3 * thickest(self.grade):g} mm, or 'yield_strength'",
-                key="thickness",
-            )
-        return self
 
 
 class HotSpotSection(Section):

@@ -171,6 +171,17 @@ def _parts(case: Case, name: str, body: FlexibleBodySection, model: FEModel) -> 
     """Points of the groups that are asked for, by part of the body."""
     from heavylift.modal.stress_points import solid_points
 
+    assert body.stress is not None
+    asked = [one.name for one in body.stress.groups]
+    if model.structure is not None:
+        from heavylift.modal.structure_stress import structure_points
+
+        known = _properties(model)
+        for index, group in enumerate(asked):
+            if group not in known:
+                _node_group(case, name, index, group, model)
+        by_property = asked and all(group in known for group in asked)
+        return structure_points(model, asked if by_property else None)
     if model.mesh is None or model.material is None:
         raise InputError(
             f"{name!r} has no stress: its model has no elements, or not one material",
@@ -178,26 +189,33 @@ def _parts(case: Case, name: str, body: FlexibleBodySection, model: FEModel) -> 
             key=case.place(f"bodies.{name}.stress"),
             expected="a body with elements between its nodes",
         )
-    assert body.stress is not None
     nodes = None
-    if body.stress.groups:
+    if asked:
         nodes = np.concatenate(
-            [_node_group(case, name, index, group, model) for index, group in enumerate(body.stress.groups)]
+            [_node_group(case, name, index, group, model) for index, group in enumerate(asked)]
         )
     return [solid_points(model.mesh, model.material, nodes, name=name)]
 
 
-def _node_group(
-    case: Case, name: str, index: int, group: StressGroupSection, model: FEModel
-) -> NDArray[np.int64]:
-    if group.name not in model.node_groups:
+def _properties(model: FEModel) -> tuple[str, ...]:
+    """Names of the properties of a structure, each once."""
+    structure = model.structure
+    if structure is None:
+        return ()
+    parts = (*structure.shells, *structure.beams, *structure.solids)
+    return tuple(dict.fromkeys(part.name for part in parts if len(part.elements)))
+
+
+def _node_group(case: Case, name: str, index: int, group: str, model: FEModel) -> NDArray[np.int64]:
+    if group not in model.node_groups:
+        known = sorted({*model.node_groups, *_properties(model)})
         raise InputError(
-            f"group {group.name!r} does not exist",
+            f"group {group!r} does not exist",
             source=str(case.file),
             key=case.place(f"bodies.{name}.stress.groups.{index}.name"),
-            expected=f"one of: {', '.join(sorted(model.node_groups)) or 'none'}",
+            expected=f"one of: {', '.join(known) or 'none'}",
         )
-    return np.asarray(model.node_groups[group.name])
+    return np.asarray(model.node_groups[group])
 
 
 def _groups(
@@ -205,15 +223,27 @@ def _groups(
 ) -> list[_Group]:
     """Groups that are told, with the strengths of their points."""
     assert body.stress is not None
-    asked = [
-        (group, _node_group(case, name, index, group, model))
-        for index, group in enumerate(body.stress.groups)
-    ]
-    asked = asked or [(StressGroupSection(name=ALL), np.arange(model.node_count))]
+    properties = _properties(model)
+    asked = body.stress.groups or tuple(StressGroupSection(name=one) for one in properties or (ALL,))
     found = []
-    for index, (group, nodes) in enumerate(asked):
-        points = {number: np.flatnonzero(np.isin(part.nodes, nodes)) for number, part in enumerate(parts)}
+    for index, group in enumerate(asked):
+        if group.name in properties:
+            points = {number: np.arange(len(part)) for number, part in enumerate(parts) if part.name == group.name}
+        else:
+            nodes = (
+                _node_group(case, name, index, group.name, model)
+                if body.stress.groups
+                else np.arange(model.node_count)
+            )
+            points = {number: np.flatnonzero(np.isin(part.nodes, nodes)) for number, part in enumerate(parts)}
         points = {number: chosen for number, chosen in points.items() if chosen.size}
+        if not points:
+            raise InputError(
+                f"no plate, beam or solid has a node of group {group.name!r}",
+                source=str(case.file),
+                key=case.place(f"bodies.{name}.stress.groups.{index}.name"),
+                expected="a group of nodes of elements",
+            )
         strength = {}
         for number, chosen in points.items():
             known = _strength(case, name, index, body, group, parts[number].thickness[chosen])
@@ -238,17 +268,20 @@ def _strength(
         return np.full(len(thickness), owner.yield_strength / body.stress.gamma_M)
     if owner.grade is None:
         return None
-    given = thickness if group.thickness is None else np.full(len(thickness), group.thickness)
+    other = group.thickness or body.stress.thickness
+    given = np.where(np.isnan(thickness), np.nan if other is None else other, thickness)
     found = yield_strengths(owner.grade, given)
     if not np.isfinite(found).all():
-        unknown = not np.isfinite(given).all()
+        unknown = bool(np.isnan(given).any())
         raise InputError(
-            f"group {group.name!r} has no thickness"
+            f"group {group.name!r} has parts without a thickness"
             if unknown
-            else f"{1e3 * given.max():g} mm of {owner.grade}",
+            else f"group {group.name!r} has {1e3 * given.max():g} mm of {owner.grade}",
             source=str(case.file),
-            key=case.place(f"bodies.{name}.stress.groups.{index}.thickness"),
-            expected="the thickness by which the grade has its yield strength, or 'yield_strength'"
+            key=case.place(f"bodies.{name}.stress.groups.{index}.thickness")
+            if body.stress.groups
+            else case.place(f"bodies.{name}.stress.thickness"),
+            expected="the thickness of beams and solids by which the grade has its yield strength, or 'yield_strength'"
             if unknown
             else f"up to {1e3 * thickest(owner.grade):g} mm ({STEEL_SOURCE}), or 'yield_strength'",
         )
@@ -336,25 +369,33 @@ def _hot_spot(
     from heavylift.modal.stress_points import solid_points
     from heavylift.preprocess.finite_elements.mesh import find_place
 
-    assert model.mesh is not None
-    assert model.material is not None
     d = np.array(spot.direction, dtype=np.float64)
     d /= np.linalg.norm(d)
-    along = np.array(
-        [d[0] ** 2, d[1] ** 2, d[2] ** 2, 2.0 * d[0] * d[1], 2.0 * d[1] * d[2], 2.0 * d[2] * d[0]]
-    )
-    key = case.place(f"bodies.{name}.stress.hot_spots.{index}.toe")
+    key = case.place(f"bodies.{name}.stress.hot_spots.{index}")
+    plates = model.structure is not None and bool(model.structure.shells)
+    if plates != (spot.side is not None):
+        raise InputError(
+            "is missing" if plates else f"{spot.side!r} of a solid",
+            source=str(case.file),
+            key=f"{key}.side",
+            expected="'top' (the side of the normal) or 'bottom'" if plates else "no 'side'",
+        )
     found = []
     for share in spot.AT:
         place = np.array(spot.toe) + share * spot.thickness * d
-        nodes, weights = find_place(model.nodes, model.mesh, place, source=case.file, key=key)
+        if plates:
+            found.append(_plate_stress(model, place, d, spot, shapes, str(case.file), key))
+            continue
+        assert model.mesh is not None
+        assert model.material is not None
+        nodes, weights = find_place(model.nodes, model.mesh, place, source=case.file, key=f"{key}.toe")
         points = solid_points(model.mesh, model.material, nodes)
-        columns = points.columns(shapes, slice(None))[:, 0]
-        order = np.searchsorted(points.nodes, nodes)
-        found.append(np.einsum("a,c,acf->f", weights, along, columns[order]))
+        columns = points.columns(shapes, np.searchsorted(points.nodes, nodes))[:, 0]
+        along = [d[0] ** 2, d[1] ** 2, d[2] ** 2, 2.0 * d[0] * d[1], 2.0 * d[1] * d[2], 2.0 * d[2] * d[0]]
+        found.append(np.einsum("a,c,acf->f", weights, along, columns))
     first, second = spot.AT
     span = second - first
-    return (second * found[0] - first * found[1]) / span
+    return np.asarray((second * found[0] - first * found[1]) / span)
 
 
 # ---- static correction ----
@@ -379,7 +420,8 @@ def _correction(
     body: Any = case.bodies[name]
     free = body.frame.motion == "free"
     origin = np.array(json.loads(read_header(folder.reduced(name))["frame_origin"]))
-    names, fields = inertia_fields(model.nodes - origin, free=free)
+    places = model.nodes if model.points is None else model.points.positions
+    names, fields = inertia_fields(places - origin, free=free)
     loads = _field_loads(case, name, names, results, free=free)
     size = np.where([len(one) == 2 for one in names], reduced.size, 1.0)
     gravity = 0.0 if case.gravity is None else float(np.linalg.norm(case.gravity.acceleration))
@@ -389,7 +431,11 @@ def _correction(
     clamped = [model.node_groups[group] for group in body.modes.clamp]
     held = replace(model, fixed_dofs=held_directions(model, body.supports))
     flexibility = Flexibility(held, np.unique(np.concatenate(clamped)) if clamped else ())
-    forces = apply_mass(model.mass, fields[:, :, acting].reshape(-1, len(acting)))
+    fields = fields[:, :, acting].reshape(-1, len(acting))
+    if model.points is None:
+        forces = apply_mass(model.mass, fields)
+    else:
+        forces = model.points.operator.T @ (np.repeat(model.points.masses, 3)[:, np.newaxis] * fields)
     found = static_correction(flexibility, shapes, reduced.eigenvalues, forces)
     notes = []
     if found.loads.size:
