@@ -11,13 +11,22 @@ import numpy as np
 from heavylift.modal.stress import nodal_gradients
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import Material
 
-__all__ = ["SURFACE", "SolidPoints", "StressPoints", "equivalent_stress", "solid_points"]
+__all__ = [
+    "SURFACE",
+    "SolidPoints",
+    "StressPoints",
+    "equivalent_stress",
+    "largest_at_nodes",
+    "solid_points",
+]
 
 SURFACE = "surface"
 """Side of points that have one stress only: of solids at their nodes, of beams at corners of the section."""
@@ -146,3 +155,29 @@ def equivalent_stress(stress: NDArray[Any]) -> NDArray[Any]:
     xx, yy, zz, xy, yz, zx = stress
     a, b, c = xx - yy, yy - zz, zz - xx
     return np.sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * (xy * xy + yz * yz + zx * zx))
+
+
+def largest_at_nodes(
+    parts: Sequence[StressPoints], mises: Sequence[NDArray[Any]], count: int
+) -> NDArray[np.float64]:
+    """Largest whole stress of the points at each node.
+
+    Parameters
+    ----------
+    parts
+        Points of a body.
+    mises
+        Von Mises stress of each part by side [Pa], shape (m, sides).
+    count
+        Number of nodes.
+
+    Returns
+    -------
+    NDArray
+        Shape (count,) [Pa]; not a number at nodes without points.
+    """
+    found = np.full(count, -1.0)
+    for points, values in zip(parts, mises, strict=True):
+        if points.total.any():
+            np.maximum.at(found, points.nodes, values[:, points.total].max(axis=1))
+    return np.where(found < 0.0, np.nan, found)

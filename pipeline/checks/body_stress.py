@@ -41,8 +41,9 @@ if TYPE_CHECKING:
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel
+    from heavylift.preprocess.structures.structure import Beams, Shells, Solids
 
-__all__ = ["ALL", "body_stress"]
+__all__ = ["ALL", "body_stress", "model_columns"]
 
 ALL = "all"
 """Name of the only group of a solid whose case names none."""
@@ -117,7 +118,7 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
     model, reduced = read_model(folder.model(name)), read_reduced(folder.reduced(name))
     parts = _parts(case, name, body, model)
     groups = _groups(case, name, body, model, parts)
-    shapes = _columns(reduced)
+    shapes = model_columns(reduced)
     modal = results[f"{name}.modal_position"].reshape(len(results.time), -1)
     correction, loads, notes = np.empty((len(shapes), 0)), np.empty((len(modal), 0)), list[str]()
     if body.stress.correction:
@@ -158,8 +159,8 @@ def _computed(case: Case, name: str, folder: OutputFolder, results: Results, log
     )
 
 
-def _columns(reduced: ReducedBody) -> NDArray[np.float64]:
-    """Mode shapes in the layout of the model, shape (N, nf)."""
+def model_columns(reduced: ReducedBody) -> NDArray[np.float64]:
+    """Mode shapes of displacements and rotations in the layout of the model, shape (N, nf)."""
     shapes = reduced.mode_shapes.transpose(1, 2, 0).reshape(3 * reduced.node_count, -1)
     if reduced.mode_rotations is None:
         return np.ascontiguousarray(shapes)
@@ -202,7 +203,7 @@ def _properties(model: FEModel) -> tuple[str, ...]:
     structure = model.structure
     if structure is None:
         return ()
-    parts = (*structure.shells, *structure.beams, *structure.solids)
+    parts: tuple[Shells | Beams | Solids, ...] = (*structure.shells, *structure.beams, *structure.solids)
     return tuple(dict.fromkeys(part.name for part in parts if len(part.elements)))
 
 
@@ -228,7 +229,9 @@ def _groups(
     found = []
     for index, group in enumerate(asked):
         if group.name in properties:
-            points = {number: np.arange(len(part)) for number, part in enumerate(parts) if part.name == group.name}
+            points = {
+                number: np.arange(len(part)) for number, part in enumerate(parts) if part.name == group.name
+            }
         else:
             nodes = (
                 _node_group(case, name, index, group.name, model)
@@ -396,6 +399,34 @@ def _hot_spot(
     first, second = spot.AT
     span = second - first
     return np.asarray((second * found[0] - first * found[1]) / span)
+
+
+def _plate_stress(
+    model: FEModel,
+    place: NDArray[np.float64],
+    direction: NDArray[np.float64],
+    spot: HotSpotSection,
+    shapes: NDArray[np.float64],
+    source: str,
+    key: str,
+) -> NDArray[np.float64]:
+    """Normal stress on a side of a plate by modal coordinate, shape (nf,)."""
+    from heavylift.modal.structure_stress import plate_rows
+
+    assert model.structure is not None
+    nodes, weights, distance = model.structure.nearest_place(place)
+    if distance > spot.thickness:
+        raise InputError(
+            f"the plate is {1e3 * distance:.4g} mm away from a point before it",
+            source=source,
+            key=f"{key}.toe",
+            expected=f"a toe on a plate, to its thickness, that {spot.AT[1]:g} thicknesses along 'direction' are on it "
+            "too",
+        )
+    try:
+        return np.asarray(plate_rows(model, nodes, weights, direction, spot.side or "top") @ shapes)
+    except InputError as error:
+        raise InputError(error.problem, source=source, key=key, expected=error.expected) from None
 
 
 # ---- static correction ----

@@ -446,7 +446,9 @@ class Quantities:
         from heavylift.pipeline.checks.stresses import SolidStresses
 
         if body not in self._solids:
-            self._solids[body] = SolidStresses(body, self._folder, self._case.file)
+            asked = self._case.bodies[body].stress is not None and self._case.simulate is not None
+            stress = self.body_stress(body) if asked else None
+            self._solids[body] = SolidStresses(body, self._folder, self._case.file, stress)
         return self._solids[body]
 
     def _statistic(self, name: QuantityName, history: NDArray[np.float64]) -> NDArray[np.float64]:

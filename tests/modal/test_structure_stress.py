@@ -1,4 +1,4 @@
-"""Stress of plates and beams: an arc in bending, a clamped plate, a stiffened cantilever; what is not averaged."""
+"""Stress of plates and beams at points: a clamped plate, a stiffened cantilever, rigid motions, solids among plates."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy.sparse.linalg import splu
 
 from heavylift.modal.flexibility import rigid_motions
 from heavylift.modal.stress_history import stress_at_records
-from heavylift.modal.structure_stress import CENTRE, PLATE_SIDES, structure_points
+from heavylift.modal.structure_stress import structure_points
 from heavylift.preprocess.finite_elements.model import Material
 from heavylift.preprocess.structures.assemble import assemble_structure
 from heavylift.preprocess.structures.sections import BeamSection
@@ -32,10 +32,6 @@ def solved(model, held, load):
     return u
 
 
-def turns(model, nodes, axis):
-    return model.rotation_dofs[nodes] + axis
-
-
 def all_dofs(model, nodes):
     return np.concatenate(
         [3 * nodes + k for k in range(3)] + [model.rotation_dofs[nodes] + k for k in range(3)]
@@ -46,40 +42,6 @@ def at(points, u):
     """Layers (m, layers, components) and von Mises stress (m, sides) of displacements."""
     layers, mises = stress_at_records(points, u[:, np.newaxis], np.ones((1, 1)))
     return layers[0], mises[0]
-
-
-def test_an_arc_bent_by_a_moment_has_its_surface_stress():
-    # NAFEMS LE2, case 1: 30 degrees of radius 1 m, 10 mm thick, 1 kN m/m: 6 M/t^2 = 60 MPa
-    t, M, n = 0.01, 1000.0, 6
-    p, quads = grid(n, 4)
-    angle = np.radians(30.0) * p[:, 0]
-    nodes = np.column_stack([np.sin(angle), 0.5 * p[:, 1], np.cos(angle)])
-    model = assemble_structure(Structure(nodes, shells=(Shells("arc", quads, STEEL, t),)))
-    held, edge = np.flatnonzero(p[:, 0] == 0.0), np.flatnonzero(p[:, 0] == 1.0)
-    load = np.zeros(model.dof_count)
-    share = np.where((p[edge, 1] == 0.0) | (p[edge, 1] == 1.0), 0.5, 1.0) / 4 * 0.5
-    load[turns(model, edge, 1)] = M * share
-    # nu does not show: the arc is held along its width
-    sideways = np.concatenate(
-        [
-            3 * np.arange(len(nodes)) + 1,
-            turns(model, np.arange(len(nodes)), 0),
-            turns(model, np.arange(len(nodes)), 2),
-        ]
-    )
-    u = solved(model, np.concatenate([all_dofs(model, held), sideways]), load)
-    points, centres = structure_points(model)
-    assert points.sides == PLATE_SIDES
-    assert centres.sides == (CENTRE,)
-    assert len(points) == len(nodes)  # normals turn by 5 degrees from element to element
-    layers, mises = at(points, u)
-    surface = np.sqrt(1.0 - STEEL.poisson_ratio + STEEL.poisson_ratio**2) * 6.0 * M / t**2
-    largest = np.abs(layers[:, 1, :2]).max(axis=1)
-    np.testing.assert_allclose(largest, 6.0 * M / t**2, rtol=2e-3)
-    np.testing.assert_allclose(mises[:, BENDING], surface, rtol=2e-3)
-    np.testing.assert_allclose(mises[:, TOP], surface, rtol=0.02)
-    np.testing.assert_allclose(mises[:, BOTTOM], surface, rtol=0.02)
-    assert mises[:, MEMBRANE].max() < 0.02 * surface
 
 
 def clamped_plate(n):
@@ -166,31 +128,3 @@ def test_rigid_motions_have_no_stress():
     for points in structure_points(model):
         stress = points.columns(motions, slice(None))
         assert np.abs(stress).max() < 1e-9 * STEEL.young_modulus
-
-
-def test_nothing_is_averaged_over_a_knuckle_a_thickness_or_a_material():
-    def count(angle=0.0, thickness=(0.01, 0.01), materials=(STEEL, STEEL), turn=False):
-        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-        nodes = np.array([[-1, 0, 0], [0, 0, 0], [c, 0, s], [-1, 1, 0], [0, 1, 0], [c, 1, s]], dtype=float)
-        first, second = np.array([[0, 1, 4, 3]]), np.array([[1, 2, 5, 4]])
-        if turn:
-            second = second[:, [1, 2, 3, 0]]
-        shells = (
-            Shells("p", first, materials[0], thickness[0]),
-            Shells("p", second, materials[1], thickness[1]),
-        )
-        model = assemble_structure(Structure(nodes, shells=shells))
-        return model, structure_points(model)[0]
-
-    assert len(count()[1]) == len(count(15.0)[1]) == 6
-    assert len(count(25.0)[1]) == 8
-    assert len(count(thickness=(0.01, 0.012))[1]) == 8
-    assert len(count(materials=(STEEL, Material(2.0e11, 0.3, 7850.0)))[1]) == 8
-    # axes of neighbours are those of different edges: a constant stress stays what it is
-    model, points = count(turn=True)
-    u = np.zeros(model.dof_count)
-    u[: 3 * 6 : 3] = 1e-3 * model.nodes[:, 0]
-    layers, mises = at(points, u)
-    sigma = STEEL.young_modulus * 1e-3 / (1.0 - 0.3**2)
-    np.testing.assert_allclose(mises[:, MEMBRANE], sigma * np.sqrt(1.0 - 0.3 + 0.09), rtol=1e-6)
-    assert np.abs(layers[:, 1]).max() < 1e-6 * sigma
