@@ -237,8 +237,7 @@ def stored_box(boxes: Records[BoundingBox], row: int) -> Box:
 @kernel(inline=True, internal=True)
 def middle_of(surfaces: CollisionSurfaces, surface: int) -> Vector:
     """Middle of the box around a surface [m], in its own axes."""
-    root = surfaces.surfaces[surface].root
-    return vector(surfaces.boxes[root].centre)
+    return vector(surfaces.middles[surface])
 
 
 @kernel(inline=True, internal=True)

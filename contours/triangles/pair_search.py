@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Box",
+    "list_holds",
     "near",
     "refresh_pairs",
     "squared_gap",
@@ -54,6 +55,25 @@ ROUNDING = 1e-14
 
 Box = tuple[float, float, float, float, float, float]
 """Centre and half lengths [m]."""
+
+
+@kernel(internal=True)
+def list_holds(
+    surfaces: CollisionSurfaces, lists: PairLists, pair: int, motion: RelativeMotion, reach: float
+) -> bool:
+    """Whether a list has all triangle pairs that can come within reach of each other during a motion.
+
+    The parameters are those of `refresh_pairs`, which makes it anew if it does not: trees, boxes and points must then be
+    those of the present.
+    """
+    listed, memory, frames = lists.table[pair], lists.values[pair], lists.frames
+    if listed.count < 0:
+        return False
+    travel = surfaces.travels[listed.surface_a] + surfaces.travels[listed.surface_b]
+    need = reach + _chord_height(motion, surfaces.reaches[listed.surface_b])
+    _place_box(memory, motion, frames)
+    moved = max(_off_path(memory, frames, 0), _off_path(memory, frames, 1))
+    return moved + travel - memory.travel + need <= memory.slack
 
 
 @kernel(internal=True)
@@ -93,14 +113,11 @@ def refresh_pairs(
     root_a = surfaces.surfaces[a].root
     root_b = surfaces.surfaces[b].root
     boxes = surfaces.boxes
-    need = reach + _chord_height(motion, surfaces.reaches[b])
-    if listed.count >= 0:
-        _place_box(memory, motion, frames)
-        moved = max(_off_path(memory, frames, 0), _off_path(memory, frames, 1))
-        if moved + travel - memory.travel + need <= memory.slack:
-            memory.travel_latest = travel
-            return listed.count
+    if list_holds(surfaces, lists, pair, motion, reach):
+        memory.travel_latest = travel
+        return listed.count
 
+    need = reach + _chord_height(motion, surfaces.reaches[b])
     for k in range(3):
         memory.box.centre[k] = boxes[root_b].centre[k]
         memory.box.half[k] = boxes[root_b].half[k]

@@ -76,6 +76,8 @@ class CollisionSurfaces(Arrays):
         Points for which boxes, normals and `edge_inward` hold [m], shape (n, 3).
     travels
         Sum over all refits of the longest way that a point of the surface has gone in each [m], shape (ns,).
+    middles
+        Middle of the box around each surface [m], shape (ns, 3).
     """
 
     points: Floats2
@@ -96,6 +98,7 @@ class CollisionSurfaces(Arrays):
     edge_opposite: Ints1
     fitted_points: Floats2
     travels: Floats1
+    middles: Floats2
 
 
 class _Part(NamedTuple):
@@ -208,6 +211,7 @@ def pack_surfaces(
         edge_opposite=edge_opposite,
         fitted_points=points.copy(),
         travels=np.zeros(len(parts)),
+        middles=_stack([part.boxes["centre"][:1] for part in parts], 3),
     )
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
     from heavylift.numerics.records import Records
 
-__all__ = ["refit_surface"]
+__all__ = ["refit_features", "refit_surface"]
 
 
 @kernel(internal=True)
@@ -31,7 +31,7 @@ def refit_surface(surfaces: CollisionSurfaces, surface: int) -> float:
     Parameters
     ----------
     surfaces
-        Of the scene; boxes, normals, `edge_inward`, `reaches`, `fitted_points` and `travels` change.
+        Of the scene; boxes, normals, `edge_inward`, `reaches`, `middles`, `fitted_points` and `travels` change.
     surface
         Number of the surface.
 
@@ -58,6 +58,8 @@ def refit_surface(surfaces: CollisionSurfaces, surface: int) -> float:
     )
     surfaces.reaches[surface] = math.sqrt(squared_reach)
     _refit_nodes(surfaces.nodes, surfaces.triangle_boxes, row.root, end_node, surfaces.boxes)
+    for k in range(3):
+        surfaces.middles[surface, k] = surfaces.boxes[row.root].centre[k]
     _refit_edges(
         surfaces.points,
         surfaces.edges,
@@ -68,6 +70,45 @@ def refit_surface(surfaces: CollisionSurfaces, surface: int) -> float:
         surfaces.edge_inward,
     )
     return way
+
+
+@kernel(internal=True)
+def refit_features(
+    surfaces: CollisionSurfaces,
+    triangles: NDArray[np.int64],
+    first_triangle: int,
+    triangle_count: int,
+    edges: NDArray[np.int64],
+    first_edge: int,
+    edge_count: int,
+) -> None:
+    """Bring boxes and normals of some triangles, and directions from some edges into their faces, up to date.
+
+    Parameters
+    ----------
+    surfaces
+        Of the scene; their trees stay as they are.
+    triangles, first_triangle, triangle_count
+        Rows of the triangles, and which of these are meant.
+    edges, first_edge, edge_count
+        The same of edges.
+    """
+    for i in range(first_triangle, first_triangle + triangle_count):
+        t = triangles[i]
+        _refit_triangles(
+            surfaces.points, surfaces.triangles, t, t + 1, surfaces.triangle_boxes, surfaces.normals
+        )
+    for i in range(first_edge, first_edge + edge_count):
+        e = edges[i]
+        _refit_edges(
+            surfaces.points,
+            surfaces.edges,
+            surfaces.edge_first,
+            surfaces.edge_opposite,
+            e,
+            e + 1,
+            surfaces.edge_inward,
+        )
 
 
 @kernel(internal=True)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MatricesGeometry, MeshFileGeometry
+    from heavylift.pipeline.case.panels import PanelsGeometry
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
     from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -45,12 +46,28 @@ def assemble_model(case: Case, name: str, body: FlexibleBodySection) -> FEModel:
             return _of_matrices(case, body.geometry)
         if body.geometry.type == "mesh":
             return _of_deck(case, name, body, body.geometry)
+        if body.geometry.type == "panels":
+            return _of_panels(case, name, body, body.geometry)
         assert body.material is not None
         mesh = _mesh(case, name, body)
         if body.geometry.type == "blocks" and body.mesh.formulation == "reduced":
             _refuse_single_layer(mesh)
         material = Material(**body.material.given())
         return assemble(mesh, material, formulation=body.mesh.formulation, mass=body.mesh.mass)
+
+
+def _of_panels(case: Case, name: str, body: FlexibleBodySection, geometry: PanelsGeometry) -> FEModel:
+    """Plates with stiffeners and lugs, with more groups of their nodes."""
+    from dataclasses import replace
+
+    from heavylift.pipeline.assemble.panels import structure_of_panels
+    from heavylift.preprocess.finite_elements.groups import select_nodes
+    from heavylift.preprocess.structures.assemble import assemble_structure
+
+    made = structure_of_panels(case, name, body, geometry)
+    groups = select_nodes(made.nodes, _selectors(geometry.groups), faces=made.node_groups, source=name)
+    mass = body.mesh.mass if "mass" in body.mesh.model_fields_set else "lumped"
+    return assemble_structure(replace(made, node_groups={**made.node_groups, **groups}), mass=mass)
 
 
 def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFileGeometry) -> FEModel:
@@ -121,7 +138,8 @@ _CASE_KEYS = (
     (re.compile(r"(elements|part|merge_nodes|mass_unit)"), r"geometry.\1"),
     (re.compile(r"(material(?:\..*)?)"), r"\1"),
     (re.compile(r"modes"), "modes.count"),
-    (re.compile(r"((?:modes|mesh|supports|static)\..*|interface)"), r"\1"),
+    (re.compile(r"up_to"), "modes.up_to"),
+    (re.compile(r"((?:modes|mesh|supports|static|interfaces)\..*|interface)"), r"\1"),
 )
 """Keys in messages of the stages, and what they are below the body in a case file."""
 

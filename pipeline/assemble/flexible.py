@@ -88,7 +88,7 @@ def check_points(
 ) -> None:
     """Points that it carries must lie on it; they and the origin in coordinates of the geometry [m]."""
     for key, point in points:
-        body.reduced.locate(np.asarray(point) - origin, source=case.file, key=key, origin=origin)
+        body.reduced.point_at(np.asarray(point) - origin, source=case.file, key=key, origin=origin)
 
 
 # ---- before the stages have run ----

@@ -23,6 +23,7 @@ from heavylift.numerics.lanes import block_shape
 from heavylift.numerics.records import Matrix3, Record, Records, Vector
 from heavylift.solver.contact.layout import Problem, RowKind, RowParameters, Solution
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
+from heavylift.solver.contact.triangles.modal_kind import ModalSurfaces
 from heavylift.solver.extremes import Extremes, Store
 from heavylift.solver.kinds import Table
 from heavylift.solver.rows.structure import RowArrays
@@ -90,7 +91,7 @@ class ContactContour(PackedContour):
     body: int
 
 
-OF_GROUND, OF_RIGID, OF_MODES, OF_MESH, OF_FACETS = range(5)
+OF_GROUND, OF_RIGID, OF_MODES, OF_MESH, OF_FACETS, OF_MODAL_FACETS = range(6)
 
 LARGEST_CONTROLS = 1024
 """Control points under a footprint, and under a point."""
@@ -566,8 +567,8 @@ class ContactRows(RowArrays):
         What the solver needs on the velocities of the touched bodies, if all of them are rigid.
     meshes
         Pairs of surfaces of triangles: one kind or none; their contacts come behind those of contours.
-    facets
-        Of those surfaces the ones that deform.
+    facets, modal
+        Of those surfaces the ones that deform: with the nodes of a frame or shell, and with the modes of a body.
     placed
         Of those pairs, carried: poses of the surfaces at the end of the last step; sums over contacts that are gone;
         number of contacts. Shape (n, 12).
@@ -621,6 +622,7 @@ class ContactRows(RowArrays):
     reduced: Reduced
     meshes: Colliding
     facets: FacetSurfaces
+    modal: ModalSurfaces
     placed: Floats2
     carried: Floats1
     saved: Floats1

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import Colliding, ContactContour, ContourPose
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
+from heavylift.solver.contact.triangles.modal_kind import ModalSurfaces
 from heavylift.solver.rows.structure import DIAGONAL, FACTORED, PRESCRIBED
 
 __all__ = ["PackedCollisions", "moves_rigidly", "no_collisions"]
@@ -25,8 +26,8 @@ class PackedCollisions:
     ----------
     meshes
         The kind; empty without collisions.
-    facets
-        Surfaces that deform.
+    facets, modal
+        Surfaces that deform, as in `ContactRows`.
     contours, poses
         Rows for the surfaces, behind those of the contours.
     placed
@@ -43,6 +44,7 @@ class PackedCollisions:
 
     meshes: Colliding
     facets: FacetSurfaces
+    modal: ModalSurfaces
     contours: Records[ContactContour]
     poses: Records[ContourPose]
     placed: NDArray[np.float64]
@@ -62,6 +64,7 @@ def no_collisions() -> PackedCollisions:
     return PackedCollisions(
         Colliding(),
         FacetSurfaces.none(),
+        ModalSurfaces.none(),
         records(ContactContour, 0),
         records(ContourPose, 0),
         np.zeros((1, 12)),

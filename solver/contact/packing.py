@@ -220,6 +220,7 @@ def _kind(
 ) -> ContactRows:
     """Allocate everything that a step needs."""
     count, of_contours = len(table), len(table) - collided.most
+    modes = [*packed.mode_counts, *collided.modal.rows["modes"]]
     rigid_only = collided.all_rigid and all(moves_rigidly(side) for side in sides)
     own = min(count, DENSE) if rigid_only else count
     shape = block_shape(ROWS)
@@ -286,7 +287,7 @@ def _kind(
         rates=rates,
         column=np.zeros(len(inverse_mass)),
         scratch=Scratch.one(),
-        shapes=np.zeros(6 * max([1, *packed.mode_counts])),
+        shapes=np.zeros(6 * max([1, *modes])),
         places=np.zeros(LARGEST_CONTROLS, dtype=np.int64),
         counts=counts,
         present=np.zeros(count, dtype=np.int64),
@@ -301,6 +302,7 @@ def _kind(
         reduced=reduced,
         meshes=collided.meshes,
         facets=collided.facets,
+        modal=collided.modal,
         placed=collided.placed,
         carried=np.zeros(0),
         saved=np.zeros(0),

@@ -63,11 +63,6 @@ class PointForce(OnBody):
             object.__setattr__(self, "forces", np.array([self.force]))
             object.__setattr__(self, "force", None)
 
-    @property
-    def directed(self) -> bool:
-        """Whether it follows the axes of its body."""
-        return self.frame == "body"
-
     @staticmethod
     def check(spec: Any) -> None:
         """A force or a table."""

@@ -23,6 +23,9 @@ from heavylift.solver.scene.outputs import Components, Outputs, channel, largest
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
 __all__ = [
@@ -45,9 +48,12 @@ class CollisionSurface:
     surface
         Triangles in the frame of the body, excluded ones left out; of a frame or shell None: its own surface. That of
         a shell is its middle surface, rounded by half of its (largest) thickness; that of a frame its axis, round,
-        with the area of its (largest) cross-section, which rounds its ends too.
+        with the area of its (largest) cross-section, which rounds its ends too. Of a body with modes its undeformed
+        triangles, from `heavylift.contours.triangles.body_surface.body_surface`.
     facets
         Of a frame or shell: facets along each side of an element.
+    nodes
+        Of a body with modes: its node at each point of the triangles, shape (n,).
 
     Notes
     -----
@@ -59,10 +65,11 @@ class CollisionSurface:
     body: str
     surface: TriangleSurface | None
     facets: int = 2
+    nodes: NDArray[np.int64] | None = None
 
     def drawn(self) -> Iterable[Element]:
-        """Its triangles; the surface of a frame or shell is drawn by that."""
-        if self.surface is not None:
+        """Its triangles; the surface of a frame, a shell or a body with modes is drawn by that."""
+        if self.surface is not None and self.nodes is None:
             points, triangles, _ = surface_triangles(self.surface)
             role: Drawn = "ground" if self.body == GROUND else "body"
             yield Solid(name=self.name, role=role, body=self.body, points=points, triangles=triangles)

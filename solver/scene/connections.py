@@ -432,14 +432,6 @@ class ForceElement:
         """Names of the ropes of which it wants to know what they pull with."""
         return ()
 
-    @property
-    def directed(self) -> bool:
-        """Whether it takes directions of bodies: for one with modes a note says that these are those of its frame.
-
-        One with rows is refused where modes turn such a direction.
-        """
-        return False
-
 
 @dataclass(frozen=True, eq=False)
 class OnBody(ForceElement):
@@ -557,11 +549,6 @@ class PackedForce(ForceElement):
     """What it records, in the order of its columns."""
 
     name: str
-
-    @property
-    def directed(self) -> bool:
-        """It may take any direction."""
-        return True
 
 
 FORCES: Family[Any] = Family(

@@ -133,8 +133,8 @@ def put_rows_on_meshes(kind: Meshes, contacts: ContactRows, contact: int, side: 
     """Directions of the contact into the columns of the moving point, zeros into all others."""
     attachment, facets = 2 * contact + side, contacts.facets
     number = contacts.table[contact].axes if side == 1 else contacts.table[contact].contour
-    row = facets.row_of[number]
-    body = body_with_points(kind, facets.rows[row].dof)
+    row = facets.row_of[number] if facets.rows.shape[0] > 0 else -1
+    body = body_with_points(kind, facets.rows[row].dof) if row >= 0 else -1
     if body < 0:
         return
     sign, slot = 2.0 * side - 1.0, contacts.state[contact].slots[side]

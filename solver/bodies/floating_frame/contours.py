@@ -14,10 +14,17 @@ from heavylift.contours.splines.modal_sums import modal_points, modal_shapes
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
-from heavylift.solver.bodies.frames.contours import frame_speed, owner_of
-from heavylift.solver.contact.interface import bound_motion, form_controls, put_contour_rows
-from heavylift.solver.contact.kind import ContactRows
+from heavylift.solver.bodies.frames.contours import frame_speed, owner_of, pose_frame_contours
+from heavylift.solver.contact.interface import (
+    bound_motion,
+    form_controls,
+    pose_contours,
+    put_contour_rows,
+    put_surface_rows,
+)
+from heavylift.solver.contact.kind import OF_MODES, ContactRows
 from heavylift.solver.contact.search.contour_rows import put_frame_rows
+from heavylift.solver.bodies.frames.motion import body_with
 from heavylift.solver.drive import FIXED
 from heavylift.solver.interface import Workspace, forget_accelerations
 from heavylift.solver.kinds import implement
@@ -26,6 +33,20 @@ __all__: list[str] = []
 
 AT_ONCE = 512
 """Control points that are formed together: `places` has room for so many."""
+
+
+@implement(pose_contours, FloatingFrameBodies)
+@kernel(internal=True)
+def pose_flexible_contours(kind: FloatingFrameBodies, at_midpoint: bool, contacts: ContactRows) -> None:
+    """Pose of the frame; of surfaces of triangles the modal coordinates, which contacts form their points from."""
+    pose_frame_contours(kind, at_midpoint, contacts)
+    modal = contacts.modal
+    for row in range(modal.rows.shape[0]):
+        body = body_with(kind, modal.rows[row].dof)
+        if body >= 0:
+            to, first = modal.rows[row].first_coordinate, kind.table[body].first_mode
+            for i in range(modal.rows[row].modes):
+                modal.coordinates[to + i] = kind.mid_modal_position[first + i]
 
 
 @implement(form_controls, FloatingFrameBodies)
@@ -118,6 +139,30 @@ def _sum_shapes(
     modal_shapes(contacts.constants, begin, n, contacts.places, count, weights, 0, contacts.shapes, out)
 
 
+@implement(put_surface_rows, FloatingFrameBodies)
+@kernel(internal=True)
+def put_flexible_surface_rows(
+    kind: FloatingFrameBodies, contacts: ContactRows, contact: int, side: int, work: Workspace
+) -> None:
+    """Modes: ``d . sum w Phi`` of the corners between which the touched point lies; the frame has its rows already."""
+    number = contacts.table[contact].axes if side == 1 else contacts.table[contact].contour
+    body = owner_of(kind, contacts, number)
+    if body < 0:
+        return
+    modal, facets, shapes = contacts.modal, contacts.facets, contacts.shapes
+    one, lanes, sign = modal.rows[modal.row_of[number]], len(contacts.shape[1]), 2.0 * side - 1.0
+    n = one.modes
+    modal_shapes(modal.shapes, one.shapes, n, facets.corners, 3, facets.shares, 0, shapes, 0)
+    panel = contacts.attachments[2 * contact + side].panel + 6 * lanes
+    for r in range(3):
+        d = contacts.scratch.directions[r]
+        d1, d2, d3 = rotate_back(contacts.poses[number].rotation, (sign * d[0], sign * d[1], sign * d[2]))
+        for i in range(n):
+            contacts.panels[panel + i * lanes + r] = (
+                d1 * shapes[i] + d2 * shapes[n + i] + d3 * shapes[2 * n + i]
+            )
+
+
 @implement(bound_motion, FloatingFrameBodies)
 @kernel(internal=True)
 def bound_flexible_motion(
@@ -131,9 +176,15 @@ def bound_flexible_motion(
         n, dof = kind.table[body].mode_count, kind.table[body].dof
         row = contacts.contours[contour]
         speed = 0.0
-        largest = row.controls + row.u.count * row.v.count * (3 + 3 * n)
-        for i in range(n):
-            speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
+        if row.owner == OF_MODES:
+            largest = row.controls + row.u.count * row.v.count * (3 + 3 * n)
+            for i in range(n):
+                speed += abs(work.velocity[dof + 6 + i]) * contacts.constants[largest + i]
+        else:
+            modal = contacts.modal
+            first = modal.rows[modal.row_of[contour]].first_coordinate
+            for i in range(n):
+                speed += abs(work.velocity[dof + 6 + i]) * modal.largest[first + i]
         if kind.table[body].motion != FIXED:
             speed += frame_speed(dof, 2.0 * contacts.poses[contour].reach, work)
         contacts.poses[contour].step_shift = step * speed

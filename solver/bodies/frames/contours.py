@@ -8,7 +8,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.solver.bodies.frames.base import FrameBodies
 from heavylift.solver.bodies.frames.motion import body_with
 from heavylift.solver.contact.interface import bound_motion, pose_contours, put_contour_rows
-from heavylift.solver.contact.kind import OF_MODES, OF_RIGID, ContactRows
+from heavylift.solver.contact.kind import OF_MODAL_FACETS, OF_MODES, OF_RIGID, ContactRows
 from heavylift.solver.contact.search.contour_rows import put_frame_rows
 from heavylift.solver.interface import Workspace
 from heavylift.solver.kinds import implement
@@ -20,7 +20,7 @@ __all__ = ["frame_speed", "owner_of"]
 def owner_of(kind: FrameBodies, contacts: ContactRows, contour: int) -> int:
     """Row of the body that a contour is on, -1 if that is not of this kind."""
     owner = contacts.contours[contour].owner
-    if owner != OF_RIGID and owner != OF_MODES:  # noqa: PLR1714  a set costs time here
+    if owner != OF_RIGID and owner != OF_MODES and owner != OF_MODAL_FACETS:  # noqa: PLR1714  a set costs time here
         return -1
     return body_with(kind, contacts.contours[contour].dof)
 

@@ -19,6 +19,7 @@ from heavylift.numerics.records import Records, records
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.triangles.interface import record_clearance, watch_clearance
 from heavylift.solver.contact.triangles.kind import SurfacePairs, gone_contacts, placed_pose
+from heavylift.solver.contact.triangles.modal_facets import make_whole, modal_row
 from heavylift.solver.contact.triangles.narrow_phase import relative_pose
 from heavylift.solver.contact.triangles.slots import surface_count
 from heavylift.solver.extremes import note_value
@@ -68,6 +69,15 @@ def make_clearances(surfaces: CollisionSurfaces, wanted: list[bool]) -> list[Cle
     ]
 
 
+@kernel(internal=True)
+def _place_pair(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> None:
+    """Points of a surface that deforms with modes, all of them."""
+    for side in range(2):
+        row = modal_row(meshes, contacts, pair, side)
+        if row >= 0:
+            make_whole(contacts.modal, meshes.surfaces, row)
+
+
 @implement(record_clearance, Clearances)
 @kernel(internal=True)
 def record_mesh_clearance(
@@ -84,6 +94,7 @@ def record_mesh_clearance(
     a, b = meshes.pairs[pair].poses[0] - first_row, meshes.pairs[pair].poses[1] - first_row
     first, second = placed_pose(contacts.placed[a], 0), placed_pose(contacts.placed[b], 0)
     relative_pose(first, second, clearances.pose)
+    _place_pair(meshes, contacts, pair)
     out.gap = clearances.last[pair] = clearance(
         meshes.surfaces,
         meshes.pairs[pair].surfaces[0],
@@ -114,6 +125,7 @@ def watch_mesh_clearance(
     nearest = clearances.last[pair] - clearances.moved[pair]
     if gaps.interval == interval and clearances.last[pair] < math.inf and nearest >= gaps.lowest:
         return
+    _place_pair(meshes, contacts, pair)
     found = clearance(
         meshes.surfaces,
         one.surfaces[0],

@@ -4,6 +4,9 @@ A point of a frame or shell is material, so the touched point is a sum of the co
 shares it has there, and so is its velocity. Rows take it as a moving point of its body
 (`heavylift.solver.contact.interface`). Both bodies are pushed in the point of the middle surface or axis, so that
 friction leaves no moment between them; of two bodies that deform each in its own.
+
+A body with modes has a frame, which is pushed like a rigid body, half way between both surfaces; its modes are pushed by
+the displacements of the touched point.
 """
 
 from __future__ import annotations
@@ -14,17 +17,19 @@ from heavylift.contours.triangles.feature_gap import (
     FACE_VERTEX,
     VERTEX_EDGE,
     VERTEX_FACE,
+    to_axes_of_b,
 )
 from heavylift.contours.triangles.surface_pack import CollisionSurfaces
 from heavylift.contours.triangles.surface_refit import refit_surface
 from heavylift.numerics.jit import kernel
-from heavylift.numerics.vectors import Vector, cross, rotate_back, subtract
+from heavylift.numerics.vectors import Vector, cross, rotate_back, subtract, vector
 from heavylift.solver.contact.counts import contact_count
 from heavylift.solver.contact.interface import put_surface_rows
 from heavylift.solver.contact.kind import ContactRows
 from heavylift.solver.contact.search.contour_rows import put_pose_rows
 from heavylift.solver.contact.triangles.facet_kind import FacetSurfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs
+from heavylift.solver.contact.triangles.modal_facets import modal_row
 from heavylift.solver.interface import Bodies, Workspace
 
 __all__ = ["refit_facets", "take_slots", "touch_facets"]
@@ -146,9 +151,17 @@ def touch_facets(
     facets, state, touch, scratch = contacts.facets, contacts.state[contact], meshes.touch, contacts.scratch
     pair = state.pair
     rows = (deforming_row(meshes, contacts, contact, 0), deforming_row(meshes, contacts, contact, 1))
+    modal = (modal_row(meshes, contacts, pair, 0), modal_row(meshes, contacts, pair, 1))
+    relative = meshes.relative[pair]
+    for side in range(2):
+        if modal[side] >= 0:
+            x = to_axes_of_b(touch.point_b, relative) if side == 1 else vector(touch.point_a)
+            feature = state.other_feature if side == 1 else state.feature
+            surface = meshes.pairs[pair].surfaces[side]
+            _share(facets, meshes, state.feature_kind, feature, side == 1, surface, x)
+            put_surface_rows(bodies, contacts, contact, side, work)
     if rows[0] < 0 and rows[1] < 0:
         return
-    relative = meshes.relative[pair]
     for side in range(2):
         row = rows[side]
         point = touch.point_b if (side == 1) == (row >= 0) else touch.point_a

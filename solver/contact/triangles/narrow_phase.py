@@ -22,6 +22,7 @@ from heavylift.solver.contact.search.directions import put_directions
 from heavylift.solver.contact.triangles.facets import refit_facets, touch_facets
 from heavylift.solver.contact.triangles.interface import pose_surfaces, touch_triangles
 from heavylift.solver.contact.triangles.kind import SurfacePairs
+from heavylift.solver.contact.triangles.modal_facets import place_touched
 from heavylift.solver.interface import Bodies, Workspace
 from heavylift.solver.kinds import implement
 
@@ -50,6 +51,7 @@ def relative_pose(first: RelativePose, second: RelativePose, out: RelativePose) 
 def pose_mesh_surfaces(meshes: SurfacePairs, contacts: ContactRows) -> None:
     """Of all pairs."""
     refit_facets(contacts, meshes.surfaces)
+    place_touched(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
         first = contacts.poses[meshes.pairs[pair].poses[0]]
         second = contacts.poses[meshes.pairs[pair].poses[1]]

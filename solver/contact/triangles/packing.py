@@ -37,6 +37,7 @@ from heavylift.solver.contact.triangles.kind import (
     SurfacePair,
     SurfacePairs,
 )
+from heavylift.solver.contact.triangles.modal_packing import ModalBook, pack_modal, pack_modal_surface
 from heavylift.solver.contact.triangles.outside import closed_parts, outside_of
 from heavylift.solver.rows.structure import Attachment
 from heavylift.solver.scene.connections import GROUND
@@ -110,13 +111,17 @@ def pack_collisions(
     by_name = {body.name: body for body in ordered}
     contours = records(ContactContour, len(scene.surfaces))
     poses, moved = [], []
-    deforming: dict[int, FacetBook] = {}
+    facets: dict[int, FacetBook] = {}
+    modal: dict[int, ModalBook] = {}
     for i, one in enumerate(scene.surfaces):
         contours[i], pose, surface, book = _pack_surface(one, by_name, dofs)
         poses.append(pose)
         moved.append(surface)
-        if book is not None:
-            deforming[i] = book
+        if isinstance(book, ModalBook):
+            modal[i] = book
+        elif book is not None:
+            facets[i] = book
+    deforming = {*facets, *modal}
     numbers = {one.name: i for i, one in enumerate(scene.surfaces)}
     count = len(scene.collisions)
     pairs, sides = records(SurfacePair, count), records(PairSide, 2 * count)
@@ -156,7 +161,7 @@ def pack_collisions(
     all_rigid = not deforming and all(moves_rigidly(side) for side in sides)
     most = _most_at_once(pairs, all_rigid)
     room = FOUND_AT_ONCE * max(2, int(pairs["most"].max()))
-    room = max([room, *(FOUND_AT_A_POINT * len(book.counts) for book in deforming.values())])
+    room = max([room, *(FOUND_AT_A_POINT * len(moved[i].points) for i in deforming)])
     items = room + most
     placed = records(ContourPose, len(poses))
     for i, pose in enumerate(poses):
@@ -201,7 +206,8 @@ def pack_collisions(
     )
     return PackedCollisions(
         meshes=Colliding((meshes,)),
-        facets=_pack_facets(scene, packed, deforming, dofs, first_pose),
+        facets=_pack_facets(scene, packed, facets, dofs, first_pose),
+        modal=pack_modal(modal, packed, search.lists, len(scene.surfaces), first_pose),
         contours=contours,
         poses=placed,
         placed=np.zeros((len(moved) + count + 1, PLACED_WIDTH)),
@@ -304,7 +310,7 @@ def _patch_size(surface: TriangleSurface) -> float:
 
 def _pack_surface(
     one: CollisionSurface, by_name: Mapping[str, AnyBody], dofs: Mapping[str, int]
-) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | None]:
+) -> tuple[ContactContour, ContourPose, TriangleSurface, FacetBook | ModalBook | None]:
     """Row and pose of a surface, its triangles in the axes in which its body is measured, and how they deform."""
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
 
@@ -318,14 +324,15 @@ def _pack_surface(
     body: Any = by_name.get(one.body)
     if body is not None and body.SHAPE:
         return _pack_own_surface(one, body, list(by_name).index(one.body), dofs)
+    if body is not None and body.MODAL:
+        return pack_modal_surface(one, body, list(by_name).index(one.body), dofs[one.body])
     if one.surface is None or not (body is None or body.CONTOURS == "rigid"):
         raise InputError(
             f"no triangles on {one.body!r}" if one.surface is None else f"triangles on {one.body!r}",
             source=one.name,
             key="body",
             expected=(
-                "a rigid body or the ground with triangles, a frame or shell without; flexible "
-                "bodies with modes touch by contours"
+                "a rigid body, a body with modes or the ground with triangles, a frame or shell without"
             ),
         )
     origin, axes = body.contour_frame() if body is not None else (np.zeros(3), np.eye(3))

@@ -21,6 +21,7 @@ from heavylift.solver.contact.triangles.feature_search import find_features
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
 from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on, turn_memory
+from heavylift.solver.contact.triangles.modal_facets import follow_modes, place_near
 from heavylift.solver.contact.triangles.narrow_phase import narrow_phase_mesh, relative_pose
 from heavylift.solver.contact.triangles.patches import BORDER, choose_contacts, share_stiffness, sort_found
 from heavylift.solver.contact.triangles.sides import (
@@ -78,6 +79,7 @@ def search_mesh_surfaces(
             put_placed(contacts, i, first_row + i)
             contacts.poses[first_row + i].step_shift = 0.0
     refit_facets(contacts, meshes.surfaces)
+    follow_modes(meshes, contacts, first)
     fill_table(meshes, contacts)
     count_members(meshes, contacts)
     for pair in range(meshes.pairs.shape[0]):
@@ -130,6 +132,7 @@ def _search_pair(
     meshes.pairs[pair].reach = reach
     depth = DEEPER * deepest_of(meshes, contacts, pair)
     method = meshes.pairs[pair].method
+    place_near(meshes, contacts, pair, meshes.motions[pair], reach + depth)
     find_features(meshes.searches, pair, meshes.motions[pair], reach, depth, method)
     count = meshes.counts.count
     if count < 0:
