@@ -30,13 +30,8 @@ from heavylift.preprocess.finite_elements.deck import (
     deck_text,
 )
 from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckFrame, DeckPlates
-from heavylift.preprocess.structures.bar_shapes import (
-    BAR_SHAPES,
-    rectangles_section,
-    round_section,
-    shape_section,
-)
-from heavylift.preprocess.structures.sections import BeamSection
+from heavylift.preprocess.structures.bar_shapes import BAR_SHAPES, shape_section
+from heavylift.preprocess.structures.sections import BeamSection, rectangles_section, round_section
 from heavylift.preprocess.structures.structure import PointMass, RigidLink, Tie
 
 if TYPE_CHECKING:
