@@ -436,7 +436,7 @@ def test_groups_that_the_case_gives(tmp_path):
         "PSHELL 3": PlateProperty(thickness=0.01, offset=0.02, nonstructural_mass=5.0),
         "pshell 4": PlateProperty(thickness=0.02, material=aluminium),
     }
-    beams = {"PBAR 8": BeamProperty(section=section, orientation=(0.0, 0.0, 1.0), offset=(0.0, 0.0, 0.08))}
+    beams = {"PBAR 8": BeamProperty(section=section, orientation=(0.0, 0.0, 1.0), offset=(0.08, 0.0))}
     made = read(tmp_path, text, given=steel, plates=plates, beams=beams)
     masses = {one.name: one.mass for one in property_masses(made)}
     assert masses == pytest.approx(

@@ -82,7 +82,7 @@ def path(request, tmp_path):
     return file
 
 
-RIB = BeamProperty(shape_section("BAR", (0.012, 0.15)), (0.0, 0.0, 1.0), (0.0, 0.0, 0.08))
+RIB = BeamProperty(shape_section("BAR", (0.012, 0.15)), (0.0, 0.0, 1.0), offset=(0.08, 0.0))
 
 
 def test_a_case_gives_what_a_mesh_lacks(path):
@@ -99,7 +99,7 @@ def test_a_case_gives_what_a_mesh_lacks(path):
     assert sorted(made.node_groups["rib"]) == [0, 1]
     with pytest.raises(InputError, match="no thickness"):
         structure_of(deck, beams={"rib": RIB}, **options)
-    with pytest.raises(InputError, match=r"stiffeners\.line\.profile: line: no section"):
+    with pytest.raises(InputError, match=r"stiffeners\.line\.section: line: no section"):
         structure_of(deck, plates=plates, **options)
 
 
