@@ -109,6 +109,8 @@ class DeckFrame:
         What was read and left out, with counts, one sentence each.
     instead
         Notes of the deck that do not hold for a structure: of what solids alone leave out.
+    also
+        Types of elements that `masses` and `links` are made of.
     """
 
     plates: tuple[DeckPlates, ...] = ()
@@ -120,3 +122,4 @@ class DeckFrame:
     refused: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     instead: tuple[str, ...] = ()
+    also: frozenset[str] = frozenset()

@@ -421,7 +421,7 @@ class _Maker:
             own = np.flatnonzero(others[start : start + len(block.labels)])
             if own.size and not block.harmless and not self._is_loose(start + own):
                 wrong.append((block, own.size, block.labels[own[0]]))
-            elif own.size and block.words:
+            elif own.size and block.words and block.name not in self.frame.also:
                 self.notes.append(f"left out: {own.size} {block.words} {block.name}")
         if wrong:
             words = ", ".join(f"{n} {block.words} {block.name}" for block, n, _ in wrong)
