@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = [
+    "INTEGRAL_UNITS",
     "open_hdf5",
     "read_header",
     "read_model",
@@ -210,7 +211,7 @@ def write_reduced(
         _write(file, "residuals", body.residuals, "1", "relative residual of each vector in the full model")
         integrals = file.create_group("integrals")
         for key, value in body.integrals._asdict().items():
-            _write(integrals, key, value, _INTEGRAL_UNITS[key], key.replace("_", " "))
+            _write(integrals, key, value, INTEGRAL_UNITS[key], key.replace("_", " "))
         if body.stiffening is not None:
             group = file.create_group("stiffening")
             for key, (unit, words) in _STIFFENING.items():
@@ -234,7 +235,7 @@ _INTERFACE_FIELDS = {
     "moments": ("m, 1", "moments on the nodes from force and moment at the point, (node, component, load)"),
 }
 
-_INTEGRAL_UNITS = {
+INTEGRAL_UNITS = {
     "mass": "kg",
     "first_moment": "kg m",
     "modal_translation": "kg^0.5",
