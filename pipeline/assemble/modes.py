@@ -251,7 +251,7 @@ def _reduce(
     }
     reduced = replace(reduced, interfaces=places)
     if options.stiffening:
-        reduced = _stiffened(model, reduced, body, clamped, flexibility)
+        reduced = _stiffened(model, reduced, body, clamped, origin, flexibility)
     states = []
     if body.static:
         assert flexibility is not None
@@ -281,11 +281,13 @@ def _stiffened(
     reduced: ReducedBody,
     body: FlexibleBodySection,
     clamped: NDArray[np.int64],
+    origin: NDArray[np.float64],
     flexibility: Flexibility | None,
 ) -> ReducedBody:
-    """With what inertia and weight do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    """With what loads along it do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    from heavylift.modal.bases import place_loads
     from heavylift.modal.flexibility import Flexibility
-    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
+    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
 
     free = body.frame.motion == "free"
     if free and (model.fixed_nodes.size or model.fixed_dofs.size):
@@ -297,7 +299,12 @@ def _stiffened(
     stiffness_of = stress_stiffness(model, formulation=body.mesh.formulation)
     if flexibility is None or (free and clamped.size):
         flexibility = Flexibility(model, () if free else clamped)
-    return replace(reduced, stiffening=inertia_stiffening(flexibility, reduced, stiffness_of))
+    stiffening = inertia_stiffening(flexibility, reduced, stiffness_of)
+    if body.modes.static_points:
+        loads = place_loads(model, body.modes.static_points, key="modes.static_points")
+        places = np.asarray(body.modes.static_points) - origin
+        stiffening = with_loads(stiffening, flexibility, reduced, stiffness_of, loads, places)
+    return replace(reduced, stiffening=stiffening)
 
 
 def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:

@@ -31,6 +31,7 @@ from heavylift.pipeline.case.interfaces import InterfaceSection
 from heavylift.pipeline.case.modes import ModesSection
 from heavylift.pipeline.case.panels import PanelsGeometry
 from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection
+from heavylift.pipeline.case.stress import StressSection
 from heavylift.solver.scene.bodies import MOTIONS, Body, FlexibleBody, Placed, RigidBody
 
 __all__ = [
@@ -178,6 +179,8 @@ class FlexibleBodySection(BodySection):
     """Static load cases, solved with the modes."""
     interfaces: dict[Name, InterfaceSection] = Field(default_factory=dict)
     """Places where others are attached, by name; each adds six attachment modes to the basis."""
+    stress: StressSection | None = None
+    """Stress over the run; none if absent."""
     frame: Frame
     """How the body frame moves."""
     initial: InitialSection = Field(default_factory=InitialSection)
@@ -267,7 +270,53 @@ class FlexibleBodySection(BodySection):
         if count is not None and len(self.modes.damping_ratio) not in {1, count}:
             reject(f"{len(self.modes.damping_ratio)} values", f"1 or {count}", key="modes.damping_ratio")
         _check_initial(self.frame, self.initial)
+        self._has_stress()
         return self
+
+    def missing_stress(self, name: str, item: str, what: str) -> str:
+        """What a quantity of its stress needs and it does not have, as far as is known before it has a mesh."""
+        if self.stress is None:
+            return f"a table 'stress' of body {name!r}"
+        spot = what == "hot_spot"
+        known = [one.name for one in (self.stress.hot_spots if spot else self.stress.groups)]
+        if not known and not spot:
+            # properties of a structure are known with its mesh only
+            known = ["all"] if self.geometry.type in {"blocks", "step"} else [item]
+        if item not in known:
+            kind = "hot spot" if spot else "group"
+            return f"a {kind} of the stress of {name!r}: {', '.join(known) or 'there are none'}"
+        return ""
+
+    def _has_stress(self) -> None:
+        """Stress needs elements; a grade of steel a thickness, which solids do not have."""
+        if self.stress is None:
+            return
+        given = self.geometry.type
+        if given in {"four_files", "matrices"}:
+            reject(
+                f"with geometry {given!r}, which holds matrices alone",
+                "a body with elements between its nodes, or no 'stress'",
+                key="stress",
+            )
+        if given not in {"blocks", "step"}:
+            return
+        if self.stress.thickness is not None:
+            return
+        words = "is missing: the strength of {} depends on it, and solids have none"
+        if self.stress.grade is not None and not self.stress.groups:
+            reject(
+                words.format(self.stress.grade),
+                "the thickness of the material, or 'yield_strength'",
+                key="stress.thickness",
+            )
+        for index, group in enumerate(self.stress.groups):
+            by_grade = group.grade or (self.stress.grade if group.yield_strength is None else None)
+            if by_grade is not None and group.thickness is None:
+                reject(
+                    words.format(by_grade),
+                    "the thickness of the material, or 'yield_strength'",
+                    key=f"stress.groups.{index}.thickness",
+                )
 
 
 if TYPE_CHECKING:

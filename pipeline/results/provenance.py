@@ -64,6 +64,14 @@ STAGE_SOURCES = {
         "pipeline/stages/advance.py",
         "pipeline/stages/simulate.py",
     ),
+    "stress": (
+        "modal",
+        "preprocess/structures",
+        "pipeline/case/steel.py",
+        "pipeline/case/yield_strengths.csv",
+        "pipeline/checks/body_stress.py",
+        "pipeline/results/stress_io.py",
+    ),
     "report": ("pipeline",),
     "surfaces": (
         "numerics",
