@@ -168,8 +168,7 @@ def place_fit(model: FEModel, point: ArrayLike, *, source: object = "interface",
     -----
     The rotation is that of the nodes where all of them have some, else see `heavylift.modal.place_rotation`.
     """
-    elements = model.mesh if model.mesh is not None else model.structure
-    nodes, weights = find_place(model.nodes, elements, point, source=source, key=key)
+    nodes, weights = find_place(model.nodes, model.elements, point, source=source, key=key)
     nodes, weights = nodes[weights != 0.0], weights[weights != 0.0]
     place = weights @ model.nodes[nodes]
     if np.isin(nodes, model.rotating).all():

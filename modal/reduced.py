@@ -219,6 +219,11 @@ class ReducedBody:
         check_orthonormal(self.orthogonality, self.eigenvalues)
 
     @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes, if it is known."""
+        return self.mesh if self.mesh is not None else self.structure
+
+    @property
     def mode_count(self) -> int:
         """Number of modal coordinates nf."""
         return len(self.eigenvalues)
@@ -263,7 +268,9 @@ class ReducedBody:
         Of a body of loose points the nearest one is taken, however far it is.
         """
         within = within if self.continuum else np.inf
-        return find_place(self.nodes, self.mesh, point, source=source, key=key, origin=origin, within=within)
+        return find_place(
+            self.nodes, self.elements, point, source=source, key=key, origin=origin, within=within
+        )
 
     def shapes_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement of a place per unit modal coordinate [kg^-1/2], shape (nf, 3)."""

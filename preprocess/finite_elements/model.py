@@ -163,6 +163,11 @@ class FEModel:
             )
 
     @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes, if it is known."""
+        return self.mesh if self.mesh is not None else self.structure
+
+    @property
     def node_count(self) -> int:
         """Number of nodes."""
         return len(self.nodes)
