@@ -234,6 +234,7 @@ _INTERFACE_FIELDS = {
     "nodes": ("1", "zero-based nodes of the group"),
     "forces": ("1, 1/m", "forces on the nodes from force and moment at the point, (node, component, load)"),
     "moments": ("m, 1", "moments on the nodes from force and moment at the point, (node, component, load)"),
+    "captured": ("1", "smallest share of the static compliance of its six directions that the modes have"),
 }
 
 INTEGRAL_UNITS = {
@@ -278,7 +279,10 @@ def read_reduced(path: Path) -> ReducedBody:
             group = file["mesh"]
             mesh = Mesh(nodes, group["elements"][:], str(group.attrs["element_type"]))
         interfaces = {
-            name: Interface(**{key: group[key][:] for key in _INTERFACE_FIELDS})
+            name: Interface(
+                **{key: group[key][:] for key in _INTERFACE_FIELDS if key != "captured"},
+                captured=float(group["captured"][()]),
+            )
             for name, group in file["interfaces"].items()
         }
         return ReducedBody(
