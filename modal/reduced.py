@@ -224,7 +224,7 @@ class ReducedBody:
 
     @property
     def elements(self) -> Mesh | Structure | None:
-        """What is between the nodes, if it is known."""
+        """What is between the nodes; None if that is not known."""
         return self.mesh if self.mesh is not None else self.structure
 
     @property

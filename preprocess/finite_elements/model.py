@@ -163,14 +163,14 @@ class FEModel:
             )
 
     @property
-    def elements(self) -> Mesh | Structure | None:
-        """What is between the nodes, if it is known."""
-        return self.mesh if self.mesh is not None else self.structure
-
-    @property
     def node_count(self) -> int:
         """Number of nodes."""
         return len(self.nodes)
+
+    @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes; None if that is not known."""
+        return self.mesh if self.mesh is not None else self.structure
 
     @property
     def dof_count(self) -> int:
