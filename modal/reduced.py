@@ -91,6 +91,9 @@ class Interface:
         displacement and rotation of the place as a mean of those of the nodes.
     moments
         The same for the moments on the nodes, shape (m, 3, 6); zeros where nodes have no rotations.
+    captured
+        Smallest share of the static compliance of its six directions that the modes have; not a number if it was
+        never compared with the full model.
     """
 
     point: NDArray[np.float64]
@@ -99,6 +102,7 @@ class Interface:
     nodes: NDArray[np.int64]
     forces: NDArray[np.float64]
     moments: NDArray[np.float64]
+    captured: float = float("nan")
 
 
 class PlaceMotion(NamedTuple):

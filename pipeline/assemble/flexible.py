@@ -24,7 +24,14 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.storage import OutputFolder
 
-__all__ = ["assemble_body", "check_drawn_points", "check_points", "modal_coordinates", "start_body"]
+__all__ = [
+    "assemble_body",
+    "check_drawn_points",
+    "check_points",
+    "damping_ratios",
+    "modal_coordinates",
+    "start_body",
+]
 
 
 def assemble_body(
@@ -34,6 +41,28 @@ def assemble_body(
     path = folder.reduced(name)
     reduced = read_reduced(path)
     origin = np.array(json.loads(read_header(path)["frame_origin"]))
+    made = s.FlexibleBody(
+        name=name,
+        reduced=reduced,
+        motion=motion_of(body.frame),
+        modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
+        modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
+        damping_ratio=damping_ratios(case, name, body, reduced),
+        **start_of_frame(body.initial, origin),
+    )
+    return made, origin
+
+
+def damping_ratios(
+    case: Case, name: str, body: FlexibleBodySection, reduced: ReducedBody
+) -> NDArray[np.float64]:
+    """Damping of the vectors of a basis, of critical, shape (nf,).
+
+    Raises
+    ------
+    InputError
+        Neither one number nor one a vector.
+    """
     ratios = np.array(body.modes.damping_ratio)
     if len(ratios) not in {1, reduced.mode_count}:
         raise InputError(
@@ -43,16 +72,7 @@ def assemble_body(
             expected=f"1 or {reduced.mode_count}, one a vector of the basis",
         )
     frequencies = np.sqrt(np.maximum(reduced.eigenvalues, 0.0))
-    made = s.FlexibleBody(
-        name=name,
-        reduced=reduced,
-        motion=motion_of(body.frame),
-        modal_position=modal_coordinates(case, name, reduced, body.initial, "modal_position"),
-        modal_velocity=modal_coordinates(case, name, reduced, body.initial, "modal_velocity"),
-        damping_ratio=ratios + 0.5 * body.modes.stiffness_damping * frequencies,
-        **start_of_frame(body.initial, origin),
-    )
-    return made, origin
+    return ratios + 0.5 * body.modes.stiffness_damping * frequencies
 
 
 def modal_coordinates(

@@ -10,6 +10,7 @@ from heavylift.modal.reduced import EIGENMODE_RESIDUAL
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.report.document import Facts, Figure, Section, Table, Text
 from heavylift.pipeline.report.inputs import body_input_rows, mesh_input_rows
+from heavylift.pipeline.report.interfaces import interface_table
 from heavylift.pipeline.results.model_io import read_model, read_reduced, read_states
 from heavylift.pipeline.results.signals import scaled_unit
 from heavylift.pipeline.results.words import number_words, numbers_words
@@ -93,6 +94,8 @@ def body_sections(
     items = [_modes_table(reduced)]
     if not reduced.eigenmode_mask.all():
         items.append(Text(_NOT_EIGENMODES))
+    if reduced.interfaces:
+        items.append(interface_table(reduced))
     if painter is not None:
         items += _mode_figures(case, name, reduced, painter, album)
     sections.append(Section(f"Modes of {name}", tuple(items)))
