@@ -20,8 +20,15 @@ if TYPE_CHECKING:
 
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
-    from heavylift.pipeline.case.geometry import FourFilesGeometry, Group, MatricesGeometry, MeshFileGeometry
+    from heavylift.pipeline.case.geometry import (
+        FourFilesGeometry,
+        Group,
+        MaterialSection,
+        MatricesGeometry,
+        MeshFileGeometry,
+    )
     from heavylift.pipeline.case.panels import PanelsGeometry
+    from heavylift.preprocess.finite_elements.deck import Deck
     from heavylift.preprocess.finite_elements.exchange import FourFileData
     from heavylift.preprocess.finite_elements.groups import NodeSelector
     from heavylift.preprocess.finite_elements.mesh import Mesh
@@ -78,11 +85,15 @@ def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFil
     from dataclasses import replace
 
     from heavylift.preprocess.finite_elements.deck import material_of
+    from heavylift.preprocess.finite_elements.deck_structure import has_structure
     from heavylift.preprocess.finite_elements.elasticity import assemble_several
     from heavylift.preprocess.finite_elements.geometry import read_deck, scaled_mesh
 
     unit = geometry.length_unit
-    taken = read_deck(case.folder / geometry.file, case.folder).body(
+    deck = read_deck(case.folder / geometry.file, case.folder)
+    if has_structure(deck, geometry.elements, [*body.plates, *body.stiffeners]):
+        return _structure_of_deck(deck, name, body, geometry)
+    taken = deck.body(
         elements=geometry.elements,
         part=geometry.part,
         merge_nodes=None if geometry.merge_nodes is None else geometry.merge_nodes / unit,
@@ -109,6 +120,75 @@ def _of_deck(case: Case, name: str, body: FlexibleBodySection, geometry: MeshFil
         names = ", ".join(one.name for one in taken.materials)
         notes.append(f"{len(materials)} materials: {names}; such a body has no stress")
     return replace(model, notes=tuple(notes))
+
+
+def _structure_of_deck(
+    deck: Deck, name: str, body: FlexibleBodySection, geometry: MeshFileGeometry
+) -> FEModel:
+    """Plates, beams, solids, masses and rigid elements of a mesh file, with what the case gives by group."""
+    from dataclasses import replace
+
+    from heavylift.preprocess.finite_elements.deck_structure import (
+        BeamProperty,
+        PlateProperty,
+        structure_of,
+    )
+    from heavylift.preprocess.finite_elements.groups import select_nodes
+    from heavylift.preprocess.finite_elements.model import Material
+    from heavylift.preprocess.structures.assemble import assemble_structure
+    from heavylift.preprocess.structures.sections import profile
+
+    of_body = body.material.given() if body.material else {}
+
+    def material(own: MaterialSection | None, key: str) -> Material | None:
+        if own is None:
+            return None
+        given = {**of_body, **own.given()}
+        missing = [word for word in ("young_modulus", "poisson_ratio", "density") if word not in given]
+        if missing:
+            raise InputError(
+                f"no {missing[0]!r}",
+                source=name,
+                key=f"{key}.material",
+                expected="young_modulus, poisson_ratio and density",
+            )
+        return Material(**given)
+
+    plates = {
+        key: PlateProperty(
+            one.thickness, one.offset, one.nonstructural_mass, material(one.material, f"plates.{key}")
+        )
+        for key, one in body.plates.items()
+    }
+    beams = {}
+    for key, beam in body.stiffeners.items():
+        section, offset = None, None
+        if beam.section is not None:
+            measures = {k: v for k, v in beam.section.model_dump().items() if v is not None and k != "shape"}
+            section, centroid = profile(beam.section.shape, **measures)
+            offset = (0.0, 0.0)
+            if beam.foot is not None:
+                # the plate keeps it from turning aside
+                section, offset = replace(section, product=0.0), (beam.foot + centroid[0], centroid[1])
+        beams[key] = BeamProperty(
+            section, beam.web, beam.flange, offset, material(beam.material, f"stiffeners.{key}")
+        )
+    made = structure_of(
+        deck,
+        elements=geometry.elements,
+        part=geometry.part,
+        merge_nodes=geometry.merge_nodes,
+        given=of_body,
+        ignore_material=geometry.ignore_material,
+        length_unit=geometry.length_unit if "length_unit" in geometry.model_fields_set else None,
+        mass_unit=geometry.mass_unit,
+        plates=plates,
+        beams=beams,
+        source=name,
+    )
+    groups = select_nodes(made.nodes, _selectors(geometry.groups), faces=made.node_groups, source=made.name)
+    mass = body.mesh.mass if "mass" in body.mesh.model_fields_set else "lumped"
+    return assemble_structure(replace(made, node_groups={**made.node_groups, **groups}), mass=mass)
 
 
 def _of_matrices(case: Case, geometry: MatricesGeometry) -> FEModel:
@@ -138,7 +218,8 @@ _CASE_KEYS = (
     (re.compile(r"node group '([^']*)'"), r"geometry.groups.\1"),
     (re.compile(r"(divisions(?:\..)?|refine|size)"), r"mesh.\1"),
     (re.compile(r"(add|cut)"), r"geometry.\1"),
-    (re.compile(r"(elements|part|merge_nodes|mass_unit)"), r"geometry.\1"),
+    (re.compile(r"(elements|part|merge_nodes|length_unit|mass_unit)"), r"geometry.\1"),
+    (re.compile(r"((?:plates|stiffeners)\..*)"), r"\1"),
     (re.compile(r"(material(?:\..*)?)"), r"\1"),
     (re.compile(r"modes"), "modes.count"),
     (re.compile(r"up_to"), "modes.up_to"),
@@ -155,7 +236,8 @@ def in_body(case: Case, name: str, model_name: str = "") -> Iterator[None]:
     except InputError as error:
         of_file = case.bodies[name].geometry.type in {"mesh", "matrices"}
         grouped = error.key.startswith("node group ") and not of_file
-        grouped |= error.key in {"elements", "part", "merge_nodes"} and of_file
+        grouped |= error.key in {"elements", "part", "merge_nodes", "length_unit", "mass_unit"} and of_file
+        grouped |= error.key.startswith(("plates.", "stiffeners.")) and of_file
         if error.source not in {name, model_name, str(case.file), ""} and not grouped:
             raise
         if error.source == str(case.file) and error.key.startswith(("bodies.", "repeat.", "contours.")):
