@@ -10,13 +10,14 @@ import numpy as np
 
 from heavylift.modal.place_rotation import place_rotation
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.mesh import BESIDE, Mesh, find_place
+from heavylift.preprocess.finite_elements.mesh import BESIDE, find_place
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.invariants import ShapeIntegrals
     from heavylift.modal.stiffening import Stiffening
+    from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.structures.structure import Structure
 
 __all__ = ["EIGENMODE_RESIDUAL", "Interface", "PlaceMotion", "ReducedBody", "check_orthonormal"]
@@ -263,7 +264,14 @@ class ReducedBody:
         Of a body of loose points the nearest one is taken, however far it is.
         """
         within = within if self.continuum else np.inf
-        return find_place(self.nodes, self.mesh, point, source=source, key=key, origin=origin, within=within)
+        return find_place(
+            self.nodes, self._elements, point, source=source, key=key, origin=origin, within=within
+        )
+
+    @property
+    def _elements(self) -> Mesh | Structure | None:
+        """What is between the nodes."""
+        return self.mesh if self.mesh is not None else self.structure
 
     def shapes_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement of a place per unit modal coordinate [kg^-1/2], shape (nf, 3)."""
@@ -357,7 +365,7 @@ class ReducedBody:
         at = nodes[np.abs(weights) > _WEIGHTLESS]
         if self.mode_rotations is not None and np.isin(at, self.rotating).all():
             return np.einsum("a,mak->mk", weights, self.mode_rotations[:, nodes])
-        around, turning = place_rotation(self.nodes, self._mesh_at(at), at, weights @ self.nodes[nodes])
+        around, turning = place_rotation(self.nodes, self._elements, at, weights @ self.nodes[nodes])
         held = around[self._stands(around)]
         if (
             self._stands(at).all()
@@ -365,14 +373,6 @@ class ReducedBody:
         ):
             return np.zeros((self.mode_count, 3))
         return np.einsum("akl,mal->mk", turning, self.mode_shapes[:, around])
-
-    def _mesh_at(self, at: NDArray[np.int64]) -> Mesh | None:
-        """Solid elements that have some nodes, None if they are not known."""
-        if self.mesh is not None or self.structure is None:
-            return self.mesh
-        parts = (part for part in self.structure.solids if np.isin(at, part.elements).all())
-        part = next(parts, None)
-        return None if part is None else Mesh(self.nodes, part.elements, part.element_type)
 
     def turns(self, rotation: NDArray[np.float64], direction: ArrayLike | None = None) -> bool:
         """Whether modes turn a place, or a unit direction there, by more than a thousandth of what they would at most.
