@@ -23,7 +23,7 @@ from heavylift.modal.constraints import following, free_dofs
 from heavylift.modal.contact_vectors import face_rule
 from heavylift.modal.flexibility import Flexibility, held_dofs
 from heavylift.modal.place_rotation import place_rotation
-from heavylift.modal.reduced import Interface
+from heavylift.modal.reduced import SAME_PLACE, Interface
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.preprocess.finite_elements.mesh import Mesh, find_place
@@ -56,7 +56,6 @@ DIRECTIONS = ("force x", "force y", "force z", "moment x", "moment y", "moment z
 """Of the six loads of an interface."""
 
 _THIN = 1e-8  # smallest over largest moment of inertia of a group that is on a line
-_SAME = 1e-6  # of the size of the body: reference points of interfaces that coincide
 _RANK = 1e-9  # of the first pivot
 
 
@@ -226,7 +225,7 @@ def captured_compliance(body: ReducedBody, interface: Interface, exact: NDArray[
 
 def is_at(found: Fit, point: ArrayLike, size: float) -> bool:
     """Whether a point is the reference point of an interface of a body of some size [m]."""
-    return bool(np.linalg.norm(found.point - np.asarray(point)) <= _SAME * size)
+    return bool(np.linalg.norm(found.point - np.asarray(point)) <= SAME_PLACE * size)
 
 
 def refuse_coincident(fits: Mapping[str, Fit], size: float) -> None:

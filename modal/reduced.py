@@ -20,11 +20,14 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.structures.structure import Structure
 
-__all__ = ["EIGENMODE_RESIDUAL", "Interface", "PlaceMotion", "ReducedBody", "check_orthonormal"]
+__all__ = ["EIGENMODE_RESIDUAL", "SAME_PLACE", "Interface", "PlaceMotion", "ReducedBody", "check_orthonormal"]
 
 EIGENMODE_RESIDUAL = 1e-3
 """A vector with a smaller relative residual is an eigenmode of the full model."""
 
+
+SAME_PLACE = 1e-6
+"""Of the size of the body: how far a point may be from the reference point of an interface that it means."""
 
 TURNED = 1e-3
 """Of the largest rotation that a mode could make: its largest displacement over the size of the body."""
@@ -32,9 +35,6 @@ TURNED = 1e-3
 LARGE_DEFLECTION = 0.1
 """Of the largest extent of a body: displacements beyond which a warning says that linear theory does not hold."""
 
-_SAME_PLACE = (
-    1e-6  # of the size: how far a point may be from the reference point of an interface that it means
-)
 _WEIGHTLESS = 1e-9  # shape function of a node that a place does not feel
 _STILL = 1e-9  # of the largest displacement: of a node that is held
 
@@ -294,7 +294,7 @@ class ReducedBody:
                 )
             return self.interfaces[place]
         point = np.asarray(place, dtype=np.float64)
-        near = _SAME_PLACE * self.size if self.interfaces else 0.0
+        near = SAME_PLACE * self.size if self.interfaces else 0.0
         beside = (one for one in self.interfaces.values() if np.linalg.norm(one.point - point) <= near)
         return next(beside, None)
 

@@ -130,9 +130,7 @@ class SolidStresses:
                 expected="stress.BODY.GROUP.von_mises of a group, or a hot spot, of its table 'stress'",
             )
 
-    def at_nodes(
-        self, shapes: NDArray[np.float64], amplitudes: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def at_nodes(self, shapes: NDArray[np.float64], amplitudes: NDArray[np.float64]) -> NDArray[np.float64]:
         """Largest von Mises stress at each node of a structure, shape (k, n) [Pa]; not a number where there is none.
 
         Parameters
