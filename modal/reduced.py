@@ -220,6 +220,11 @@ class ReducedBody:
         check_orthonormal(self.orthogonality, self.eigenvalues)
 
     @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes; None if that is not known."""
+        return self.mesh if self.mesh is not None else self.structure
+
+    @property
     def mode_count(self) -> int:
         """Number of modal coordinates nf."""
         return len(self.eigenvalues)
@@ -265,13 +270,8 @@ class ReducedBody:
         """
         within = within if self.continuum else np.inf
         return find_place(
-            self.nodes, self._elements, point, source=source, key=key, origin=origin, within=within
+            self.nodes, self.elements, point, source=source, key=key, origin=origin, within=within
         )
-
-    @property
-    def _elements(self) -> Mesh | Structure | None:
-        """What is between the nodes."""
-        return self.mesh if self.mesh is not None else self.structure
 
     def shapes_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement of a place per unit modal coordinate [kg^-1/2], shape (nf, 3)."""
@@ -365,7 +365,7 @@ class ReducedBody:
         at = nodes[np.abs(weights) > _WEIGHTLESS]
         if self.mode_rotations is not None and np.isin(at, self.rotating).all():
             return np.einsum("a,mak->mk", weights, self.mode_rotations[:, nodes])
-        around, turning = place_rotation(self.nodes, self._elements, at, weights @ self.nodes[nodes])
+        around, turning = place_rotation(self.nodes, self.elements, at, weights @ self.nodes[nodes])
         held = around[self._stands(around)]
         if (
             self._stands(at).all()
