@@ -23,7 +23,7 @@ from heavylift.modal.constraints import following, free_dofs
 from heavylift.modal.contact_vectors import face_rule
 from heavylift.modal.flexibility import Flexibility, held_dofs
 from heavylift.modal.place_rotation import place_rotation
-from heavylift.modal.reduced import Interface
+from heavylift.modal.reduced import SAME_PLACE, Interface
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.preprocess.finite_elements.mesh import Mesh, find_place
@@ -55,7 +55,6 @@ DIRECTIONS = ("force x", "force y", "force z", "moment x", "moment y", "moment z
 """Of the six loads of an interface."""
 
 _THIN = 1e-8  # smallest over largest moment of inertia of a group that is on a line
-_SAME = 1e-6  # of the size of the body: reference points of interfaces that coincide
 _STIFF = 1e-12  # of the largest compliance of a place: along what holds it there is none
 _RANK = 1e-9  # of the first pivot
 
@@ -175,7 +174,7 @@ def place_fit(model: FEModel, point: ArrayLike, *, source: object = "interface",
         around, turning = nodes, np.zeros((len(nodes), 3, 3))
         moments = weights[:, None, None] * np.eye(3)
     else:
-        around, turning = place_rotation(model.nodes, model.mesh, nodes, place)
+        around, turning = place_rotation(model.nodes, elements, nodes, place)
         moments = np.zeros((0, 3, 3))
     group, position = np.unique(np.concatenate([nodes, around]), return_inverse=True)
     found = Fit(place, group, np.zeros((len(group), 3, 6)), np.zeros((len(group), 3, 6)))
@@ -230,7 +229,7 @@ def interface_of(
 
 def is_at(found: Fit, point: ArrayLike, size: float) -> bool:
     """Whether a point is the reference point of an interface of a body of some size [m]."""
-    return bool(np.linalg.norm(found.point - np.asarray(point)) <= _SAME * size)
+    return bool(np.linalg.norm(found.point - np.asarray(point)) <= SAME_PLACE * size)
 
 
 def refuse_coincident(fits: Mapping[str, Fit], size: float) -> None:

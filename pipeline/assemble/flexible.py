@@ -161,7 +161,8 @@ def _check_numbers_of_modes(body: FlexibleBodySection) -> None:
 def check_drawn_points(
     case: Case, section: FlexibleBodySection, _body: Any, points: Sequence[tuple[str, ArrayLike]]
 ) -> list[tuple[str, InputError]]:
-    """Points farther from all blocks than from a mesh of them, with their keys; of blocks only."""
+    """Points farther from all blocks than from a mesh of them, with their keys; of blocks only, and no interfaces."""
+    from heavylift.modal.reduced import SAME_PLACE
     from heavylift.preprocess.finite_elements.mesh import BESIDE
 
     geometry = section.geometry
@@ -170,8 +171,11 @@ def check_drawn_points(
     errors = []
     low, high = (np.array([getattr(block, side) for block in geometry.add]) for side in ("lower", "upper"))
     extent = float((high.max(axis=0) - low.min(axis=0)).max())
+    references = [one.at for one in section.interfaces.values() if one.at is not None]
     for key, point in points:
         place = np.asarray(point, dtype=np.float64)
+        if any(np.linalg.norm(place - reference) <= SAME_PLACE * extent for reference in references):
+            continue
         distance = np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=1).min()
         if distance <= BESIDE * extent:
             continue
