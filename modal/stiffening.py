@@ -91,7 +91,7 @@ class Stiffening:
 
 
 def stress_stiffness(
-    model: FEModel, *, formulation: str | None = None
+    model: FEModel, *, formulation: str | None = None, key: str = "modes.stiffening"
 ) -> Callable[[NDArray[np.float64]], csr_array]:
     """Return a function from displacements (N,) to the geometric stiffness of all degrees of freedom, sparse (N, N).
 
@@ -107,7 +107,7 @@ def stress_stiffness(
             "its stress is not known: "
             + ("it has several materials" if model.mesh else "it has no elements"),
             source=model.name or "finite element model",
-            key="modes.stiffening",
+            key=key,
             expected="a body of blocks, STEP or a mesh with elements of one material",
         )
     from heavylift.preprocess.finite_elements.elasticity import NodePattern

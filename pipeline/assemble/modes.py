@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.modes import ContactPatchSection, ModesSection
-    from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection, StaticLoadSection
+    from heavylift.pipeline.case.statics import BodySupportSection, StaticLoadSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel
 
@@ -85,18 +85,38 @@ def _place_nodes(
     return patch_nodes(model, nodes, box=(place.lower, place.upper), name=key)
 
 
-def _static_states(flexibility: Flexibility, cases: Sequence[StaticCaseSection]) -> list[StaticState]:
-    """Equilibrium under each static load case of a body."""
+def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[StaticState]:
+    """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
+    from heavylift.modal.buckling import buckling
     from heavylift.modal.statics import solve_static
+    from heavylift.modal.stiffening import stress_stiffness
 
-    model = flexibility.model
+    model, cases = flexibility.model, body.static
+    asked = [index for index, one in enumerate(cases) if one.buckling]
+    if asked:
+        stiffness_of = stress_stiffness(
+            model, formulation=body.mesh.formulation, key=f"static.{asked[0]}.buckling"
+        )
     states = []
     for index, one in enumerate(cases):
         forces = np.zeros(model.dof_count)
         for number, load in enumerate(one.loads):
             forces += _nodal_forces(model, load, f"static.{index}.loads.{number}")
-        states.append(solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name))
+        state = solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name)
+        if one.buckling:
+            found = buckling(
+                flexibility, stiffness_of(_all_motions(model, state)), key=f"static.{index}.buckling"
+            )
+            state = state._replace(buckling_factor=found.factor)
+        states.append(state)
     return states
+
+
+def _all_motions(model: FEModel, state: StaticState) -> NDArray[np.float64]:
+    """Displacements of all nodes and rotations of those that have some, shape (N,)."""
+    if state.rotations is None:
+        return state.displacements.ravel()
+    return np.concatenate([state.displacements.ravel(), state.rotations[model.rotating].ravel()])
 
 
 def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[np.float64]:
@@ -183,7 +203,7 @@ def _reduce(
         reduced = _stiffened(model, reduced, body, clamped, origin, flexibility)
     states = []
     if body.static:
-        states = _static_states(flexibility or Flexibility(model, clamped), body.static)
+        states = _static_states(flexibility or Flexibility(model, clamped), body)
     return reduced, (float(origin[0]), float(origin[1]), float(origin[2])), states
 
 
