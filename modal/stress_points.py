@@ -11,13 +11,22 @@ import numpy as np
 from heavylift.modal.stress import nodal_gradients
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import Material
 
-__all__ = ["SURFACE", "SolidPoints", "StressPoints", "equivalent_stress", "solid_points"]
+__all__ = [
+    "SURFACE",
+    "SolidPoints",
+    "StressPoints",
+    "equivalent_stress",
+    "largest_at_nodes",
+    "solid_points",
+]
 
 SURFACE = "surface"
 """Side of points that have one stress only: of solids at their nodes, of beams at corners of the section."""
@@ -57,7 +66,7 @@ class StressPoints(ABC):
     axes: NDArray[np.float64] | None = None
 
     components = 6
-    """Of the stress of a layer: `heavylift.modal.stress.VOIGT`; xx, yy, xy of a plate; normal and shear of a beam."""
+    """Of the stress of a layer: `heavylift.modal.stress.VOIGT`; xx, yy, xy of a plate; the normal one of a beam."""
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -135,14 +144,40 @@ def solid_points(
 def equivalent_stress(stress: NDArray[Any]) -> NDArray[Any]:
     """Von Mises stress [Pa] of stresses with their components first, shape (components, ...); shape (...).
 
-    Six components are in the order of `heavylift.modal.stress.VOIGT`; three are those of plane stress, xx, yy, xy; two
-    a normal and a shear stress.
+    Six components are in the order of `heavylift.modal.stress.VOIGT`; three are those of plane stress, xx, yy, xy; one
+    is a normal stress alone.
     """
-    if len(stress) == 2:
-        return np.sqrt(stress[0] ** 2 + 3.0 * stress[1] ** 2)
+    if len(stress) == 1:
+        return np.abs(stress[0])
     if len(stress) == 3:
         xx, yy, xy = stress
         return np.sqrt(np.maximum(xx * xx - xx * yy + yy * yy + 3.0 * xy * xy, 0.0))
     xx, yy, zz, xy, yz, zx = stress
     a, b, c = xx - yy, yy - zz, zz - xx
     return np.sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * (xy * xy + yz * yz + zx * zx))
+
+
+def largest_at_nodes(
+    parts: Sequence[StressPoints], mises: Sequence[NDArray[Any]], count: int
+) -> NDArray[np.float64]:
+    """Largest whole stress of the points at each node.
+
+    Parameters
+    ----------
+    parts
+        Points of a body.
+    mises
+        Von Mises stress of each part by side [Pa], shape (m, sides).
+    count
+        Number of nodes.
+
+    Returns
+    -------
+    NDArray
+        Shape (count,) [Pa]; not a number at nodes without points.
+    """
+    found = np.full(count, -1.0)
+    for points, values in zip(parts, mises, strict=True):
+        if points.total.any():
+            np.maximum.at(found, points.nodes, values[:, points.total].max(axis=1))
+    return np.where(found < 0.0, np.nan, found)

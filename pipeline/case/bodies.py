@@ -18,6 +18,7 @@ from heavylift.pipeline.case.fields import (
     AngularVelocityVector,
     Direction,
     LengthVector,
+    Name,
     Quantity,
     Section,
     VelocityVector,
@@ -26,9 +27,11 @@ from heavylift.pipeline.case.fields import (
     reject,
 )
 from heavylift.pipeline.case.geometry import Geometry, MaterialSection, MeshSection
+from heavylift.pipeline.case.interfaces import InterfaceSection
 from heavylift.pipeline.case.modes import ModesSection
 from heavylift.pipeline.case.panels import PanelsGeometry
 from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection
+from heavylift.pipeline.case.stress import StressSection
 from heavylift.solver.scene.bodies import MOTIONS, Body, FlexibleBody, Placed, RigidBody
 
 __all__ = [
@@ -174,6 +177,10 @@ class FlexibleBodySection(BodySection):
     """What is held in single directions, and planes of symmetry; besides `modes.clamp`."""
     static: tuple[StaticCaseSection, ...] = ()
     """Static load cases, solved with the modes."""
+    interfaces: dict[Name, InterfaceSection] = Field(default_factory=dict)
+    """Places where others are attached, by name; each adds six attachment modes to the basis."""
+    stress: StressSection | None = None
+    """Stress over the run; none if absent."""
     frame: Frame
     """How the body frame moves."""
     initial: InitialSection = Field(default_factory=InitialSection)
@@ -235,6 +242,20 @@ class FlexibleBodySection(BodySection):
                 "no supports with a free frame, or frame motion 'fixed' or 'driven'",
                 key="supports",
             )
+        if self.modes.basis == "craig_bampton" and not self.modes.interface:
+            if not self.interfaces:
+                reject(
+                    "basis 'craig_bampton' without 'interface'",
+                    "at least one group as interface, or interfaces of kind 'rigid'",
+                    key="modes",
+                )
+            for name, interface in self.interfaces.items():
+                if interface.kind != "rigid":
+                    reject(
+                        f"kind {interface.kind!r} with basis 'craig_bampton'",
+                        "kind 'rigid', groups in 'modes.interface', or basis 'eigenmodes'",
+                        key=f"interfaces.{name}.kind",
+                    )
         names = [one.name for one in self.static]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
@@ -249,7 +270,53 @@ class FlexibleBodySection(BodySection):
         if count is not None and len(self.modes.damping_ratio) not in {1, count}:
             reject(f"{len(self.modes.damping_ratio)} values", f"1 or {count}", key="modes.damping_ratio")
         _check_initial(self.frame, self.initial)
+        self._has_stress()
         return self
+
+    def missing_stress(self, name: str, item: str, what: str) -> str:
+        """What a quantity of its stress needs and it does not have, as far as is known before it has a mesh."""
+        if self.stress is None:
+            return f"a table 'stress' of body {name!r}"
+        spot = what == "hot_spot"
+        known = [one.name for one in (self.stress.hot_spots if spot else self.stress.groups)]
+        if not known and not spot:
+            # properties of a structure are known with its mesh only
+            known = ["all"] if self.geometry.type in {"blocks", "step"} else [item]
+        if item not in known:
+            kind = "hot spot" if spot else "group"
+            return f"a {kind} of the stress of {name!r}: {', '.join(known) or 'there are none'}"
+        return ""
+
+    def _has_stress(self) -> None:
+        """Stress needs elements; a grade of steel a thickness, which solids do not have."""
+        if self.stress is None:
+            return
+        given = self.geometry.type
+        if given in {"four_files", "matrices"}:
+            reject(
+                f"with geometry {given!r}, which holds matrices alone",
+                "a body with elements between its nodes, or no 'stress'",
+                key="stress",
+            )
+        if given not in {"blocks", "step"}:
+            return
+        if self.stress.thickness is not None:
+            return
+        words = "is missing: the strength of {} depends on it, and solids have none"
+        if self.stress.grade is not None and not self.stress.groups:
+            reject(
+                words.format(self.stress.grade),
+                "the thickness of the material, or 'yield_strength'",
+                key="stress.thickness",
+            )
+        for index, group in enumerate(self.stress.groups):
+            by_grade = group.grade or (self.stress.grade if group.yield_strength is None else None)
+            if by_grade is not None and group.thickness is None:
+                reject(
+                    words.format(by_grade),
+                    "the thickness of the material, or 'yield_strength'",
+                    key=f"stress.groups.{index}.thickness",
+                )
 
 
 if TYPE_CHECKING:

@@ -377,6 +377,8 @@ class Case(SceneTables, _CaseHeading):
             body = self.bodies[owner]
             if body.BODY.MODAL and body.geometry.type == "four_files":
                 return _NO_ELEMENTS.format(owner)
+            if quantity.item:
+                return body.missing_stress(quantity.owner, quantity.item, quantity.component)
         if quantity.family == "hydrostatics" and self.hulls[quantity.owner].surface is None:
             return f"a hull with a surface, and {quantity.owner!r} has none"
         return ""

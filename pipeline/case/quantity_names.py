@@ -23,6 +23,11 @@
 ``stress.POINT.COMPONENT.STATISTIC``           ``end``, ``min``, ``max``, ``mean`` or ``rms`` over the records of the
                                                stress at a sensor, see below
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
+``stress.BODY.GROUP.von_mises.STATISTIC``      largest stress of a group of a flexible body with a table ``stress``;
+                                               ``stress.BODY.GROUP.SIDE.von_mises.STATISTIC`` of plates on one of
+                                               ``top``, ``bottom``, ``membrane``, ``bending``
+``stress.BODY.GROUP.utilisation.STATISTIC``    the same over the yield strength, with a side likewise
+``stress.BODY.SPOT.hot_spot.STATISTIC``        structural stress at a weld toe
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
                                                e.g. ``frequency.bead.position.y``
 ``angular_frequency.OWNER.KIND[.COMPONENT]``   the same in rad/s
@@ -131,6 +136,10 @@ STRESSES = {
     "frame": ("axial", "largest"),
 }
 """Components of the stress at a material point, by the type of its body."""
+RECOVERED = {"von_mises": "pressure", "utilisation": "number", "hot_spot": "pressure"}
+"""What is told of a group or a hot spot of a body with a table ``stress``, and the quantity."""
+PLATE_SIDES = ("top", "bottom", "membrane", "bending")
+"""Sides of plates of such a body."""
 ACROSS = ("largest", "smallest", "norm")  # in this order `heavylift.pipeline.checks.quantities` has them
 """Components that are made of all components of a record."""
 STATISTICS = ("end", "min", "max", "absolute", "mean", "rms", "rate")
@@ -396,6 +405,19 @@ def _stress(text: str, parts: list[str], names: Declared | None) -> QuantityName
             expected=f"stress.SENSOR.COMPONENT.STATISTIC with STATISTIC one of {', '.join(statistics)}",
         )
     owner, component = parts[1], ".".join(parts[2:-1])
+    if len(parts) > 4 and (names is None or names.body_types.get(owner) == "flexible"):
+        what = parts[-2]
+        if what in RECOVERED and (
+            len(parts) == 5 or (len(parts) == 6 and parts[3] in PLATE_SIDES and what != "hot_spot")
+        ):
+            unit = KINDS[RECOVERED[what]]
+            return QuantityName(text, "stress", owner, parts[2], ".".join(parts[3:-1]), parts[-1], unit)
+        if names is not None:
+            raise InputError(
+                _unknown(text, what, RECOVERED),
+                expected=f"of {owner!r}: GROUP.von_mises or GROUP.utilisation, of plates also GROUP.SIDE.von_mises "
+                f"with SIDE one of {', '.join(PLATE_SIDES)}, or SPOT.hot_spot",
+            )
     if names is not None and owner in names.names:
         body = names.sensors.get(owner)
         if body is None and names.body_types.get(owner) != "flexible":

@@ -150,7 +150,7 @@ class Sources:
     mesh
         Finite elements of a body with modes, None if it has none; by its name. An `InputError` if they are lost.
     stresses
-        Of a body by its name, at modal coordinates, shape (k, nf), of some nodes: [Pa], shape (k, n).
+        Of a body by its name, at some records, shape (k,), of some nodes: [Pa], shape (k, n).
     runs
         Motion of frames and shells by name; that of the results if None.
     water
@@ -158,7 +158,7 @@ class Sources:
     """
 
     mesh: Callable[[str], Mesh | None] = lambda _name: None
-    stresses: Callable[[str, NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]] | None = None
+    stresses: Callable[[str, NDArray[np.int64], NDArray[np.int64]], NDArray[np.float64]] | None = None
     runs: Mapping[str, MeshRun] | None = None
     water: bool = False
 
@@ -203,10 +203,15 @@ def case_scene(
 
         return read_model(stages.model(name)).mesh
 
-    def stresses(name: str, modal: NDArray[np.float64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+    def stresses(name: str, chosen: NDArray[np.int64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        from heavylift.pipeline.checks.body_stress import body_stress
         from heavylift.pipeline.checks.stresses import SolidStresses
 
-        return SolidStresses(name, stages, case.file).fields(modal, nodes)
+        assert results is not None
+        asked = case.bodies[name].stress is not None
+        stress = body_stress(case, name, stages, results) if asked else None
+        solid = SolidStresses(name, stages, case.file, stress)
+        return solid.fields(solid.coordinates(results)[chosen], nodes)
 
     sources = Sources(mesh, stresses if detail.skin else None, water=case.sea is not None)
     return draw_scene(
@@ -495,7 +500,7 @@ class _Builder:
         now = self._values(element.amplitudes, self.shapes)
         if now is not None and self.sources.stresses is not None and len(chosen):
             try:
-                stress = self.sources.stresses(element.name, now, chosen)
+                stress = self.sources.stresses(element.name, self.shapes, chosen)
             except InputError as error:
                 self.drawn.notes.append(f"No stresses of {element.name}: {error.problem}.")
             else:

@@ -11,6 +11,7 @@ from heavylift.preprocess.finite_elements.elasticity import BlockMatrix, NodePat
 from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.finite_elements.model import FEModel, MassPoints
 from heavylift.preprocess.structures.beam import beam_operators
+from heavylift.preprocess.structures.checks import check_structure
 from heavylift.preprocess.structures.constraints import constraint_matrix, node_words
 from heavylift.preprocess.structures.mass_points import (
     NodePoints,
@@ -20,7 +21,7 @@ from heavylift.preprocess.structures.mass_points import (
     solid_points,
 )
 from heavylift.preprocess.structures.quadrilateral import quadrilateral_operators
-from heavylift.preprocess.structures.shell_operators import shell_stiffness
+from heavylift.preprocess.structures.shell_operators import BENDING, MEMBRANE, SHEAR, shell_stiffness
 from heavylift.preprocess.structures.triangle import triangle_operators
 
 if TYPE_CHECKING:
@@ -32,7 +33,17 @@ if TYPE_CHECKING:
     from heavylift.preprocess.structures.shell_operators import ShellOperators
     from heavylift.preprocess.structures.structure import Shells, Structure
 
-__all__ = ["CHUNK", "MASS_KINDS", "assemble_structure", "rotating_nodes", "shell_chunks", "shell_operators"]
+__all__ = [
+    "CHUNK",
+    "MASS_KINDS",
+    "assemble_structure",
+    "blocks_of",
+    "dofs_of",
+    "element_motion",
+    "rotating_nodes",
+    "shell_chunks",
+    "shell_operators",
+]
 
 MASS_KINDS = ("lumped", "consistent")
 CHUNK = 2048
@@ -63,7 +74,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
     ------
     InputError
         An unknown kind of mass, plates without thickness, beams without orientation, nodes that nothing holds, links
-        that contradict each other.
+        that contradict each other, and all that `check_structure` refuses.
     """
     if mass not in MASS_KINDS:
         raise InputError(
@@ -72,6 +83,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
             key="mass",
             expected="one of " + ", ".join(repr(kind) for kind in MASS_KINDS),
         )
+    told = check_structure(structure)
     rotating = rotating_nodes(structure)
     n = structure.node_count
     rotation_dofs = np.full(n, -1, dtype=np.int64)
@@ -95,7 +107,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
         node_groups=structure.node_groups,
         fixed_dofs=fixed,
         name=structure.name,
-        notes=(*structure.notes, *notes),
+        notes=(*structure.notes, *told, *notes),
         rotating=rotating,
         points=points,
         constraint=None if following is None else following[0],
@@ -146,11 +158,24 @@ def shell_operators(
     thickness: NDArray[np.float64],
     offset: NDArray[np.float64],
 ) -> ShellOperators:
-    """Strains of some elements of a property, given with their thickness and offset [m], shape (ne,)."""
+    """Strains of some elements of a property, given with their thickness and offset [m], shape (ne,).
+
+    A membrane has neither bending nor drilling and does not feel rotations; a plate that only bends has no strain
+    of its mid-surface.
+    """
     nu = shells.material.poisson_ratio
     if elements.shape[1] == 4:
-        return quadrilateral_operators(nodes[elements], offset, nu)
-    return triangle_operators(nodes[elements], offset, nu, thickness)
+        found = quadrilateral_operators(nodes[elements], offset, nu)
+    else:
+        found = triangle_operators(nodes[elements], offset, nu, thickness)
+    if not shells.stretches:
+        found.strain[:, :, MEMBRANE] = 0.0
+        found.drilling[:] = 0.0
+    if not shells.bends:
+        found.strain[:, :, BENDING] = found.strain[:, :, SHEAR] = 0.0
+        found.strain.reshape(*found.strain.shape[:3], -1, 6)[..., 3:] = 0.0
+        found.drilling[:] = 0.0
+    return found
 
 
 def shell_chunks(
@@ -184,6 +209,39 @@ def shell_chunks(
         yield part, elements, operators, thickness[part], offset[part]
 
 
+def blocks_of(model: FEModel, elements: NDArray[np.int64], rotations: bool = True) -> NDArray[np.int64]:
+    """Blocks of three degrees of freedom of the nodes of elements (ne, k): displacement, rotation in turn, (ne, 2 k).
+
+    Without rotations the nodes themselves.
+    """
+    return _blocks(model.rotation_dofs, elements) if rotations else elements
+
+
+def _blocks(rotation_dofs: NDArray[np.int64], elements: NDArray[np.int64]) -> NDArray[np.int64]:
+    ne, width = elements.shape
+    return np.stack([elements, rotation_dofs[elements] // 3], axis=2).reshape(ne, 2 * width)
+
+
+def dofs_of(model: FEModel, elements: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Degrees of freedom of the nodes of elements (ne, k), six a node, -1 for rotations not there, (ne, 6 k)."""
+    ne, width = elements.shape
+    first = model.rotation_dofs[elements]
+    index = np.stack([3 * elements, first], axis=2)[..., None] + np.arange(3)
+    index[first < 0, 1] = -1
+    return index.reshape(ne, 6 * width)
+
+
+def element_motion(
+    model: FEModel, elements: NDArray[np.int64], displacements: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Displacements and rotations of the nodes of elements (ne, k) from those of the model (N,), shape (ne, 6 k).
+
+    Rotations of nodes without any are zero.
+    """
+    index = dofs_of(model, elements)
+    return np.where(index >= 0, displacements[index], 0.0)
+
+
 class _Parts:
     """Sums of matrices and points of a structure."""
 
@@ -194,21 +252,14 @@ class _Parts:
         self._positions: list[NDArray[np.float64]] = []
         self._masses: list[NDArray[np.float64]] = []
 
-    def blocks_of(self, elements: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Blocks of three degrees of freedom of the nodes of elements, displacement and rotation in turn, (ne, 2 k)."""
-        ne, width = elements.shape
-        found = np.empty((ne, width, 2), dtype=np.int64)
-        found[..., 0] = elements
-        found[..., 1] = self.rotation_dofs[elements] // 3
-        return found.reshape(ne, 2 * width)
-
     def add_shells(self, width: int, *, consistent: bool) -> None:
         """Add all quadrilaterals, or all triangles."""
         chosen = [part for part in self.structure.shells if part.elements.shape[1] == width]
         bending = [part for part in chosen if part.bends]
         if bending:
             pattern = NodePattern(
-                self.blocks_of(np.concatenate([part.elements for part in bending])), self.size // 3
+                _blocks(self.rotation_dofs, np.concatenate([part.elements for part in bending])),
+                self.size // 3,
             )
             matrix = BlockMatrix(pattern)
             first = 0
@@ -224,14 +275,8 @@ class _Parts:
 
     def _add_property(self, matrix: BlockMatrix, first: int, shells: Shells, *, consistent: bool) -> None:
         for part, elements, operators, thickness, offset in shell_chunks(self.structure, shells):
-            used = operators
-            if not shells.stretches or not shells.bends:
-                used = operators._replace(
-                    strain=operators.strain.copy(), drilling=np.zeros_like(operators.drilling)
-                )
-                used.strain[:, :, slice(0, 3) if not shells.stretches else slice(3, 8)] = 0.0
             K = shell_stiffness(
-                used,
+                operators,
                 shells.material,
                 thickness,
                 bending_factor=shells.bending_factor,
@@ -254,7 +299,7 @@ class _Parts:
         if not beams:
             return
         pattern = NodePattern(
-            self.blocks_of(np.concatenate([part.elements for part in beams])), self.size // 3
+            _blocks(self.rotation_dofs, np.concatenate([part.elements for part in beams])), self.size // 3
         )
         matrix = BlockMatrix(pattern)
         first = 0

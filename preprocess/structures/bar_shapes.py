@@ -1,9 +1,7 @@
 """Sections of beams from the dimensions of shapes that other programs know by name.
 
-Every shape is a sum of rectangles between the coordinates y, along axis 2, and z, along axis 3, of the beam. Area and
-second moments are exact. Torsion of an open shape is the sum of b t^3/3 (of one rectangle Timoshenko & Goodier's
-b t^3/3 (1 - 0.63 t/b (1 - t^4/(12 b^4)))), of a closed one Bredt's; shear areas are those of the parts along the
-shear force, 5/6 of flats and of single rectangles.
+Every shape is a sum of rectangles between the coordinates y, along axis 2, and z, along axis 3, of the beam, or round;
+`heavylift.preprocess.structures.sections` has what follows from these.
 """
 
 from __future__ import annotations
@@ -11,19 +9,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
-from heavylift.preprocess.structures.sections import BeamSection
+from heavylift.preprocess.structures.sections import (
+    BeamSection,
+    Rectangle,
+    centroid,
+    rectangles_section,
+    round_section,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
-__all__ = ["BAR_SHAPES", "ROUND_SHAPES", "BarShape", "rectangles_section", "round_section", "shape_section"]
-
-Rectangle = tuple[float, float, float, float]
-"""y0, y1, z0, z1."""
+__all__ = ["BAR_SHAPES", "ROUND_SHAPES", "BarShape", "shape_section"]
 
 
 class BarShape(NamedTuple):
@@ -212,117 +209,18 @@ def shape_section(
 
     Raises
     ------
-    ValueError
+    InputError
         Dimensions that make no section: walls thicker than the shape.
     """
     if shape in ROUND_SHAPES:
         outer = dimensions[0]
         inner = {"ROD": 0.0, "TUBE": dimensions[-1], "TUBE2": outer - dimensions[-1]}[shape]
-        return round_section(outer, inner, nonstructural_mass, name)
+        return round_section(outer, inner, nonstructural_mass=nonstructural_mass, name=name)
     made = BAR_SHAPES[shape]
     rectangles = made.rectangles(*dimensions)
     closed = made.closed(*dimensions) if made.closed else None
-    section = rectangles_section(rectangles, closed, nonstructural_mass, name)
+    section = rectangles_section(rectangles, closed, nonstructural_mass=nonstructural_mass, name=name)
     if shear_centre and shape in _SHEAR_CENTRES:
-        at = np.array(_SHEAR_CENTRES[shape](*dimensions)) - _centroid(rectangles)
-        return replace(section, shear_centre=(float(at[0]), float(at[1])))
+        (y, z), (yc, zc) = _SHEAR_CENTRES[shape](*dimensions), centroid(rectangles)
+        return replace(section, shear_centre=(y - yc, z - zc))
     return section
-
-
-def _centroid(rectangles: list[Rectangle]) -> NDArray[np.float64]:
-    y0, y1, z0, z1 = np.array(rectangles, dtype=np.float64).T
-    area = (y1 - y0) * (z1 - z0)
-    return np.array([((y0 + y1) / 2 * area).sum(), ((z0 + z1) / 2 * area).sum()]) / area.sum()
-
-
-def round_section(
-    outer: float, inner: float = 0.0, nonstructural_mass: float = 0.0, name: str = ""
-) -> BeamSection:
-    """Section of a round bar or tube.
-
-    Parameters
-    ----------
-    outer, inner
-        Radii.
-
-    Raises
-    ------
-    ValueError
-        Radii out of order.
-    """
-    if not 0.0 <= inner < outer:
-        raise ValueError(f"radii {outer:g} and {inner:g}")
-    area, second = np.pi * (outer**2 - inner**2), 0.25 * np.pi * (outer**4 - inner**4)
-    # Cowper's solid circle 6/7 at nu = 0.3 and thin tube 1/2, linear between
-    shear = area * (6.0 / 7.0 - (6.0 / 7.0 - 0.5) * inner / outer)
-    corners = outer * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-    return BeamSection(
-        area=area,
-        second_moment_1=second,
-        second_moment_2=second,
-        torsion=2.0 * second,
-        shear_area_1=shear,
-        shear_area_2=shear,
-        nonstructural_mass=nonstructural_mass,
-        corners=corners,
-        name=name,
-    )
-
-
-def rectangles_section(
-    rectangles: list[Rectangle],
-    closed: tuple[float, list[tuple[float, float]]] | None = None,
-    nonstructural_mass: float = 0.0,
-    name: str = "",
-) -> BeamSection:
-    """Section of rectangles that do not overlap.
-
-    Parameters
-    ----------
-    rectangles
-        Their bounds y0, y1, z0, z1.
-    closed
-        Area within the middle line of the walls, and length and thickness of each wall.
-
-    Raises
-    ------
-    ValueError
-        A rectangle without area.
-    """
-    y0, y1, z0, z1 = np.array(rectangles, dtype=np.float64).T
-    dy, dz = y1 - y0, z1 - z0
-    if not ((dy > 0.0) & (dz > 0.0)).all():
-        raise ValueError("dimensions that leave no wall")
-    area = dy * dz
-    A = float(area.sum())
-    centre = _centroid(rectangles)
-    y, z = (y0 + y1) / 2 - centre[0], (z0 + z1) / 2 - centre[1]
-    long, thin = np.maximum(dy, dz), np.minimum(dy, dz)
-    if closed is not None:
-        inside, walls = closed
-        torsion = 4.0 * inside**2 / sum(length / t for length, t in walls)
-    elif len(rectangles) == 1:
-        r = float(thin[0] / long[0])
-        torsion = float(long[0] * thin[0] ** 3) / 3.0 * (1.0 - 0.63 * r * (1.0 - r**4 / 12.0))
-    else:
-        torsion = float((long * thin**3).sum()) / 3.0
-    upright = dy >= dz
-    if len(rectangles) == 1:
-        shear_1 = shear_2 = 5.0 / 6.0 * A
-    else:
-        across = 1.0 if closed is not None else 5.0 / 6.0
-        shear_1 = float(area[upright].sum()) or 5.0 / 6.0 * A
-        shear_2 = across * float(area[~upright].sum()) or 5.0 / 6.0 * A
-    corners = np.concatenate([np.column_stack([a, b]) for a in (y0, y1) for b in (z0, z1)]) - centre
-    return BeamSection(
-        area=A,
-        second_moment_1=float((area * (dy**2 / 12.0 + y**2)).sum()),
-        second_moment_2=float((area * (dz**2 / 12.0 + z**2)).sum()),
-        torsion=torsion,
-        product=float((area * y * z).sum()),
-        shear_area_1=shear_1,
-        shear_area_2=shear_2,
-        nonstructural_mass=nonstructural_mass,
-        corners=np.unique(np.round(corners, 15), axis=0),
-        name=name,
-    )

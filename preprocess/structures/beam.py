@@ -241,7 +241,7 @@ def _principal_turn(section: BeamSection) -> NDArray[np.float64]:
     angle = principal_angle(section)
     turn = np.eye(3)
     turn[1:, 1:] = [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
-    return np.kron(np.eye(4), turn)
+    return np.asarray(np.kron(np.eye(4), turn), dtype=np.float64)
 
 
 def _shear_centre(section: BeamSection, *, back: bool = False) -> NDArray[np.float64]:

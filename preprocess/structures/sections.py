@@ -24,6 +24,7 @@ __all__ = [
     "Profile",
     "Rectangle",
     "bulb_as_angle",
+    "centroid",
     "profile",
     "rectangles_section",
     "round_section",
@@ -185,7 +186,7 @@ def profile(shape: str, **measures: float) -> Profile:
             parts = []
     if shape in ("angle", "bulb", "tee", "channel", "h") and b <= t:
         parts = []
-    if not parts or any(y1 <= y0 or z1 <= z0 for y0, y1, z0, z1 in parts):
+    if not parts:
         raise InputError(
             name.strip() + " mm",
             source="section",
@@ -201,12 +202,12 @@ def _profile(
     shear_centre: tuple[float, float] | None,
     name: str,
 ) -> Profile:
-    y, z = _centroid(parts)
+    y, z = centroid(parts)
     at = (0.0, 0.0) if shear_centre is None else (shear_centre[0] - y, shear_centre[1] - z)
     return Profile(rectangles_section(parts, walls, name=name, shear_centre=at), (y, z))
 
 
-def _centroid(rectangles: list[Rectangle]) -> tuple[float, float]:
+def centroid(rectangles: list[Rectangle]) -> tuple[float, float]:
     """Of rectangles, y and z [m]."""
     y0, y1, z0, z1 = np.array(rectangles, dtype=np.float64).T
     area = (y1 - y0) * (z1 - z0)
@@ -235,11 +236,23 @@ def rectangles_section(
         Of the section.
     shear_centre
         From the centroid, axes 2 and 3 [m].
+
+    Raises
+    ------
+    InputError
+        A rectangle without area.
     """
     y0, y1, z0, z1 = np.array(rectangles, dtype=np.float64).T
     dy, dz = y1 - y0, z1 - z0
+    if not ((dy > 0.0) & (dz > 0.0)).all():
+        raise InputError(
+            "dimensions that leave no wall",
+            source="section",
+            key=name,
+            expected="walls thinner than the shape",
+        )
     area = dy * dz
-    centre = _centroid(rectangles)
+    centre = centroid(rectangles)
     y, z = 0.5 * (y0 + y1) - centre[0], 0.5 * (z0 + z1) - centre[1]
     length, thin = np.maximum(dy, dz), np.minimum(dy, dz)
     if closed is not None:

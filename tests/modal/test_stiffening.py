@@ -20,6 +20,9 @@ from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane
 from heavylift.preprocess.finite_elements.model import FEModel, Material
+from heavylift.preprocess.structures.assemble import assemble_structure
+from heavylift.preprocess.structures.sections import profile
+from heavylift.preprocess.structures.structure import Beams, Shells, Solids, Structure
 
 SIDE, YOUNG, DENSITY = 0.01, 210e9, 7850.0
 BENDING, LINE = YOUNG * SIDE**4 / 12.0, DENSITY * SIDE**2
@@ -210,6 +213,45 @@ def test_loads_on_what_is_held_stiffen_nothing() -> None:
     assert len(loads.labels) == 6
     assert found.labels == loads.labels[3:]
     assert found.loads.shape == (3, 4, 4)
+
+
+def structure_blade(kind: str) -> Structure:
+    """The blade of beams, of plates, or of bricks in two parts."""
+    n = 40
+    x = np.linspace(0.0, 1.0, n + 1)
+    steel = Material(YOUNG, 0.0, DENSITY)
+    if kind == "beams":
+        nodes = np.column_stack([x, np.zeros((n + 1, 2))])
+        elements = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+        section = profile("flat", height=SIDE, thickness=SIDE).section
+        return Structure(nodes, beams=(Beams("b", elements, steel, section, np.array([0.0, 1.0, 0.0])),))
+    if kind == "plates":
+        nodes = np.array([[one, side, 0.0] for one in x for side in (-0.5 * SIDE, 0.5 * SIDE)])
+        first = 2 * np.arange(n)
+        elements = np.column_stack([first, first + 2, first + 3, first + 1])
+        return Structure(nodes, shells=(Shells("p", elements, steel, SIDE),))
+    mesh = blade().mesh
+    assert mesh is not None
+    inner = mesh.nodes[mesh.elements][:, :, 0].mean(axis=1) < 0.5
+    parts = (mesh.elements[inner], mesh.elements[~inner])
+    return Structure(
+        mesh.nodes, solids=tuple(Solids(f"s{k}", part, "hex8", steel) for k, part in enumerate(parts))
+    )
+
+
+@pytest.mark.parametrize("kind", ["beams", "plates", "solids"])
+def test_a_blade_of_plates_or_beams_that_turns(kind: str) -> None:
+    """As one of bricks: its mass, its stress and its rotations are those of the structure."""
+    structure = structure_blade(kind)
+    model = assemble_structure(structure)
+    held = np.flatnonzero(model.nodes[:, 0] < 1e-9)
+    flexibility = Flexibility(model, held)
+    basis = eigenmode_basis(eigenmodes(model, 14, flexibility=flexibility))
+    reduced = reduce_body(model, basis.vectors, basis.labels, fixed_nodes=held, mean_axis=False)
+    stiffening = inertia_stiffening(flexibility, reduced, stress_stiffness(model))
+    found = frequencies(reduced, stiffening, 25.0)
+    np.testing.assert_allclose(found, [8.5332, 9.4153], rtol=2e-3)
+    assert found[1] ** 2 - found[0] ** 2 == pytest.approx((25.0 / (2.0 * np.pi)) ** 2, rel=2e-2)
 
 
 def test_bodies_whose_stress_is_not_known_are_refused() -> None:

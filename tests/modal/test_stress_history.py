@@ -86,6 +86,6 @@ def test_equivalent_stress_of_a_plate_and_of_a_beam_is_that_of_the_whole_tensor(
     whole[:, [0, 1, 3]] = plane.T
     np.testing.assert_allclose(equivalent_stress(plane), von_mises(whole), rtol=1e-12)
     beam = np.zeros((8, 6))
-    beam[:, [0, 3]] = plane[:2].T
-    np.testing.assert_allclose(equivalent_stress(plane[:2]), von_mises(beam), rtol=1e-12)
+    beam[:, 0] = plane[0]
+    np.testing.assert_allclose(equivalent_stress(plane[:1]), von_mises(beam), rtol=1e-12)
     np.testing.assert_allclose(equivalent_stress(whole.T), von_mises(whole), rtol=1e-12)

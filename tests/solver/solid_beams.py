@@ -28,14 +28,16 @@ BENDING = YOUNG * SIDE**4 / 12.0
 
 
 @cache
-def model(elements: int = 20, young: float = YOUNG, density: float = DENSITY) -> FEModel:
+def model(
+    elements: int = 20, young: float = YOUNG, density: float = DENSITY, length: float = LENGTH
+) -> FEModel:
     """A square bar along x from the origin, its axis the x axis; groups ``root`` and ``tip``."""
     half = SIDE / 2.0
     mesh = mesh_blocks(
-        [Box("beam", (0.0, -half, -half), (LENGTH, half, half))],
+        [Box("beam", (0.0, -half, -half), (length, half, half))],
         element_type="hex8",
         divisions={"x": [elements], "y": [2], "z": [2]},
-        groups=(OnPlane("root", "x", 0.0), OnPlane("tip", "x", LENGTH)),
+        groups=(OnPlane("root", "x", 0.0), OnPlane("tip", "x", length)),
     )
     return assemble(mesh, Material(young, 0.0, density))
 
