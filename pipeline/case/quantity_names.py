@@ -9,6 +9,8 @@
 ``static.BODY.CASE.displacement.POINT.AXIS``   displacement of a sensor, ``x``, ``y`` or ``z``
 ``static.BODY.CASE.von_mises``                 largest stress of all nodes; ``static.BODY.CASE.reaction.AXIS``:
                                                resultant of the forces of all supports
+``static.BODY.CASE.buckling``                  factor by which the load may grow until the body buckles, of load
+                                               cases with ``buckling = true``
 ``ringdown.BODY.I``                            frequency of one sinusoid fitted to modal coordinate I
 ``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
                                                from the initial value, relative
@@ -328,6 +330,7 @@ def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName
         "displacement": ("length", 6, tuple("xyz")),
         "reaction": ("force", 5, tuple("xyz")),
         "von_mises": ("pressure", 4, ("von_mises",)),
+        "buckling": ("number", 4, ("buckling",)),
     }
     item = parts[3] if len(parts) > 3 else ""
     quantity, count, components = items.get(item, ("number", 0, ()))
@@ -337,7 +340,7 @@ def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName
             _unknown(text, word, components if len(parts) == count else items),
             expected="static.BODY.CASE.stress.SENSOR.COMPONENT with COMPONENT one of "
             f"{', '.join(STRESSES['flexible'])}, static.BODY.CASE.displacement.SENSOR.AXIS, "
-            "static.BODY.CASE.reaction.AXIS or static.BODY.CASE.von_mises",
+            "static.BODY.CASE.reaction.AXIS, static.BODY.CASE.von_mises or static.BODY.CASE.buckling",
         )
     if count == 6 and names is not None and names.sensors.get(parts[4]) != parts[1]:
         known = ", ".join(name for name, body in names.sensors.items() if body == parts[1])

@@ -238,8 +238,9 @@ def _modes_table(reduced: ReducedBody) -> Table:
 
 
 def _static_table(model: FEModel, states: Mapping[str, StaticState]) -> Table:
-    """Reaction, largest displacement and what is left of the load, a row each load case."""
+    """Reaction, largest displacement, what is left of the load and buckling factors, a row each load case."""
     rows = []
+    buckled = any(state.buckling_factor is not None for state in states.values())
     for state in states.values():
         size = np.linalg.norm(state.displacements, axis=1)
         place = numbers_words(model.nodes[int(np.argmax(size))].tolist(), "m")
@@ -249,10 +250,20 @@ def _static_table(model: FEModel, states: Mapping[str, StaticState]) -> Table:
                 numbers_words(state.reaction.tolist(), "N"),
                 f"{number_words(float(size.max()), 'm')} at {place}",
                 f"{state.residual:.0e}",
+                *([_factor_words(state.buckling_factor)] if buckled else []),
             )
         )
     columns = ("load case", "reaction of the supports", "largest displacement", "load that is left")
+    if buckled:
+        return Table((*columns, "buckling factor"), tuple(rows), frozenset({3, 4}))
     return Table(columns, tuple(rows), frozenset({3}))
+
+
+def _factor_words(factor: float | None) -> str:
+    """A buckling factor, if it was asked for."""
+    if factor is None:
+        return "not asked for"
+    return f"{factor:.4g}" if np.isfinite(factor) else "none: it does not buckle"
 
 
 def _mode_figures(case: Case, name: str, reduced: ReducedBody, painter: Painter, album: Album) -> list[Item]:

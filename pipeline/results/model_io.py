@@ -225,6 +225,8 @@ def write_reduced(
             _write(group, "reaction", state.reaction, "N", "resultant of the forces of all supports")
             if state.rotations is not None:
                 _write(group, "rotations", state.rotations, "rad", "of all nodes under a static load case")
+            if state.buckling_factor is not None:
+                group.attrs["buckling_factor"] = state.buckling_factor
 
 
 _INTERFACE_FIELDS = {
@@ -317,6 +319,7 @@ def read_states(path: Path) -> dict[str, StaticState]:
                 group["reaction"][:],
                 float(group.attrs["residual"]),
                 group["rotations"][:] if "rotations" in group else None,
+                float(group.attrs["buckling_factor"]) if "buckling_factor" in group.attrs else None,
             )
             for name, group in file["static"].items()
         }
