@@ -373,7 +373,7 @@ class Simulation:
 
     def _settle_contacts(self) -> None:
         """Bring the scene to rest with what it touches."""
-        from heavylift.solver.contact.check_start import start_contacts
+        from heavylift.solver.contact.check_start import restore, start_contacts
         from heavylift.solver.start.rows import StartRows
         from heavylift.solver.statics.contact_rest import ContactRest, settle_contacts
         from heavylift.solver.statics.stopped_drives import StoppedDrives
@@ -398,9 +398,12 @@ class Simulation:
         def meet() -> None:
             start_contacts(layout, self.step, settled=bool(self.start_text))
 
+        def restored() -> None:
+            restore(layout.systems[1])
+
         def search(rows: Any) -> ContactRest:
             gravity = float(np.linalg.norm(scene.gravity))
-            found = settle_contacts(rows, self._arrays, advance, meet, weight, gravity, rubs=rubs)
+            found = settle_contacts(rows, self._arrays, advance, meet, restored, weight, gravity, rubs=rubs)
             self._unsettled = found.warning
             return found
 

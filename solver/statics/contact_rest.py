@@ -110,6 +110,7 @@ def settle_contacts(
     arrays: Callable[[], Any],
     advance: Callable[[float], str],
     meet: Callable[[], None],
+    restored: Callable[[], None],
     weight: float,
     gravity: float,
     *,
@@ -127,6 +128,8 @@ def settle_contacts(
         Makes a step of a length [s] from time 0; says why if it cannot.
     meet
         Lets contacts meet at the start of a way.
+    restored
+        Brings what follows from the arrays up to date after they have been written over.
     weight
         Weights of all bodies, each times its length [J].
     gravity
@@ -146,6 +149,7 @@ def settle_contacts(
     def begin_again() -> None:
         for name, array in arrays():
             array[...] = before[name]
+        restored()
         rows.start()
 
     longest = search.longest_step()
