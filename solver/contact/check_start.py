@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,15 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.start import run_start
 
-__all__ = ["check_places", "forget_trials", "put_forces", "resting_forces", "restore", "start_contacts"]
+__all__ = [
+    "check_places",
+    "forget_trials",
+    "keep_touching",
+    "put_forces",
+    "resting_forces",
+    "restore",
+    "start_contacts",
+]
 
 ON_CONTOUR = 1e-3
 """Distance from its contour relative to its size, at which a slider or bead may start: the first steps bring it
@@ -141,6 +149,23 @@ def restore(contacts: ContactRows) -> None:
         from heavylift.solver.contact.triangles.slots import restore_contacts
 
         restore_contacts(meshes, contacts)
+
+
+def keep_touching(contacts: ContactRows) -> Callable[[], None]:
+    """What touches now where surfaces deform with modes: the function makes contacts of it again.
+
+    What carries a face that bends does not follow from where it lies: other points of it would carry it elsewhere.
+    """
+    first, count = contacts.counts.of_contours, int(contacts.counts.total)
+    held = contacts.state[first:count].copy()
+
+    def put_back() -> None:
+        for meshes in contacts.meshes if len(contacts.modal.rows) else ():
+            from heavylift.solver.contact.triangles.slots import hold_contacts
+
+            hold_contacts(meshes, contacts, held, len(held))
+
+    return put_back
 
 
 def check_places(contacts: ContactRows, names: Sequence[str]) -> None:

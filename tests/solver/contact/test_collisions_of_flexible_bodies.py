@@ -12,6 +12,7 @@ from mesh_contact_scenes import DOWN, G, run, turn
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.preprocess.surfaces.primitives import (
+    box_surface,
     capsule_surface,
     plane_surface,
     sphere_surface,
@@ -73,6 +74,31 @@ def test_a_beam_lies_on_three_springs(divisions, of_theory):
     sunk = np.linalg.solve(A, np.append(WEIGHT, np.zeros(reduced.mode_count)))
     of_modes = 0.5 * stiffness * (np.array(rows) @ sunk).reshape(3, 2).sum(axis=1)
     np.testing.assert_allclose(found, of_modes, rtol=5e-4)
+
+
+def test_a_beam_is_in_equilibrium_on_three_stiff_supports():
+    """From the start, without compliance: as on very stiff springs."""
+    narrow = box_surface((0.02, 0.6, 0.1))
+    blocks = {f"block {x}": ("ground", placed(narrow, position=[x, 0.0, -0.05])) for x in SUPPORTS}
+    scene = touching(
+        (flexible("bar", bar(6, ON_SUPPORTS), (0.0, 0.0, 0.5 * HEIGHT)),),
+        blocks,
+        RigidLaw(),
+        friction=FRICTION,
+    )
+    found = forces(run(scene, 1e-3, 2e-3, start="equilibrium", record_every=1), 3)
+    assert np.isclose(found.sum(), WEIGHT, rtol=1e-5)
+    np.testing.assert_allclose(found, beam_on_springs(SUPPORTS, 1e12, WEIGHT / LENGTH), rtol=1e-2)
+
+
+def test_it_rests_on_a_floor_from_the_start():
+    """With its whole underside, in all ways of the search for rest."""
+    scene = touching(
+        (flexible("bar", bar(), (0.0, 0.0, 0.5 * HEIGHT)),), FLOOR, RigidLaw(), friction=0.3, patch_size=0.6
+    )
+    found = run(scene, 1e-3, 5e-3, start="equilibrium", record_every=1)
+    np.testing.assert_allclose(found["touch_1.normal_force"][1:], WEIGHT, rtol=1e-9)
+    assert np.abs(found["bar.position"] - [0.0, 0.0, 0.5 * HEIGHT]).max() < 1e-9
 
 
 def test_ends_lift_off_an_elastic_foundation():
@@ -186,6 +212,36 @@ def test_a_scene_turned_as_a_whole_stays_the_same():
     np.testing.assert_allclose(
         a["touch_1.normal_force"], b["touch_1.normal_force"], rtol=0.0, atol=1e-7 * WEIGHT
     )
+
+
+def test_a_stiff_bar_moves_like_a_rigid_box():
+    """On the same floor, tilted and spinning, by a compliant law with friction."""
+    reduced = bar(3, young=1e6 * 2e9, divisions=(1, 1, 1))
+    start = {
+        "position": np.array([0.0, 0.0, 0.8]),
+        "orientation": turn((0.4, 1.0, 0.1), 0.3),
+        "velocity": np.array([0.5, 0.0, 0.0]),
+        "angular_velocity": np.array([0.2, 0.1, 0.4]),
+    }
+    law = {"law": LinearLaw(1e6, 5e3), "friction": 0.4, "patch_size": 0.3}
+    soft = touching((flexible("bar", reduced, **start),), FLOOR, **law)
+    integrals = reduced.integrals
+    inertia = np.trace(integrals.inertia_kl) * np.eye(3) - integrals.inertia_kl
+    box = RigidBody("bar", integrals.mass, inertia, **start)
+    hard = touching((box,), {}, **law)
+    hard = Scene(
+        bodies=hard.bodies,
+        forces=hard.forces,
+        surfaces=(
+            soft.surfaces[0],
+            CollisionSurface(name="skin of bar", body="bar", surface=soft.surfaces[1].surface),
+        ),
+        collisions=soft.collisions,
+    )
+    a, b = run(soft, 4e-4, 0.3), run(hard, 4e-4, 0.3)
+    assert b["touch_1.normal_force"].max() > WEIGHT
+    np.testing.assert_allclose(a["bar.position"], b["bar.position"], atol=1e-6)
+    np.testing.assert_allclose(a["bar.orientation"], b["bar.orientation"], atol=1e-6)
 
 
 def test_it_slides_and_stops_by_friction():
