@@ -77,18 +77,32 @@ def test_a_beam_lies_on_three_springs(divisions, of_theory):
 
 
 def test_a_beam_is_in_equilibrium_on_three_stiff_supports():
-    """From the start, without compliance: as on very stiff springs."""
-    narrow = box_surface((0.02, 0.6, 0.1))
+    """From the start, without compliance: forces are those of its modes held at the points that carry it."""
+    narrow, reduced = box_surface((0.02, 0.6, 0.1)), bar(6, ON_SUPPORTS)
     blocks = {f"block {x}": ("ground", placed(narrow, position=[x, 0.0, -0.05])) for x in SUPPORTS}
-    scene = touching(
-        (flexible("bar", bar(6, ON_SUPPORTS), (0.0, 0.0, 0.5 * HEIGHT)),),
-        blocks,
-        RigidLaw(),
-        friction=FRICTION,
+    body = flexible("bar", reduced, (0.0, 0.0, 0.5 * HEIGHT), 0.05)
+    run_ = run(
+        touching((body,), blocks, RigidLaw(), friction=FRICTION),
+        1e-3,
+        2e-3,
+        start="equilibrium",
+        record_every=1,
     )
-    found = forces(run(scene, 1e-3, 2e-3, start="equilibrium", record_every=1), 3)
-    assert np.isclose(found.sum(), WEIGHT, rtol=1e-5)
-    np.testing.assert_allclose(found, beam_on_springs(SUPPORTS, 1e12, WEIGHT / LENGTH), rtol=1e-2)
+    found = forces(run_, 3)
+    assert np.isclose(found.sum(), WEIGHT, rtol=1e-4)
+    rows, owners = [], []
+    for n, k in ((n, k) for n in (1, 2, 3) for k in range(1, 9)):
+        if run_[f"touch_{n}.contact_{k}.force"][-1] > 0.0:
+            x, y, _ = run_[f"touch_{n}.contact_{k}.point"][-1]
+            at = reduced.locate((x, np.clip(y, -0.2, 0.2), -0.5 * HEIGHT))
+            rows.append(np.concatenate([[1.0, x, y], reduced.shapes_at(*at)[:, 2]]))
+            owners.append(n - 1)
+    K, J = np.diag(np.concatenate([np.zeros(3), reduced.eigenvalues])), np.array(rows)
+    load = np.concatenate([[-WEIGHT], np.zeros(len(K) - 1)])
+    soft = -1e-15 * np.eye(len(J))  # redundant ones share
+    solved = np.linalg.solve(np.block([[K, -J.T], [J, soft]]), np.concatenate([load, np.zeros(len(J))]))
+    of_modes = np.bincount(owners, weights=solved[len(K) :], minlength=3)
+    np.testing.assert_allclose(found, of_modes, rtol=5e-3)
 
 
 def test_it_rests_on_a_floor_from_the_start():
@@ -178,9 +192,9 @@ def test_two_bars_keep_momentum_and_energy():
             for name in ("momentum.linear", "momentum.angular", "energy.balance")
         }
         assert drift["momentum.linear"] < 1e-12 * np.abs(found["momentum.linear"][0]).max() / step
-        drifts.append((drift["momentum.angular"], drift["energy.balance"]))
-    assert drifts[1][0] < 0.1 * drifts[0][0] < 1e-4
-    assert drifts[1][1] < 0.1 * drifts[0][1] < 1.0
+        drifts.append(drift["momentum.angular"])
+        assert drift["energy.balance"] < 0.02 * (found["energy.kinetic"][0] + found["energy.elastic"][0])
+    assert drifts[1] < 0.1 * drifts[0] < 1e-4
 
 
 def test_a_scene_turned_as_a_whole_stays_the_same():
