@@ -31,6 +31,7 @@ from heavylift.solver.bodies.floating_frame.stiffening import (
     add_quadratic_forces,
     with_shortening,
 )
+from heavylift.solver.bodies.floating_frame.step import momentum_about_axis
 from heavylift.solver.bodies.frames.motion import add_momenta, frame_outputs, held_outputs, write_motion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
@@ -70,6 +71,8 @@ def start_floating_frames(kind: FloatingFrameBodies, time: float, work: Workspac
         p, l = body_momenta(
             shape_of(kind, body), frame, kind.coupling[:, modes], v, w, kind.modal_velocity[modes]
         )
+        if frame.slender:
+            frame.axial_momentum = momentum_about_axis(frame, p, l)
         p = rotate(R, p)
         l = rotate(R, l)
         for k in range(3):
