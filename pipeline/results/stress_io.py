@@ -163,6 +163,25 @@ class BodyStress:
     loads: NDArray[np.float64]
     notes: tuple[str, ...] = field(default=())
 
+    def corrected(
+        self,
+        record: int,
+        displacements: NDArray[np.float64],
+        rotations: NDArray[np.float64] | None,
+        rotating: NDArray[np.int64],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+        """Displacements of the modes (n, 3) [m], and rotations (n, 3), with those of the static correction at a record.
+
+        `rotating` are the nodes that have rotations.
+        """
+        more = self.correction @ self.loads[record]
+        own = displacements.size
+        moved = displacements + more[:own].reshape(-1, 3)
+        if rotations is not None:
+            rotations = rotations.copy()
+            rotations[rotating] += more[own:].reshape(-1, 3)
+        return moved, rotations
+
     def group(self, name: str) -> GroupStress:
         """A group by name; InputError if there is none."""
         if name not in self.groups:
