@@ -29,6 +29,7 @@ __all__ = [
     "Loads",
     "craig_bampton",
     "eigenmode_basis",
+    "inner_modes",
     "moment_matching",
     "patch_loads",
     "place_loads",
@@ -256,7 +257,13 @@ def moment_matching(flexibility: Flexibility, loads: Loads, order: int) -> Basis
 
 @one_blas_thread
 def craig_bampton(
-    model: FEModel, interface: Nodes, count: int, *, fixed_nodes: Nodes = (), backend: str = "auto"
+    model: FEModel,
+    interface: Nodes,
+    count: int,
+    *,
+    up_to: float | None = None,
+    fixed_nodes: Nodes = (),
+    backend: str = "auto",
 ) -> Basis:
     """Craig-Bampton basis: interface displacements one by one, and modes with the interface held.
 
@@ -268,6 +275,8 @@ def craig_bampton(
         Nodes where other bodies are attached.
     count
         Number of fixed-interface modes; 0 for static (Guyan) condensation.
+    up_to
+        Only those up to this frequency [Hz].
     fixed_nodes
         Clamped nodes.
     backend
@@ -318,10 +327,16 @@ def craig_bampton(
     inner_part = inner.solve(-(model.stiffness @ vectors))
     vectors += inner_part
     basis = Basis(vectors, tuple(f"interface node {node} {axis}" for node, axis in _named(model, rows)))
-    if count:
-        modes = eigenmodes(model, count, flexibility=inner)
-        basis += Basis(modes.shapes, tuple(f"fixed-interface mode {k + 1}" for k in range(count)))
-    return basis
+    return basis + inner_modes(model, inner, count, up_to)
+
+
+def inner_modes(model: FEModel, inner: Flexibility, count: int, up_to: float | None) -> Basis:
+    """Modes with the interfaces held, some number of them or up to a frequency [Hz]; perhaps none."""
+    if not count and up_to is None:
+        return Basis(np.empty((model.dof_count, 0)), ())
+    modes = eigenmodes(model, count, up_to=up_to, flexibility=inner)
+    names = tuple(f"fixed-interface mode {k + 1}" for k in range(len(modes.eigenvalues)))
+    return Basis(modes.shapes, names)
 
 
 def _named(model: FEModel, dofs: NDArray[np.int64]) -> list[tuple[int, str]]:

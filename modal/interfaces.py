@@ -18,15 +18,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from heavylift.modal.bases import Basis, Loads
+from heavylift.modal.bases import Basis, Loads, inner_modes
 from heavylift.modal.constraints import following, free_dofs
 from heavylift.modal.contact_vectors import face_rule
-from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility, held_dofs
+from heavylift.modal.place_rotation import place_rotation
 from heavylift.modal.reduced import Interface
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
-from heavylift.preprocess.finite_elements.mesh import Mesh
+from heavylift.preprocess.finite_elements.mesh import Mesh, find_place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -44,7 +44,9 @@ __all__ = [
     "fit",
     "group_weights",
     "interface_of",
+    "is_at",
     "outer_nodes",
+    "place_fit",
     "refuse_coincident",
     "rigid_craig_bampton",
     "stiffened",
@@ -145,6 +147,46 @@ def fit(
     return Fit(p, group, forces, turning[:, None, None] * rates)
 
 
+def place_fit(model: FEModel, point: ArrayLike, *, source: object = "interface", key: str = "point") -> Fit:
+    """Motion of a point of an element: by its shape functions, and its rotation by those of its nodes or by a fit.
+
+    Parameters
+    ----------
+    model
+        With elements.
+    point
+        [m], shape (3,), on the body.
+    source, key
+        For messages.
+
+    Raises
+    ------
+    InputError
+        If the point is not on the body.
+
+    Notes
+    -----
+    The rotation is that of the nodes where all of them have some, else see `heavylift.modal.place_rotation`.
+    """
+    elements = model.mesh if model.mesh is not None else model.structure
+    nodes, weights = find_place(model.nodes, elements, point, source=source, key=key)
+    nodes, weights = nodes[weights != 0.0], weights[weights != 0.0]
+    place = weights @ model.nodes[nodes]
+    if np.isin(nodes, model.rotating).all():
+        around, turning = nodes, np.zeros((len(nodes), 3, 3))
+        moments = weights[:, None, None] * np.eye(3)
+    else:
+        around, turning = place_rotation(model.nodes, model.mesh, nodes, place)
+        moments = np.zeros((0, 3, 3))
+    group, position = np.unique(np.concatenate([nodes, around]), return_inverse=True)
+    found = Fit(place, group, np.zeros((len(group), 3, 6)), np.zeros((len(group), 3, 6)))
+    found.forces[position[: len(nodes)], :, :3] = weights[:, None, None] * np.eye(3)
+    found.forces[position[len(nodes) :], :, 3:] = turning.transpose(0, 2, 1)
+    if len(moments):
+        found.moments[position[: len(nodes)], :, 3:] = moments
+    return found
+
+
 def attachment_loads(model: FEModel, found: Fit, name: str) -> Loads:
     """The six unit loads of an interface on all degrees of freedom, in the order of `DIRECTIONS`."""
     loads = np.zeros((model.dof_count, 6))
@@ -182,6 +224,11 @@ def captured_compliance(body: ReducedBody, interface: Interface, exact: NDArray[
     return float(np.min(modal[significant] / exact[significant], initial=1.0)) if exact.max() > 0.0 else 1.0
 
 
+def is_at(found: Fit, point: ArrayLike, size: float) -> bool:
+    """Whether a point is the reference point of an interface of a body of some size [m]."""
+    return bool(np.linalg.norm(found.point - np.asarray(point)) <= _SAME * size)
+
+
 def refuse_coincident(fits: Mapping[str, Fit], size: float) -> None:
     """Refuse two interfaces at one point, or of one group.
 
@@ -194,7 +241,7 @@ def refuse_coincident(fits: Mapping[str, Fit], size: float) -> None:
     for number, name in enumerate(names):
         for other in names[:number]:
             one, two = fits[name], fits[other]
-            same = np.linalg.norm(one.point - two.point) <= _SAME * size
+            same = is_at(one, two.point, size)
             if same or np.array_equal(np.sort(one.nodes), np.sort(two.nodes)):
                 what = "its reference point" if same else "its nodes"
                 raise InputError(
@@ -381,6 +428,7 @@ def stiffened(
 def rigid_craig_bampton(
     model: FEModel,
     fits: Mapping[str, Fit],
+    masters: Mapping[str, NDArray[np.int64]],
     count: int,
     *,
     up_to: float | None = None,
@@ -391,8 +439,8 @@ def rigid_craig_bampton(
 
     Parameters
     ----------
-    model
-        From `stiffened`, or not yet.
+    model, masters
+        From `stiffened`.
     fits
         By name.
     count
@@ -404,36 +452,24 @@ def rigid_craig_bampton(
     backend
         Factorisation.
 
-    Raises
-    ------
-    InputError
-        See `stiffened`.
-
     Notes
     -----
     Craig and Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6 (1968). Interface motions have
     columns of 1 m and of 1 rad about the reference point. The six rigid motions of a free body are among their
     combinations.
     """
-    rigid, masters = stiffened(model, fits, fixed_nodes=fixed_nodes)
     boundary = np.concatenate(list(masters.values()))
-    moving = free_dofs(rigid, held_dofs(rigid, fixed_nodes))
+    moving = free_dofs(model, held_dofs(model, fixed_nodes))
     vectors = np.zeros((model.dof_count, len(boundary)))
     labels: list[str] = []
     for number, (name, dofs) in enumerate(masters.items()):
         vectors[dofs, 6 * number : 6 * number + 6] = _rigid_rows(model, fits[name].point, dofs)
         labels += [f"interface {name} {word}" for word in _MOTIONS]
     vectors = moving.expanded(vectors)
-    held = replace(rigid, fixed_dofs=np.union1d(rigid.fixed_dofs, boundary))
+    held = replace(model, fixed_dofs=np.union1d(model.fixed_dofs, boundary))
     inner = Flexibility(held, fixed_nodes, backend=backend)
     vectors += inner.solve(-(model.stiffness @ vectors))
-    basis = Basis(vectors, tuple(labels))
-    if count or up_to is not None:
-        modes = eigenmodes(held, count, up_to=up_to, flexibility=inner)
-        basis += Basis(
-            modes.shapes, tuple(f"fixed-interface mode {k + 1}" for k in range(len(modes.eigenvalues)))
-        )
-    return basis
+    return Basis(vectors, tuple(labels)) + inner_modes(held, inner, count, up_to)
 
 
 _MOTIONS = ("x", "y", "z", "turn x", "turn y", "turn z")

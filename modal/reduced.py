@@ -10,14 +10,13 @@ import numpy as np
 
 from heavylift.modal.place_rotation import place_rotation
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.mesh import BESIDE, find_place
+from heavylift.preprocess.finite_elements.mesh import BESIDE, Mesh, find_place
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.invariants import ShapeIntegrals
     from heavylift.modal.stiffening import Stiffening
-    from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.structures.structure import Structure
 
 __all__ = ["EIGENMODE_RESIDUAL", "Interface", "PlaceMotion", "ReducedBody", "check_orthonormal"]
@@ -299,12 +298,8 @@ class ReducedBody:
         key: str = "point",
         origin: ArrayLike = (0.0, 0.0, 0.0),
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Undeformed point [m] and displacement of a place; see `motion_at`."""
-        interface = self.interface_at(place)
-        if interface is not None:
-            return interface.point, interface.displacement
-        nodes, weights = self.locate(place, source=source, key=key, origin=origin)
-        return weights @ self.nodes[nodes], self.shapes_at(nodes, weights)
+        """Undeformed point [m], and displacement per unit modal coordinate, of a place; see `motion_at`."""
+        return self._displaced(self._found(place, source, key, origin))
 
     def motion_at(
         self,
@@ -328,14 +323,27 @@ class ReducedBody:
         InputError
             If there is no such interface, or the point is not of the body.
         """
-        point, displacement = self.point_at(place, source=source, key=key, origin=origin)
+        found = self._found(place, source, key, origin)
+        rotation = found.rotation if isinstance(found, Interface) else self.turn_at(*found)
+        return PlaceMotion(*self._displaced(found), rotation if self.turns(rotation) else None)
+
+    def _found(
+        self, place: ArrayLike | str, source: object, key: str, origin: ArrayLike
+    ) -> Interface | tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The interface at a place, or its nodes and weights."""
         interface = self.interface_at(place)
         if interface is not None:
-            rotation = interface.rotation
-        else:
-            nodes, weights = self.locate(place, source=source, key=key, origin=origin)
-            rotation = self.turn_at(nodes, weights)
-        return PlaceMotion(point, displacement, rotation if self.turns(rotation) else None)
+            return interface
+        return self.locate(place, source=source, key=key, origin=origin)
+
+    def _displaced(
+        self, found: Interface | tuple[NDArray[np.int64], NDArray[np.float64]]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Undeformed point, and displacement, of what `_found` finds."""
+        if isinstance(found, Interface):
+            return found.point, found.displacement
+        nodes, weights = found
+        return weights @ self.nodes[nodes], self.shapes_at(nodes, weights)
 
     def turn_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Rotation of a place relative to the frame, per unit modal coordinate [rad kg^-1/2 m^-1], shape (nf, 3).
@@ -349,7 +357,7 @@ class ReducedBody:
         at = nodes[np.abs(weights) > _WEIGHTLESS]
         if self.mode_rotations is not None and np.isin(at, self.rotating).all():
             return np.einsum("a,mak->mk", weights, self.mode_rotations[:, nodes])
-        around, turning = place_rotation(self.nodes, self.mesh, at, weights @ self.nodes[nodes])
+        around, turning = place_rotation(self.nodes, self._mesh_at(at), at, weights @ self.nodes[nodes])
         held = around[self._stands(around)]
         if (
             self._stands(at).all()
@@ -357,6 +365,14 @@ class ReducedBody:
         ):
             return np.zeros((self.mode_count, 3))
         return np.einsum("akl,mal->mk", turning, self.mode_shapes[:, around])
+
+    def _mesh_at(self, at: NDArray[np.int64]) -> Mesh | None:
+        """Solid elements that have some nodes, None if they are not known."""
+        if self.mesh is not None or self.structure is None:
+            return self.mesh
+        parts = (part for part in self.structure.solids if np.isin(at, part.elements).all())
+        part = next(parts, None)
+        return None if part is None else Mesh(self.nodes, part.elements, part.element_type)
 
     def turns(self, rotation: NDArray[np.float64], direction: ArrayLike | None = None) -> bool:
         """Whether modes turn a place, or a unit direction there, by more than a thousandth of what they would at most.

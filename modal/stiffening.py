@@ -17,7 +17,7 @@ bending is small.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,11 +31,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from heavylift.modal.bases import Loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduced import ReducedBody
     from heavylift.preprocess.finite_elements.model import FEModel
 
-__all__ = ["PRODUCTS", "Stiffening", "inertia_stiffening", "stress_stiffness"]
+__all__ = ["PRODUCTS", "Stiffening", "inertia_stiffening", "stress_stiffness", "with_loads"]
 
 PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Components of the symmetric matrices of second moments, in their order."""
@@ -56,11 +57,24 @@ class Stiffening:
     linear
         Of the field of a unit acceleration of the frame [1/m], shape (3, nf, nf): accelerations minus gravity, in axes
         of the frame.
+    places
+        Where forces act whose stiffening is known [m], frame of the body, shape (np, 3).
+    labels
+        Names of unit loads there, length m.
+    loads
+        Of unit forces [1/(N s2)] and moments [1/(N m s2)] there, in axes of the frame, shape (m, nf, nf).
+    generalised
+        What each of these loads is to the undeformed body: force, moment about the origin, and forces on the modes,
+        shape (m, 6 + nf).
     """
 
     second_moments: NDArray[np.float64]
     angular: NDArray[np.float64]
     linear: NDArray[np.float64]
+    places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    labels: tuple[str, ...] = ()
+    loads: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    generalised: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
 
     @property
     def trace(self) -> NDArray[np.float64]:
@@ -128,7 +142,7 @@ def inertia_stiffening(
         From `stress_stiffness`.
     """
     model, x = flexibility.model, reduced.nodes
-    fields = []
+    fields: list[NDArray[np.float64]] = []
     for k, l in PRODUCTS:
         C = np.zeros((3, 3))
         C[k, l] += 0.5
@@ -137,17 +151,66 @@ def inertia_stiffening(
     fields += [-np.cross(axis, x) for axis in np.eye(3)]
     fields += [-np.broadcast_to(axis, x.shape) for axis in np.eye(3)]
     loads = np.column_stack([apply_mass(model.mass, np.ascontiguousarray(field).ravel()) for field in fields])
-    G = project(flexibility.solve(loads), reduced, stiffness_of)
+    G = _projected(flexibility.solve(loads), reduced, stiffness_of)
     return Stiffening(G[:6], G[6:9], G[9:])
 
 
-def project(
+def with_loads(
+    stiffening: Stiffening,
+    flexibility: Flexibility,
+    reduced: ReducedBody,
+    stiffness_of: Callable[[NDArray[np.float64]], csr_array],
+    loads: Loads,
+    places: NDArray[np.float64],
+) -> Stiffening:
+    """Stiffening by forces at places too.
+
+    Parameters
+    ----------
+    stiffening, flexibility, reduced, stiffness_of
+        As of `inertia_stiffening`.
+    loads
+        Unit forces and moments, on all degrees of freedom of the model.
+    places
+        Where they act [m], frame of the body, shape (np, 3).
+
+    Notes
+    -----
+    Loads that only press on supports are left out.
+    """
+    pressed = loads.forces[flexibility.unknowns]
+    kept = np.flatnonzero(np.abs(pressed).max(axis=0, initial=0.0) > 0.0)
+    forces = loads.forces[:, kept]
+    n = reduced.node_count
+    nodal = forces[: 3 * n].reshape(n, 3, len(kept))
+    total = nodal.sum(axis=0)
+    moment = np.cross(reduced.nodes[:, :, None], nodal, axis=1).sum(axis=0)
+    moment += forces[3 * n :].reshape(-1, 3, len(kept)).sum(axis=0)
+    return replace(
+        stiffening,
+        places=np.asarray(places, dtype=np.float64).reshape(-1, 3),
+        labels=tuple(loads.labels[k] for k in kept),
+        loads=_projected(flexibility.solve(forces), reduced, stiffness_of),
+        generalised=np.vstack([total, moment, _shapes(reduced).T @ forces]).T,
+    )
+
+
+def _shapes(reduced: ReducedBody) -> NDArray[np.float64]:
+    """Mode shapes with rotations, of all degrees of freedom, shape (N, nf)."""
+    shapes = reduced.mode_shapes.reshape(reduced.mode_count, -1)
+    if reduced.mode_rotations is None:
+        return shapes.T
+    turned = reduced.mode_rotations[:, reduced.rotating].reshape(reduced.mode_count, -1)
+    return np.hstack([shapes, turned]).T
+
+
+def _projected(
     answers: NDArray[np.float64],
     reduced: ReducedBody,
     stiffness_of: Callable[[NDArray[np.float64]], csr_array],
 ) -> NDArray[np.float64]:
     """``Phi^T K_g Phi`` of static answers (N, m), shape (m, nf, nf)."""
-    Phi = reduced.mode_shapes.reshape(reduced.mode_count, -1).T
+    Phi = _shapes(reduced)
     found = np.empty((answers.shape[1], reduced.mode_count, reduced.mode_count))
     for k, u in enumerate(answers.T):
         G = Phi.T @ (stiffness_of(u) @ Phi)

@@ -138,7 +138,8 @@ _CASE_KEYS = (
     (re.compile(r"(elements|part|merge_nodes|mass_unit)"), r"geometry.\1"),
     (re.compile(r"(material(?:\..*)?)"), r"\1"),
     (re.compile(r"modes"), "modes.count"),
-    (re.compile(r"((?:modes|mesh|supports|static)\..*|interface)"), r"\1"),
+    (re.compile(r"up_to"), "modes.up_to"),
+    (re.compile(r"((?:modes|mesh|supports|static|interfaces)\..*|interface)"), r"\1"),
 )
 """Keys in messages of the stages, and what they are below the body in a case file."""
 

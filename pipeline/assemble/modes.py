@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
+from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
 from heavylift.preprocess.finite_elements.groups import RELATIVE_TOLERANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from heavylift.modal.bases import Loads
+    from heavylift.modal.bases import Basis, Loads
     from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.interfaces import Fit
     from heavylift.modal.reduced import ReducedBody
     from heavylift.modal.statics import StaticState
     from heavylift.pipeline.case.bodies import FlexibleBodySection
@@ -30,14 +33,42 @@ if TYPE_CHECKING:
 __all__ = ["reduce_model", "reduced_properties"]
 
 
-def reduce_model(
-    case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float], list[StaticState]]:
-    """Reduced body of a model in a folder, origin of its frame in coordinates of the geometry [m], static states."""
+_BORNE = 1e-12
+"""Of a load of a place: what rounding leaves of it where it acts on nodes that are held."""
+
+
+class Reduction(NamedTuple):
+    """What a reduction finds.
+
+    Attributes
+    ----------
+    body
+        Reduced body.
+    origin
+        Of its frame, in coordinates of the geometry [m].
+    states
+        Of the static load cases.
+    captured
+        Smallest share of the static compliance of each interface that the basis has, by name.
+    notes
+        Sentences on what was chosen.
+    """
+
+    body: ReducedBody
+    origin: tuple[float, float, float]
+    states: list[StaticState]
+    captured: dict[str, float]
+    notes: list[str]
+
+
+def reduce_model(case: Case, body: FlexibleBodySection, model: FEModel, folder: OutputFolder) -> Reduction:
+    """Reduced body of a model in a folder."""
     name = next(name for name, other in case.bodies.items() if other is body)
     with in_body(case, name, model.name):
         held = held_directions(model, body.supports)
-        return _reduce(case, name, body, replace(model, fixed_dofs=held), folder)
+        return _reduce(
+            case, name, body, replace(model, fixed_dofs=np.union1d(model.fixed_dofs, held)), folder
+        )
 
 
 def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> NDArray[np.int64]:
@@ -126,16 +157,33 @@ def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[
     return face_forces(model, faces, traction=np.asarray(load.force) / face_area(model, faces))
 
 
+@contextlib.contextmanager
+def _below_interfaces(model: FEModel) -> Iterator[None]:
+    """Put the key of an interface into errors that know its name."""
+    try:
+        yield
+    except InputError as error:
+        key = f"interfaces.{error.source}.{error.key}"
+        raise InputError(error.problem, source=model.name, key=key, expected=error.expected) from None
+
+
 def _reduce(
     case: Case, name: str, body: FlexibleBodySection, model: FEModel, folder: OutputFolder
-) -> tuple[ReducedBody, tuple[float, float, float], list[StaticState]]:
-    from heavylift.modal import bases
+) -> Reduction:
+    from heavylift.modal import bases, interfaces
     from heavylift.modal.eigen import eigenmodes
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduction import reduce_body
 
     options = body.modes
     clamped = _nodes_of(model, options.clamp, "modes.clamp")
+    fits = interface_fits(model, body.interfaces, lambda group, key: _nodes_of(model, [group], key))
+    rigid = {one: fits[one] for one, section in body.interfaces.items() if section.kind == "rigid"}
+    elastic, flexibility = model, None
+    masters: dict[str, NDArray[np.int64]] = {}
+    if rigid:
+        with _below_interfaces(model):
+            model, masters = interfaces.stiffened(model, rigid, fixed_nodes=clamped)
     static_loads = _loads(options, model, clamped)
     if options.attach and not options.patches:
         static_loads += contour_loads(case, name, model, folder, fixed_nodes=clamped)
@@ -154,23 +202,41 @@ def _reduce(
                 expected=f"numbers up to {shapes.shape[1]}, the stored shapes",
             )
         basis = bases.Basis(shapes[:, chosen], tuple(f"stored {number + 1}" for number in chosen))
-        flexibility = Flexibility(model, clamped) if options.has_static else None
+    elif options.basis == "craig_bampton" and not options.interface:
+        basis = interfaces.rigid_craig_bampton(
+            model, rigid, masters, options.count, up_to=options.up_to, fixed_nodes=clamped
+        )
     elif options.basis == "craig_bampton":
         interface = _nodes_of(model, options.interface, "modes.interface")
-        basis = bases.craig_bampton(model, interface, options.count, fixed_nodes=clamped)
-        flexibility = Flexibility(model, clamped) if options.has_static else None
+        basis = bases.craig_bampton(model, interface, options.count, up_to=options.up_to, fixed_nodes=clamped)
     else:
         flexibility = Flexibility(model, clamped)
         parts = []
-        if options.count:
-            modes = eigenmodes(model, options.count, flexibility=flexibility)
+        if options.count or options.up_to is not None:
+            modes = eigenmodes(model, options.count, up_to=options.up_to, flexibility=flexibility)
             parts.append(bases.eigenmode_basis(modes, options.select or None))
         if options.basis == "krylov":
             parts += [bases.moment_matching(flexibility, loads, options.order) for loads in static_loads]
         basis = sum(parts[1:], start=parts[0])
+    if flexibility is None and (options.has_static or body.interfaces or body.static):
+        flexibility = Flexibility(model, clamped)
     if flexibility is not None and options.basis != "krylov":
         for loads in static_loads:
             basis += bases.static_vectors(flexibility, loads)
+    exact = {}
+    for one, found in fits.items():
+        assert flexibility is not None
+        loads = interfaces.attachment_loads(model, found, one)
+        vectors = bases.static_vectors(flexibility, loads)
+        exact[one] = np.sum(loads.forces * vectors.vectors, axis=0)
+        if options.basis != "craig_bampton" or options.interface:
+            basis += vectors
+    joined = {}
+    if options.basis != "stored":
+        joined = held_places(case, name, body, elastic, origin, fits.values())
+    for one, found in joined.items():
+        flexibility = flexibility or Flexibility(model, clamped)
+        basis += _felt(flexibility, interfaces.attachment_loads(model, found, f"joint {one}"))
     reduced = reduce_body(
         model,
         basis.vectors,
@@ -179,12 +245,35 @@ def _reduce(
         origin=origin,
         mean_axis=body.frame.motion == "free",
     )
+    places = {one: interfaces.interface_of(reduced, found, origin) for one, found in fits.items()}
+    captured = {
+        one: interfaces.captured_compliance(reduced, place, exact[one]) for one, place in places.items()
+    }
+    reduced = replace(reduced, interfaces=places)
     if options.stiffening:
-        reduced = _stiffened(model, reduced, body, clamped, flexibility)
+        reduced = _stiffened(model, reduced, body, clamped, origin, flexibility)
     states = []
     if body.static:
-        states = _static_states(flexibility or Flexibility(model, clamped), body.static)
-    return reduced, (float(origin[0]), float(origin[1]), float(origin[2])), states
+        assert flexibility is not None
+        states = _static_states(flexibility, body.static)
+    start = (float(origin[0]), float(origin[1]), float(origin[2]))
+    notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
+    return Reduction(reduced, start, states, captured, notes)
+
+
+def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
+    """Deflections under those loads of a place that are not borne by what is held there."""
+    from heavylift.modal import bases
+
+    felt = flexibility.dofs.gathered(loads.forces)[flexibility.unknowns]
+    chosen = np.abs(felt).max(axis=0, initial=0.0) > _BORNE * np.abs(loads.forces).max(axis=0)
+    labels = tuple(label for label, one in zip(loads.labels, chosen, strict=True) if one)
+    return bases.static_vectors(flexibility, bases.Loads(loads.forces[:, chosen], labels))
+
+
+def _held_note(joined: Mapping[str, Fit]) -> str:
+    names = ", ".join(repr(one) for one in joined)
+    return f"attachment modes for forces and moments of joints that hold its directions: {names}"
 
 
 def _stiffened(
@@ -192,11 +281,13 @@ def _stiffened(
     reduced: ReducedBody,
     body: FlexibleBodySection,
     clamped: NDArray[np.int64],
+    origin: NDArray[np.float64],
     flexibility: Flexibility | None,
 ) -> ReducedBody:
-    """With what inertia and weight do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    """With what loads along it do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    from heavylift.modal.bases import place_loads
     from heavylift.modal.flexibility import Flexibility
-    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
+    from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
 
     free = body.frame.motion == "free"
     if free and (model.fixed_nodes.size or model.fixed_dofs.size):
@@ -208,7 +299,12 @@ def _stiffened(
     stiffness_of = stress_stiffness(model, formulation=body.mesh.formulation)
     if flexibility is None or (free and clamped.size):
         flexibility = Flexibility(model, () if free else clamped)
-    return replace(reduced, stiffening=inertia_stiffening(flexibility, reduced, stiffness_of))
+    stiffening = inertia_stiffening(flexibility, reduced, stiffness_of)
+    if body.modes.static_points:
+        loads = place_loads(model, body.modes.static_points, key="modes.static_points")
+        places = np.asarray(body.modes.static_points) - origin
+        stiffening = with_loads(stiffening, flexibility, reduced, stiffness_of, loads, places)
+    return replace(reduced, stiffening=stiffening)
 
 
 def _nodes_of(model: FEModel, groups: Sequence[str], key: str) -> NDArray[np.int64]:
@@ -359,10 +455,16 @@ def contour_loads(
     return loads
 
 
-def reduced_properties(reduced: ReducedBody, states: Sequence[StaticState] = ()) -> dict[str, Any]:
+def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     """Numbers of a reduced body and its static load cases for its manifest."""
+    reduced, states = reduction.body, reduction.states
     return {
-        "notes": _large_deflections(reduced, states),
+        "notes": [*reduction.notes, *_large_deflections(reduced, states)],
+        "interfaces": {
+            name: f"{100.0 * share:.4g} % of its static compliance captured"
+            for name, share in reduction.captured.items()
+        }
+        or None,
         "static": {state.name: f"residual {state.residual:.0e}" for state in states} or None,
         "vector_count": reduced.mode_count,
         "frequencies_hz": [float(f) for f in reduced.frequencies],

@@ -18,6 +18,7 @@ from heavylift.pipeline.case.fields import (
     AngularVelocityVector,
     Direction,
     LengthVector,
+    Name,
     Quantity,
     Section,
     VelocityVector,
@@ -26,6 +27,7 @@ from heavylift.pipeline.case.fields import (
     reject,
 )
 from heavylift.pipeline.case.geometry import Geometry, MaterialSection, MeshSection
+from heavylift.pipeline.case.interfaces import InterfaceSection
 from heavylift.pipeline.case.modes import ModesSection
 from heavylift.pipeline.case.panels import PanelsGeometry
 from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection
@@ -175,6 +177,8 @@ class FlexibleBodySection(BodySection):
     """What is held in single directions, and planes of symmetry; besides `modes.clamp`."""
     static: tuple[StaticCaseSection, ...] = ()
     """Static load cases, solved with the modes."""
+    interfaces: dict[Name, InterfaceSection] = Field(default_factory=dict)
+    """Places where others are attached, by name; each adds six attachment modes to the basis."""
     stress: StressSection | None = None
     """Stress over the run; none if absent."""
     frame: Frame
@@ -238,6 +242,20 @@ class FlexibleBodySection(BodySection):
                 "no supports with a free frame, or frame motion 'fixed' or 'driven'",
                 key="supports",
             )
+        if self.modes.basis == "craig_bampton" and not self.modes.interface:
+            if not self.interfaces:
+                reject(
+                    "basis 'craig_bampton' without 'interface'",
+                    "at least one group as interface, or interfaces of kind 'rigid'",
+                    key="modes",
+                )
+            for name, interface in self.interfaces.items():
+                if interface.kind != "rigid":
+                    reject(
+                        f"kind {interface.kind!r} with basis 'craig_bampton'",
+                        "kind 'rigid', groups in 'modes.interface', or basis 'eigenmodes'",
+                        key=f"interfaces.{name}.kind",
+                    )
         names = [one.name for one in self.static]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:

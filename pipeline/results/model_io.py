@@ -213,6 +213,7 @@ def write_reduced(
             _write(integrals, key, value, _INTEGRAL_UNITS[key], key.replace("_", " "))
         if body.stiffening is not None:
             group = file.create_group("stiffening")
+            group.attrs["labels"] = json.dumps(body.stiffening.labels)
             for key, (unit, words) in _STIFFENING.items():
                 _write(group, key, getattr(body.stiffening, key), unit, words)
         statics = file.create_group("static")
@@ -248,6 +249,9 @@ _STIFFENING = {
     "second_moments": ("1", "what second moments 11 22 33 12 13 23 lose by products of modal coordinates"),
     "angular": ("1", "modal stiffness by angular acceleration of the frame"),
     "linear": ("1/m", "modal stiffness by acceleration of the frame minus gravity"),
+    "places": ("m", "points of the body frame where forces act whose stiffening is known"),
+    "loads": ("1/(N s^2), 1/(N m s^2)", "modal stiffness by unit forces and moments there"),
+    "generalised": ("1, m, kg^-0.5", "force, moment about the origin and modal forces of each of them"),
 }
 
 
@@ -264,7 +268,10 @@ def read_reduced(path: Path) -> ReducedBody:
         integrals["mass"] = float(integrals["mass"])
         stiffening = None
         if "stiffening" in file:
-            stiffening = Stiffening(**{key: file["stiffening"][key][:] for key in _STIFFENING})
+            group = file["stiffening"]
+            stiffening = Stiffening(
+                labels=tuple(json.loads(group.attrs["labels"])), **{key: group[key][:] for key in _STIFFENING}
+            )
         nodes, mesh = file["nodes"][:], None
         if "mesh" in file:
             group = file["mesh"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -107,6 +107,8 @@ class DeckFrame:
         What a structure cannot be made with, in words, e.g. ``"2 composite properties PCOMP (first: line 8)"``.
     notes
         What was read and left out, with counts, one sentence each.
+    instead
+        Notes of the deck that do not hold for a structure: of what solids alone leave out.
     """
 
     plates: tuple[DeckPlates, ...] = ()
@@ -116,4 +118,5 @@ class DeckFrame:
     averages: tuple[Average, ...] = ()
     ties: tuple[Tie, ...] = ()
     refused: tuple[str, ...] = ()
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
+    instead: tuple[str, ...] = ()

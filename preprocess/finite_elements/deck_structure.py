@@ -283,7 +283,7 @@ class _Maker:
         )
         self.units = self._units(length_unit, mass_unit)
         self.materials: dict[int, Material] = {}
-        self.notes = [*deck.notes, *deck.frame.notes]
+        self.notes = [note for note in deck.notes if note not in deck.frame.instead] + list(deck.frame.notes)
 
     # -- units and materials --
 
@@ -530,8 +530,11 @@ class _Maker:
         deck, frame, length = self.deck, self.frame, self.units.length
         cells = self._cells(taken, plates, beams)
         if not cells:
+            there = ", ".join(f"{len(one.labels)} {one.words or 'cells'} {one.name}" for one in deck.blocks)
             raise InputError(
-                "contains no plate, beam or solid", source=deck.source, expected="elements of a structure"
+                f"contains {there or 'no element'}, of which none is taken",
+                source=deck.source,
+                expected="plates of 3 and 4 nodes, beams, 8-node and 20-node bricks or 10-node tetrahedra",
             )
         used = np.zeros(len(deck.points), dtype=bool)
         for _, nodes in cells:

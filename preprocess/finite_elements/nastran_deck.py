@@ -421,9 +421,7 @@ class _Reader:
         }
         materials, number = self._materials(set(index) | of_beams | of_plates)
         notes = []
-        if self.constraints:
-            words = ", ".join(f"{n} {key}" for key, n in self.constraints.items())
-            notes.append(f"constraints and contacts of the file are left out, the case has its own: {words}")
+        notes += [self._constraints(set())] if self.constraints else []
         notes += [f"left out: {n} nonstructural masses {key}" for key, n in self.masses.items()]
         if self.weight != 1.0:
             notes.append(f"densities are multiplied by WTMASS = {self.weight:g}")
@@ -442,7 +440,10 @@ class _Reader:
                 {label: k for k, label in enumerate(numbers)},
             )
             made = builder.frame()
-            return replace(made, notes=(*self._words(), *made.notes))
+            notes = [*self._words(), self._constraints(set(self.frame.read)), *made.notes]
+            return replace(
+                made, notes=tuple(note for note in notes if note), instead=(self._constraints(set()),)
+            )
 
         return Deck(
             path,
@@ -456,6 +457,11 @@ class _Reader:
             node_labels=list(self.nodes),
             make_frame=None if self.frame.empty else frame,
         )
+
+    def _constraints(self, read: set[str]) -> str:
+        """What of constraints is left out, besides some that are read; ``""`` if nothing is."""
+        words = ", ".join(f"{n} {key}" for key, n in self.constraints.items() if key not in read)
+        return words and f"constraints and contacts of the file are left out, the case has its own: {words}"
 
     def _words(self) -> list[str]:
         """What of the file is read, what is not, by entry and count, for a structure."""

@@ -11,6 +11,7 @@ from heavylift.preprocess.finite_elements.elasticity import BlockMatrix, NodePat
 from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.finite_elements.model import FEModel, MassPoints
 from heavylift.preprocess.structures.beam import beam_operators
+from heavylift.preprocess.structures.checks import check_structure
 from heavylift.preprocess.structures.constraints import constraint_matrix, node_words
 from heavylift.preprocess.structures.mass_points import (
     NodePoints,
@@ -73,7 +74,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
     ------
     InputError
         An unknown kind of mass, plates without thickness, beams without orientation, nodes that nothing holds, links
-        that contradict each other.
+        that contradict each other, and all that `check_structure` refuses.
     """
     if mass not in MASS_KINDS:
         raise InputError(
@@ -82,6 +83,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
             key="mass",
             expected="one of " + ", ".join(repr(kind) for kind in MASS_KINDS),
         )
+    told = check_structure(structure)
     rotating = rotating_nodes(structure)
     n = structure.node_count
     rotation_dofs = np.full(n, -1, dtype=np.int64)
@@ -105,7 +107,7 @@ def assemble_structure(structure: Structure, *, mass: str = "lumped") -> FEModel
         node_groups=structure.node_groups,
         fixed_dofs=fixed,
         name=structure.name,
-        notes=(*structure.notes, *notes),
+        notes=(*structure.notes, *told, *notes),
         rotating=rotating,
         points=points,
         constraint=None if following is None else following[0],

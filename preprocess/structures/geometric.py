@@ -10,7 +10,8 @@ with theta the rotations that bend it; of a beam with the axial force N, moved b
     U = 1/2 int N (v'^2 + w'^2 + (I_1 + I_2)/A theta_1'^2) dx
 
 (J. S. Przemieniecki, *Theory of Matrix Structural Analysis*, 1968, chapter 15). Moments and shear in plates and beams
-are left out, so that a deep beam does not tip over; plates that stand for its web and flanges do.
+are left out, so that a deep beam does not tip over; plates that stand for its web and flanges do. Solids are those of
+`heavylift.preprocess.finite_elements.geometric`.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.finite_elements import geometric
 from heavylift.preprocess.finite_elements.elasticity import BlockMatrix, NodePattern
+from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.structures.assemble import blocks_of, element_motion, shell_chunks
 from heavylift.preprocess.structures.beam import beam_operators, skew
 from heavylift.preprocess.structures.shell_operators import MEMBRANE, plane_stress
@@ -61,7 +64,7 @@ def geometric_stiffness(
     InputError
         Displacements that do not fit the model or are not finite.
     """
-    from scipy.sparse import csr_array
+    from scipy.sparse import csr_array, identity, kron
 
     u = np.asarray(displacements, dtype=np.float64)
     if u.shape != (model.dof_count,) or not np.all(np.isfinite(u)):
@@ -86,6 +89,13 @@ def geometric_stiffness(
             operators_ = beam_operators(structure.nodes, beams, source=structure.name or "structure")
             matrix.add(0, _beam_matrices(beams, operators_, element_motion(model, beams.elements, u)))
             total = csr_array(total + matrix.tocsr())
+    moved_nodes = u[: 3 * model.node_count].reshape(-1, 3)
+    for solids in structure.solids:
+        mesh = Mesh(structure.nodes, solids.elements, solids.element_type, name=structure.name)
+        scalar = geometric.geometric_stiffness(mesh, solids.material, moved_nodes)
+        whole = csr_array(kron(scalar, identity(3, format="csr"), format="csr"))
+        whole.resize(total.shape)
+        total = csr_array(total + whole)
     return total
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["nearest_place", "surface_triangles"]
+__all__ = ["distances_to_triangles", "nearest_place", "surface_triangles"]
 
 _NEWTON_STEPS = 20
 _CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
@@ -89,6 +89,11 @@ def nearest_place(
     return min(found, key=lambda place: place[2])
 
 
+def distances_to_triangles(corners: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distances of points (m, 3) from triangles (m, 3, 3), one by one [m], shape (m,)."""
+    return _on_triangles(corners, points)[1]
+
+
 def _quadrilateral_of(
     shells: Sequence[NDArray[np.int64]], triangle: int, second: int
 ) -> NDArray[np.int64] | None:
@@ -105,7 +110,7 @@ def _quadrilateral_of(
 def _on_triangles(
     corners: NDArray[np.float64], point: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Weights (m, 3) of the nearest points of triangles (m, 3, 3), and their distances [m], shape (m,)."""
+    """Weights (m, 3) of the points of triangles (m, 3, 3) nearest to one point or to one each, and distances [m]."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     normal = np.cross(b - a, c - a)
     square = np.maximum(np.einsum("mi,mi->m", normal, normal), np.finfo(np.float64).tiny)
@@ -127,7 +132,7 @@ def _on_triangles(
 def _on_lines(
     ends: NDArray[np.float64], point: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Share of the second end in the nearest points of lines (m, 2, 3), and their distances [m], shape (m,)."""
+    """Share of the second end in the points of lines (m, 2, 3) nearest to one point or to one each, and distances."""
     along = ends[:, 1] - ends[:, 0]
     square = np.maximum(np.einsum("mi,mi->m", along, along), np.finfo(np.float64).tiny)
     share = np.clip(np.einsum("mi,mi->m", point - ends[:, 0], along) / square, 0.0, 1.0)

@@ -6,14 +6,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.sparse import eye_array
 
 from heavylift.modal.flexibility import Flexibility
+from heavylift.modal.invariants import shape_integrals
 from heavylift.modal.place_rotation import place_rotation
+from heavylift.modal.reduced import Interface, ReducedBody
+from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane
 from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.finite_elements.model import Material
+from heavylift.preprocess.structures.structure import Solids, Structure
 
 LENGTH, SIDE = 1.0, 0.02
 
@@ -89,3 +94,61 @@ def test_an_end_under_a_moment_turns_as_a_beam_does(axis: int, stiffness: float)
     np.testing.assert_allclose(
         np.einsum("akl,al->k", G, deflection[around])[axis], 0.5 * expected[axis], rtol=2e-3
     )
+
+
+def test_nodes_that_turn_have_their_own_rotation() -> None:
+    """Of plates and beams, by the weights of the place; a solid of a structure is fitted as one alone."""
+    mesh = bar()
+    turn = np.array([0.3, -0.2, 0.5])
+    shapes = np.cross(turn, mesh.nodes)[None]
+    rotations = np.zeros_like(shapes)
+    rotations[0, :9] = [2.0, 0.0, 0.0]
+    rotations[0, :3] = [4.0, 0.0, 0.0]
+    material = Material(210e9, 0.0, 7850.0)
+    parts = Structure(mesh.nodes, solids=(Solids("bar", mesh.elements, "hex8", material),))
+    body = ReducedBody(
+        mesh.nodes,
+        np.ones(1),
+        shapes,
+        shape_integrals(mesh.nodes, shapes, eye_array(mesh.node_count).tocsr()),
+        False,
+        ("turn",),
+        np.zeros(1),
+        0.0,
+        structure=parts,
+        mode_rotations=rotations,
+        rotating=np.arange(9),
+    )
+    np.testing.assert_allclose(body.turn_at(np.array([1, 7]), np.array([0.25, 0.75])), [[2.5, 0.0, 0.0]])
+    tip = np.array([np.argmin(np.linalg.norm(mesh.nodes - [LENGTH, 0.0, 0.0], axis=1))])
+    np.testing.assert_allclose(body.turn_at(tip, np.ones(1)), [turn], atol=1e-10)
+
+
+def test_interfaces_answer_to_their_name_and_their_point() -> None:
+    mesh = bar()
+    shapes = np.cross([0.3, -0.2, 0.5], mesh.nodes)[None]
+    integrals = shape_integrals(mesh.nodes, shapes, eye_array(mesh.node_count).tocsr())
+    none = np.zeros((0, 3, 6))
+    point = np.array([LENGTH + 0.3, 0.0, 0.0])  # beside the body
+    lug = Interface(point, np.array([[1.0, 2.0, 3.0]]), np.array([[9.0, 8.0, 7.0]]), np.arange(0), none, none)
+    body = ReducedBody(
+        mesh.nodes,
+        np.ones(1),
+        shapes,
+        integrals,
+        False,
+        ("turn",),
+        np.zeros(1),
+        0.0,
+        mesh=mesh,
+        interfaces={"LUG": lug},
+    )
+    for place in ("LUG", point, point + 1e-9):
+        found = body.motion_at(place)
+        np.testing.assert_array_equal(found.point, point)
+        np.testing.assert_array_equal(found.displacement, lug.displacement)
+        assert found.rotation is lug.rotation
+    with pytest.raises(InputError, match=r"no interface is called 'EYE'.*LUG"):
+        body.motion_at("EYE")
+    with pytest.raises(InputError, match="not on the body"):
+        body.motion_at(point + 1e-3)

@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from heavylift.modal.bases import eigenmode_basis
+from heavylift.modal.bases import eigenmode_basis, place_loads
 from heavylift.modal.eigen import eigenmodes
 from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
-from heavylift.modal.stiffening import Stiffening, inertia_stiffening, stress_stiffness
+from heavylift.modal.stiffening import Stiffening, inertia_stiffening, stress_stiffness, with_loads
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
@@ -164,6 +164,46 @@ def _free_beam(spin: float, softening: float, elements: int = 40) -> float:
     values = np.sort(np.linalg.eigvalsh(P @ A @ P))
     elastic = values[values > 1e-3 * (np.pi**4) * BENDING / LINE][0]
     return float(np.sqrt(elastic - softening) / (2.0 * np.pi))
+
+
+def test_a_free_bar_that_is_pulled_at_one_end_has_a_tension_that_falls_to_the_other() -> None:
+    """``T = F x / L`` as it accelerates; ``int T phi'^2 dx`` of the first free mode, which its symmetry halves."""
+    reduced, stiffening = stiffened(8, free=True, origin=(0.5, 0.0, 0.0))
+    loads = place_loads(blade(), [(1.0, 0.0, 0.0)])
+    found = with_loads(
+        stiffening,
+        Flexibility(blade()),
+        reduced,
+        stress_stiffness(blade()),
+        loads,
+        np.array([[0.5, 0.0, 0.0]]),
+    )
+    b = 4.730040744862704
+    x = np.linspace(0.0, 1.0, 20001)
+    ratio = (np.cosh(b) - np.cos(b)) / (np.sinh(b) - np.sin(b))
+    phi = np.cosh(b * x) + np.cos(b * x) - ratio * (np.sinh(b * x) + np.sin(b * x))
+    slope = b * (np.sinh(b * x) - np.sin(b * x) - ratio * (np.cosh(b * x) + np.cos(b * x)))
+    expected = np.trapezoid(x * slope**2, x) / (LINE * np.trapezoid(phi**2, x))
+    assert expected == pytest.approx(
+        0.5 * np.trapezoid(slope**2, x) / (LINE * np.trapezoid(phi**2, x)), rel=1e-6
+    )
+    assert found.labels[0].endswith("x")
+    np.testing.assert_allclose(np.linalg.eigvalsh(found.loads[0][:2, :2]), expected, rtol=3e-3)
+    np.testing.assert_allclose(found.generalised[0, :6], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(found.generalised[1, :6], [0.0, 1.0, 0.0, 0.0, 0.0, 0.5], atol=1e-12)
+
+
+def test_loads_on_what_is_held_stiffen_nothing() -> None:
+    """They press on the support: left out by name."""
+    reduced, stiffening = stiffened(4)
+    model = blade()
+    flexibility = Flexibility(model, model.node_groups["root"])
+    loads = place_loads(model, [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
+    places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    found = with_loads(stiffening, flexibility, reduced, stress_stiffness(model), loads, places)
+    assert len(loads.labels) == 6
+    assert found.labels == loads.labels[3:]
+    assert found.loads.shape == (3, 4, 4)
 
 
 def test_bodies_whose_stress_is_not_known_are_refused() -> None:

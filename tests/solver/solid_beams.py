@@ -14,7 +14,7 @@ from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.place_rotation import place_rotation
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
-from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
+from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane
@@ -28,14 +28,16 @@ BENDING = YOUNG * SIDE**4 / 12.0
 
 
 @cache
-def model(elements: int = 20, young: float = YOUNG, density: float = DENSITY) -> FEModel:
+def model(
+    elements: int = 20, young: float = YOUNG, density: float = DENSITY, length: float = LENGTH
+) -> FEModel:
     """A square bar along x from the origin, its axis the x axis; groups ``root`` and ``tip``."""
     half = SIDE / 2.0
     mesh = mesh_blocks(
-        [Box("beam", (0.0, -half, -half), (LENGTH, half, half))],
+        [Box("beam", (0.0, -half, -half), (length, half, half))],
         element_type="hex8",
         divisions={"x": [elements], "y": [2], "z": [2]},
-        groups=(OnPlane("root", "x", 0.0), OnPlane("tip", "x", LENGTH)),
+        groups=(OnPlane("root", "x", 0.0), OnPlane("tip", "x", length)),
     )
     return assemble(mesh, Material(young, 0.0, density))
 
@@ -80,7 +82,13 @@ def cantilever(
     reduced = reduce_body(bar, basis.vectors, basis.labels, fixed_nodes=clamp, mean_axis=free)
     if not stiffening:
         return reduced
-    return replace(reduced, stiffening=inertia_stiffening(flexibility, reduced, stress_stiffness(bar)))
+    stiffness_of = stress_stiffness(bar)
+    found = inertia_stiffening(flexibility, reduced, stiffness_of)
+    if points:
+        found = with_loads(
+            found, flexibility, reduced, stiffness_of, place_loads(bar, points), np.array(points)
+        )
+    return replace(reduced, stiffening=found)
 
 
 def beam(reduced: ReducedBody, **more: Any) -> FlexibleBody:

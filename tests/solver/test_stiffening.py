@@ -16,11 +16,14 @@ from heavylift.modal.flexibility import Flexibility
 from heavylift.modal.reduced import ReducedBody
 from heavylift.modal.reduction import reduce_body
 from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness
-from heavylift.numerics.outcome import Outcome
+from heavylift.numerics.outcome import InputError, Outcome
 from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.model import Material
-from heavylift.solver.scene.bodies import Driven, Fixed, Free, Profile
+from heavylift.solver.forces.point import PointForce
+from heavylift.solver.joints.ball import Ball
+from heavylift.solver.scene.bodies import Driven, Fixed, Free, Profile, RigidBody
+from heavylift.solver.scene.connections import JointFrame
 from heavylift.solver.scene.scene import Gravity, Scene
 from heavylift.solver.simulation import Simulation
 
@@ -163,3 +166,83 @@ def test_only_modes_without_stiffening_are_ended_by_their_spin() -> None:
         run.advance(10)
         assert run.outcome is outcome
         assert ("'modes.stiffening'" in run.verdict[1]) == (outcome is Outcome.MODES_LEFT)
+
+
+TIP = (LENGTH, 0.0, 0.0)
+CRITICAL = np.pi**2 * BENDING / (4.0 * LENGTH**2)
+"""Load along a cantilever that buckles it [N]."""
+
+
+def pulled(force: float, way: str, **options: object) -> Simulation:
+    """A cantilever with a force across its tip, and one along it that acts there itself or on a block in a joint."""
+    reduced = cantilever(modes=6, points=(TIP,), stiffening=True)
+    body = beam(reduced, damping_ratio=np.zeros(reduced.mode_count))
+    tip, times = np.array(TIP), np.zeros(1)
+    across = PointForce("across", "beam", tip, times, np.array([[0.0, 0.0, 0.1]]))
+    gravity = Gravity(np.zeros(3))
+    along = np.array([[force, 0.0, 0.0]])
+    if way == "force":
+        return Simulation(
+            Scene((body,), (gravity, across, PointForce("p", "beam", tip, times, along))), 1e-4, **options
+        )
+    mass = 1e-3  # a light block at the tip, which the force acts on
+    block = RigidBody("block", mass=mass, inertia=1e-6 * np.eye(3), position=tip)
+    force_on = PointForce("p", "block", np.zeros(3), times, along)
+    ball = Ball(
+        name="ball",
+        body_a="beam",
+        body_b="block",
+        frame_a=JointFrame(tip, np.eye(3)),
+        frame_b=JointFrame(np.zeros(3), np.eye(3)),
+    )
+    return Simulation(Scene((body, block), (gravity, across, force_on), joints=(ball,)), 1e-4, **options)
+
+
+@pytest.mark.parametrize("way", ["force", "joint"])
+@pytest.mark.parametrize("share", [-0.5, 0.5])
+def test_a_force_along_a_cantilever(way: str, share: float) -> None:
+    """Euler: the stiffness against a load across is ``k (1 +- P/P_c)`` to a per cent, of pull and of thrust; in motion
+    and at rest, for forces and for reactions of joints."""
+    run = pulled(share * CRITICAL, way, start="equilibrium", record_every=4)
+    first = next(c.column for c in run.channels if c.name == "beam.modal_position")
+    reduced = cantilever(modes=6, points=(TIP,), stiffening=True)
+    tip = reduced.shapes_at(*reduced.locate(np.array(TIP)))[:, 2]
+    at_rest = run.record()[first : first + reduced.mode_count] @ tip
+    kl = np.sqrt(abs(share)) * np.pi / 2.0
+    slender = (np.tan(kl) - kl) / kl**3 if share < 0.0 else (kl - np.tanh(kl)) / kl**3
+    assert at_rest == pytest.approx(0.1 * LENGTH**3 / BENDING * slender, rel=5e-3)
+    _, records = run.advance(400)
+    q = records[:, first : first + reduced.mode_count] @ tip
+    assert np.abs(q - at_rest).max() < 2e-3 * abs(at_rest)
+
+
+def test_a_force_at_another_place_is_refused() -> None:
+    """With the point and the ways out; where the body is held it may act."""
+    body = beam(cantilever(modes=6, points=(TIP,), stiffening=True))
+    for x, word in ((0.5, r"\(500, 0, 0\) mm"), (0.0, "")):
+        scene = Scene(
+            (body,), (PointForce("p", "beam", np.array([x, 0.0, 0.0]), np.zeros(1), np.ones((1, 3))),)
+        )
+        if word:
+            with pytest.raises(InputError, match=word) as caught:
+                Simulation(scene, 1e-4)
+            assert "static_points" in caught.value.expected
+        else:
+            Simulation(scene, 1e-4)
+
+
+def test_loads_that_modes_do_not_tell_apart_are_refused() -> None:
+    """Forces along a bar at two of its points, with modes that only bend."""
+    reduced = cantilever(modes=4, points=(TIP,), stiffening=True)
+    bare = replace(cantilever(modes=4), stiffening=None)
+    assert reduced.stiffening is not None
+    part = replace(
+        reduced.stiffening,
+        second_moments=reduced.stiffening.second_moments[:, :4, :4],
+        angular=reduced.stiffening.angular[:, :4, :4],
+        linear=reduced.stiffening.linear[:, :4, :4],
+        loads=reduced.stiffening.loads[:, :4, :4],
+        generalised=reduced.stiffening.generalised[:, :10],
+    )
+    with pytest.raises(InputError, match="tell apart"):
+        Simulation(Scene((beam(replace(bare, stiffening=part)),), ()), 1e-4)

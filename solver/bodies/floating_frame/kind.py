@@ -52,6 +52,9 @@ class FlexibleIndex(FrameIndex):
         Place of its shape in the constants.
     stiffening
         Place of its geometric stiffening in the constants, -1 of a body without.
+    load_count, first_load, load_start
+        Loads at places that stiffen it, the first of them among those of all bodies, and place in the constants of what
+        finds them in generalised forces.
     parts
         Of its modes in a record.
     """
@@ -60,6 +63,9 @@ class FlexibleIndex(FrameIndex):
     first_mode: int
     shape_start: int
     stiffening: int
+    load_count: int
+    first_load: int
+    load_start: int
     parts: ModalOutputs
 
 
@@ -156,6 +162,11 @@ class FloatingFrameBodies(FrameBodies):
         The same at the midpoint, and with the rates there.
     shortened
         Of bodies that stiffen: ``E q`` at the position of the inertia.
+    unforced
+        Velocities of a stage without joints and contacts, of bodies that forces at places stiffen.
+    row_loads
+        Forces and moments at places [N, N m], axes of the frames: means of those of joints in the last two steps, and
+        those of the last one.
     moves
         Whether the frame of any is free or driven.
     """
@@ -177,6 +188,7 @@ class FloatingFrameBodies(FrameBodies):
         "position_products",
         "velocity_products",
         "acceleration_products",
+        "row_loads",
     )
 
     # thin bodies first: above it errors are of order one
@@ -204,6 +216,8 @@ class FloatingFrameBodies(FrameBodies):
     midpoint_products: Floats1
     mid_velocity_products: Floats1
     shortened: Floats1
+    unforced: Floats1
+    row_loads: Floats2
     moves: bool
 
     def _inertia(self) -> NDArray[np.float64]:
@@ -254,10 +268,48 @@ class FloatingFrameBodies(FrameBodies):
         self.frame["lag"] = 0.0
         self.frame["at_end"] = False
 
+    def _soften(self, load: NDArray[np.float64]) -> None:
+        """Add what loads at places do to the stiffness: those that are there, and the joints of `take_reactions`."""
+        for number, row in enumerate(self.table):
+            if row.load_count:
+                n, m = row.mode_count, row.load_count
+                own = slice(row.dof + 6, row.dof + 6 + n)
+                at = row.stiffening + 7 * n * n
+                G = self.constants[at : at + m * n * n].reshape(m, n, n)
+                factors = self.row_loads[0, row.first_load : row.first_load + m] + self._loads_of(
+                    number, load
+                )
+                q = self.modal_position[row.first_mode : row.first_mode + n]
+                load[own] -= np.tensordot(factors, G, axes=1) @ q
+
+    def _loads_of(self, number: int, force: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Loads at the places of a body in generalised forces, shape (m,)."""
+        row = self.table[number]
+        width, m = 6 + row.mode_count, row.load_count
+        acting = force[row.dof : row.dof + width].copy()
+        acting[:3] = rotation_matrix(self.frame[number].orientation).T @ acting[:3]
+        found: NDArray[np.float64] = (
+            self.constants[row.load_start : row.load_start + m * width].reshape(m, width) @ acting
+        )
+        return found
+
+    def take_reactions(self, pull: NDArray[np.float64]) -> float:
+        """Let forces of joints at rest, on all velocities, stiffen; how far that changes what they did, relative."""
+        change = largest = 0.0
+        for number, row in enumerate(self.table):
+            if row.load_count:
+                held = slice(row.first_load, row.first_load + row.load_count)
+                now = self._loads_of(number, pull)
+                change = max(change, float(np.abs(now - self.row_loads[0, held]).max()))
+                largest = max(largest, float(np.abs(now).max()))
+                self.row_loads[:, held] = now
+        return change / largest if largest > 0.0 else 0.0
+
     def collect_load(self, work: Workspace, load: NDArray[np.float64]) -> None:
         """The weight of the deformed bodies, ``-k q``, and what the weight does to the stiffness."""
         super().collect_load(work, load)
         own = self._modal_dofs()
+        self._soften(load)
         load[own] -= self.stiffness * self.modal_position
         for row, frame in zip(self.table, self.frame, strict=True):
             modes = slice(row.first_mode, row.first_mode + row.mode_count)

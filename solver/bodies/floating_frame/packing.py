@@ -13,6 +13,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.records import records
 from heavylift.numerics.small import aligned
 from heavylift.solver.bodies.floating_frame.kind import FlexibleIndex, FloatingFrame, FloatingFrameBodies
+from heavylift.solver.bodies.floating_frame.stiffening_loads import find_loads, refuse_other_places
 from heavylift.solver.bodies.frames.base import SLENDER
 from heavylift.solver.body_places import BodyPlaces
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, pack_drive
@@ -99,7 +100,8 @@ def pack_floating_frames(
     counts = [body.reduced.mode_count for body in bodies]
     modal_starts = np.concatenate([[0], np.cumsum(counts)])
     total = int(modal_starts[-1])
-    kind = _empty(len(bodies), total)
+    load_counts = [0 if s is None else len(s.labels) for s in (body.reduced.stiffening for body in bodies)]
+    kind = _empty(len(bodies), total, sum(load_counts))
     constants: list[NDArray[np.float64]] = []  # shapes first: their blocks keep the alignment
     shape_starts: dict[int, int] = {}
     for body in bodies:
@@ -127,6 +129,12 @@ def pack_floating_frames(
         entry.mode_count, entry.first_mode = counts[row], modal_starts[row]
         entry.shape_start = shape_starts[id(reduced)]
         entry.stiffening = stiffening_starts.get(id(reduced.stiffening), -1)
+        entry.load_count, entry.first_load = load_counts[row], sum(load_counts[:row])
+        if load_counts[row]:
+            entry.load_start = sum(map(len, constants))
+            constants.append(find_loads(body).ravel())
+        if reduced.stiffening is not None:
+            refuse_other_places(body, markers[row])
         if isinstance(body.motion, Driven):
             constants.append(pack_drive(body.motion, body.position, body.orientation))
         frame, integrals = kind.frame[row], reduced.integrals
@@ -167,8 +175,8 @@ def pack_floating_frames(
     )
 
 
-def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
-    """All zeros, for some bodies that have some modes together; no constants and markers."""
+def _empty(bodies: int, modes: int, loads: int) -> FloatingFrameBodies:
+    """All zeros, for some bodies that have some modes and loads together; no constants and markers."""
     return FloatingFrameBodies(
         table=records(FlexibleIndex, bodies),
         constants=np.zeros(0),
@@ -193,6 +201,8 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
         midpoint_products=aligned(8 * modes),
         mid_velocity_products=aligned(8 * modes),
         shortened=aligned(modes),
+        unforced=aligned(6 * bodies + modes if loads else 0),
+        row_loads=aligned((2, loads)),
         markers=records(PackedMarker, 0),
         sensors=records(PackedMarker, 0),
         driven=False,
@@ -201,8 +211,8 @@ def _empty(bodies: int, modes: int) -> FloatingFrameBodies:
 
 
 def _pack_stiffening(stiffening: Stiffening) -> NDArray[np.float64]:
-    """The trace of what second moments lose, and matrices of angular and linear accelerations, seven (n, n)."""
-    matrices = [stiffening.trace, *stiffening.angular, *stiffening.linear]
+    """The trace of what second moments lose, matrices of accelerations and of loads, seven and more (n, n)."""
+    matrices = [stiffening.trace, *stiffening.angular, *stiffening.linear, *stiffening.loads]
     block = np.concatenate([matrix.ravel() for matrix in matrices])
     return np.concatenate([block, np.zeros(-len(block) % 8)])
 

@@ -27,6 +27,7 @@ from heavylift.solver.bodies.floating_frame.stage import (
 )
 from heavylift.solver.bodies.floating_frame.stiffening import (
     add_acceleration_forces,
+    add_load_forces,
     add_quadratic_forces,
     with_shortening,
 )
@@ -88,6 +89,7 @@ def record_floating_frames(
         if entry.motion == FIXED:
             g = rotate_back(kind.frame[body].mid_rotation, work.sums.gravity)
             q = kind.modal_position[first : first + entry.mode_count]
+            add_load_forces(kind, body, q)
             add_acceleration_forces(kind, body, scaled(-1.0, g), (0.0, 0.0, 0.0), q)
             record_fixed(kind, body, work, row)
             continue
@@ -138,6 +140,7 @@ def _write_reaction(
     a = rotate_back(R, subtract(vector_at(motion, 6), work.sums.gravity))
     quadratic_modal_force(shape, modal_position, position_products, velocity_products, w, quadratic_force)
     add_quadratic_forces(kind, body, w)
+    add_load_forces(kind, body, modal_position)
     add_acceleration_forces(kind, body, a, b, modal_position)
     f, m = frame_velocity_forces(shape, modal_position, position_products, frame, w, modal_velocity)
     m = with_shortening(kind, body, w, modal_velocity, m)

@@ -23,14 +23,18 @@ from numpy.typing import NDArray
 
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import Vector, add_scaled, rotate_back, scaled, subtract, vector, vector_at
-from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
+from heavylift.solver.bodies.floating_frame.inertia import body_momenta
+from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies, shape_of
 from heavylift.solver.drive import DRIVEN, FREE
 
 __all__ = [
     "add_acceleration_forces",
+    "add_load_forces",
     "add_quadratic_forces",
     "add_step_forces",
     "correct_inertia",
+    "keep_unforced",
+    "take_row_loads",
     "with_shortening",
 ]
 
@@ -96,18 +100,107 @@ def add_acceleration_forces(
         if s == 0.0:
             continue
         G = kind.constants[start + (1 + k) * n * n : start + (2 + k) * n * n]
+        _add_softening(G, s, q, modal_load)
+
+
+@kernel(reassociate=True, internal=True)
+def _add_softening(
+    G: NDArray[np.float64], s: float, q: NDArray[np.float64], modal_load: NDArray[np.float64]
+) -> None:
+    """``Q -= s G q`` of a matrix (n n,)."""
+    n = q.shape[0]
+    for i in range(n):
+        product = 0.0
+        for j in range(n):
+            product += G[i * n + j] * q[j]
+        modal_load[i] -= s * product
+
+
+@kernel(internal=True)
+def add_load_forces(kind: FloatingFrameBodies, body: int, q: NDArray[np.float64]) -> None:
+    """Forces of the loads at places: those of markers that were just gathered, and those of joints before."""
+    entry = kind.table[body]
+    m = entry.load_count
+    if m == 0:
+        return
+    n, first = entry.mode_count, entry.first_mode
+    frame = kind.frame[body]
+    force = rotate_back(frame.mid_rotation, vector(frame.force))
+    modal_load = kind.modal_load[first : first + n]
+    factors = kind.unforced[6 * body + first : 6 * body + first + 6 + n]
+    # what acts must stay as it is while it is looked at
+    for k in range(3):
+        factors[k], factors[3 + k] = force[k], frame.moment[k]
+    for i in range(n):
+        factors[6 + i] = modal_load[i]
+    for load in range(m):
+        s = kind.row_loads[0, entry.first_load + load]
+        s += _load_factor(kind, entry.load_start + load * (6 + n), factors)
+        if s != 0.0:
+            at = entry.stiffening + (7 + load) * n * n
+            _add_softening(kind.constants[at : at + n * n], s, q, modal_load)
+
+
+@kernel(reassociate=True, internal=True)
+def _load_factor(kind: FloatingFrameBodies, at: int, forces: NDArray[np.float64]) -> float:
+    """One of the loads in some generalised forces, axes of the frame."""
+    total = 0.0
+    for k in range(forces.shape[0]):
+        total += kind.constants[at + k] * forces[k]
+    return total
+
+
+@kernel(internal=True)
+def keep_unforced(kind: FloatingFrameBodies, body: int, velocity: NDArray[np.float64], sign: float) -> None:
+    """Keep a velocity of the stage, shape (6 + n,); with a sign add it to what is kept: the change of a second pass."""
+    if kind.table[body].load_count == 0:
+        return
+    at = 6 * body + kind.table[body].first_mode
+    for k in range(velocity.shape[0]):
+        kept = 0.0 if sign == 0.0 else kind.unforced[at + k]
+        kind.unforced[at + k] = kept + (velocity[k] if sign == 0.0 else sign * velocity[k])
+
+
+@kernel(internal=True)
+def take_row_loads(kind: FloatingFrameBodies, body: int, step: float, velocity: NDArray[np.float64]) -> None:
+    """Loads at places from what joints have changed of the velocity of the stage, by the matrix of the step.
+
+    Their mean over two steps is what stiffens: reactions of rigid joints may alternate from step to step.
+    """
+    entry = kind.table[body]
+    if entry.load_count == 0:
+        return
+    n, first = entry.mode_count, entry.first_mode
+    frame = kind.frame[body]
+    change = kind.unforced[6 * body + first : 6 * body + first + 6 + n]
+    for k in range(6 + n):
+        change[k] = (velocity[k] - change[k]) * 2.0 / step
+    coupling = kind.coupling[:, first : first + n]
+    v, w = rotate_back(frame.mid_rotation, vector(change)), vector_at(change, 3)
+    if entry.motion == FREE:
+        p, l = body_momenta(shape_of(kind, body), frame, coupling, v, w, change[6:])
+        for k in range(3):
+            change[k], change[3 + k] = p[k], l[k]
         for i in range(n):
-            product = 0.0
-            for j in range(n):
-                product += G[i * n + j] * q[j]
-            modal_load[i] -= s * product
+            change[6 + i] /= kind.inverse_diagonal[first + i]
+            for k in range(3):
+                change[6 + i] += kind.translation[k, first + i] * v[k] + coupling[k, i] * w[k]
+    else:
+        for i in range(n):
+            change[6 + i] /= kind.inverse_diagonal[first + i]
+    for load in range(entry.load_count):
+        s = _load_factor(kind, entry.load_start + load * (6 + n), change)
+        at = entry.first_load + load
+        kind.row_loads[0, at] = 0.5 * (s + kind.row_loads[1, at])
+        kind.row_loads[1, at] = s
 
 
 @kernel(internal=True)
 def add_step_forces(
     kind: FloatingFrameBodies, body: int, step: float, gravity: NDArray[np.float64], q: NDArray[np.float64]
 ) -> None:
-    """Those of a step whose velocities at both ends are known, with the rotation of the stage."""
+    """Forces of loads at places, and of a step whose velocities at both ends are known, in the pose of the stage."""
+    add_load_forces(kind, body, q)
     if kind.table[body].stiffening < 0 or kind.table[body].motion == FREE:
         return
     frame = kind.frame[body]

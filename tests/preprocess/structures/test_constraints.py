@@ -166,10 +166,10 @@ def test_contradictions_are_refused():
         InputError, match=r"node 5 at \(0, 0, 1\) m follows in two ways, by rigid link a and by rigid link b"
     ):
         assemble_structure(twice)
-    loop = brick_with(node, ties=(Tie(1, 2, name="a"), Tie(2, 3, name="b"), Tie(3, 1, name="c")))
+    loop = brick_with(np.empty((0, 3)), ties=(Tie(1, 2, name="a"), Tie(2, 3, name="b"), Tie(3, 1, name="c")))
     with pytest.raises(InputError, match="follow themselves through tie a and tie b and tie c"):
         assemble_structure(loop)
-    with pytest.raises(InputError, match="nothing holds 1 nodes"):
+    with pytest.raises(InputError, match=r"node 9 at .* is in no element and follows none"):
         assemble_structure(brick_with(node))
     # an inertia on a node of a solid turns freely
     turning = brick_with(node, ties=(Tie(0, 8),), masses=(PointMass(1, 1.0, inertia=np.eye(3)),))

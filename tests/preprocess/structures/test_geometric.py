@@ -11,7 +11,7 @@ from heavylift.preprocess.finite_elements.material import Material
 from heavylift.preprocess.structures.assemble import assemble_structure
 from heavylift.preprocess.structures.geometric import geometric_stiffness
 from heavylift.preprocess.structures.sections import profile
-from heavylift.preprocess.structures.structure import Beams, Shells, Structure
+from heavylift.preprocess.structures.structure import Beams, Shells, Solids, Structure
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
 E, NU = STEEL.young_modulus, STEEL.poisson_ratio
@@ -115,3 +115,23 @@ def test_displacements_that_do_not_fit_are_refused():
     for wrong in (np.zeros(6), np.full(12, np.nan)):
         with pytest.raises(InputError, match="12 finite numbers"):
             geometric_stiffness(structure, model, wrong)
+
+
+def test_solids_of_a_structure_stiffen_as_those_of_a_mesh_do():
+    """A bar of bricks between two beams: a rotation stores s A slope^2 L / 2 in it, beams add theirs."""
+    x = np.linspace(0, 2, 3)
+    nodes = np.array([[a, b, c] for a in x for b, c in ((0, 0), (0.1, 0), (0.1, 0.1), (0, 0.1))])
+    bricks = np.array([[k, k + 4, k + 5, k + 1, k + 3, k + 7, k + 6, k + 2] for k in (0, 4)])
+    section = profile("round", diameter=0.02).section
+    beams = Beams("b", np.array([[0, 4], [4, 8]]), STEEL, section, np.array([0, 0, 1.0]))
+    structure = Structure(nodes, beams=(beams,), solids=(Solids("s", bricks, "hex8", STEEL),))
+    model = assemble_structure(structure)
+    n, strain = model.node_count, 1e-4
+    u = np.zeros(model.dof_count)
+    u[: 3 * n] = (nodes * strain * [1.0, -NU, -NU]).ravel()
+    turn = np.zeros(model.dof_count)
+    turn[1 : 3 * n : 3] = nodes[:, 0]
+    turn[3 * n + 2 :: 3] = 1.0
+    Kg = geometric_stiffness(structure, model, u)
+    # across, 1; along, nothing: the brick moves along y only
+    assert turn @ (Kg @ turn) == pytest.approx(strain * E * (0.01 + section.area) * 2.0, rel=1e-9)

@@ -9,9 +9,13 @@ import pytest
 from contact_scenes import surface, touch
 from solid_beams import LENGTH, beam, cantilever
 
+from heavylift.solver.joints.fixed import FixedJoint
 from heavylift.solver.layout import pack_scene
+from heavylift.solver.scene.connections import JointFrame
 from heavylift.solver.scene.contacts import BoxShape, LinearLaw, PointShape, SphereShape
-from heavylift.solver.scene.scene import Scene
+from heavylift.solver.scene.scene import RigidBody, Scene
+from heavylift.solver.sensors.relative_motions import RelativeMotion
+from heavylift.solver.simulation import Simulation
 
 ROOT, TIP = np.zeros(3), np.array([LENGTH, 0.0, 0.0])
 
@@ -42,3 +46,35 @@ def test_contacts_with_a_lever_turn_with_their_place(shape: Any, friction: float
         markers = pack_scene(made(place)).bodies[0].markers
         directions = markers[markers["direction"]]
         assert directions["turned"].tolist() == [turned] * 3 * directed
+
+
+@pytest.mark.slow
+def test_a_ball_with_friction_bends_the_place_that_carries_it() -> None:
+    """A ball of 0.1 m at the tip rubs along a floor: as one on a tiny body that a fixed joint holds there."""
+    reach, sunk = 0.1, 2e-4
+    reduced = cantilever(held=(tuple(TIP.tolist()),))
+    start = {"position": np.array([0.0, 0.0, reach - sunk])}
+    rest = {"damping_ratio": np.full(reduced.mode_count, 0.02)}
+    # the tip swings along y, and rubs
+    rest["modal_velocity"] = 0.2 * np.eye(reduced.mode_count)[0] + 0.1 * np.eye(reduced.mode_count)[1]
+    law = LinearLaw(stiffness=2e4)
+    tiny = RigidBody("tiny", 1e-3, 1e-6 * np.eye(3), position=TIP + start["position"])
+    bolt = FixedJoint(name="bolt", body_a="beam", body_b="tiny", frame_a=JointFrame(TIP))
+    seen = RelativeMotion(name="seen", body_a="ground", body_b="beam", point_a=ROOT, point_b=TIP)
+    found = []
+    for body, point in (("beam", TIP), ("tiny", ROOT)):
+        contact = touch(body=body, radius=reach, point=point, friction=0.5, law=law)
+        scene = Scene(
+            (beam(reduced, **start, **rest), tiny),
+            (seen,),
+            joints=(bolt,),
+            contours=(surface(half=2.0),),
+            contacts=(contact,),
+        )
+        run = Simulation(scene, 5e-5, record_every=20)
+        rows = run.advance(2000)[1]
+        assert not run.outcome, run.message
+        at = next(c.column for c in run.channels if c.name == "seen.rotation")
+        found.append(rows[:, at : at + 3])
+    assert np.abs(found[0][:, 0]).max() > 1e-4  # twist: friction times the radius
+    np.testing.assert_allclose(found[0], found[1], atol=1e-2 * np.abs(found[0]).max())
