@@ -127,10 +127,14 @@ class GroupStress:
         """Largest value of `history`, its record and its place [m]."""
         history = self.history(side, used=used)
         record = int(history.argmax())
+        return float(history[record]), record, self.place_at(record, side, used=used)
+
+    def place_at(self, record: int, side: str = "", *, used: bool = False) -> NDArray[np.float64]:
+        """Where the value of `history` at a record is, in coordinates of the geometry [m], shape (3,)."""
         columns = [self.sides.index(side)] if side else np.flatnonzero(self.total).tolist()
         values, places = (self.utilisation, self.used_place) if used else (self.largest, self.place)
         column = max(columns, key=lambda one: values[record, one])
-        return float(history[record]), record, np.asarray(places[record, column])
+        return np.asarray(places[record, column])
 
 
 @dataclass(frozen=True, eq=False)
