@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.geometry import (
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.groups import NodeSelector
     from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.finite_elements.model import FEModel
+    from heavylift.preprocess.structures.structure import Structure
 
 __all__ = [
     "assemble_model",
@@ -336,44 +339,67 @@ def four_files(case: Case, geometry: FourFilesGeometry) -> FourFileData:
 def model_properties(model: FEModel) -> dict[str, Any]:
     """Numbers of a finite-element model for its manifest and for checks."""
     density = model.material.density if model.material else None
+    structure = model.structure
+    count = None if model.elements is None else model.elements.element_count
     return {
         "node_count": model.node_count,
-        "element_count": _element_count(model),
-        "dof_count": model.dof_count,
+        "element_count": count,
+        "parts": None if structure is None else _parts(structure),
+        "dof_count": model.dof_count if model.constraint is None else int(model.constraint.shape[1]),
         "mass": model.total_mass,
+        "centre_of_mass": None if structure is None else model.centre_of_mass.tolist(),
         "volume": None if density is None else model.total_mass / density,
         "notes": list(model.notes),
     }
 
 
-def _element_count(model: FEModel) -> int | None:
-    if model.structure is not None:
-        return model.structure.element_count
-    return None if model.mesh is None else len(model.mesh.elements)
+def _parts(structure: Structure) -> dict[str, str | int]:
+    """How many elements each property has, and how many masses and rigid elements there are."""
+    found: dict[str, str | int] = {}
+    for word, parts in (
+        ("plates", structure.shells),
+        ("beams", structure.beams),
+        ("solids", structure.solids),
+    ):
+        if parts:
+            found[word] = ", ".join(f"{part.name} {len(part.elements)}" for part in parts)
+    for word, others in (
+        ("masses", structure.masses),
+        ("rigid links", structure.links),
+        ("averages", structure.averages),
+        ("ties", structure.ties),
+    ):
+        if others:
+            found[word] = len(others)
+    return found
 
 
-_CELLS = {"tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20"}
+_VTU = {"tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20"}
+
+
+def _cells(model: FEModel) -> list[tuple[str, NDArray[np.int64]]]:
+    """Elements by kind, with the words of meshio."""
+    if model.mesh is not None:
+        return [(_VTU[model.mesh.element_type], model.mesh.elements)]
+    assert model.structure is not None
+    shells = {3: "triangle", 4: "quad"}
+    return [
+        *((shells[part.elements.shape[1]], part.elements) for part in model.structure.shells),
+        *(("line", part.elements) for part in model.structure.beams),
+        *((_VTU[part.element_type], part.elements) for part in model.structure.solids),
+    ]
 
 
 def write_vtu(path: Path, model: FEModel) -> None:
     """Write the mesh of a model, with its groups as 0/1 point data, for viewers; nothing without elements."""
-    if model.structure is not None:
-        cells = [
-            ("triangle" if one.elements.shape[1] == 3 else "quad", one.elements)
-            for one in model.structure.shells
-        ]
-        cells += [("line", one.elements) for one in model.structure.beams]
-        cells += [(_CELLS[one.element_type], one.elements) for one in model.structure.solids]
-    elif model.mesh is not None:
-        cells = [(_CELLS[model.mesh.element_type], model.mesh.elements)]
-    else:
+    if model.elements is None:
         return
     import meshio
 
     groups = {name: np.isin(np.arange(model.node_count), nodes) for name, nodes in model.node_groups.items()}
     mesh = meshio.Mesh(
         model.nodes,
-        cells,
+        _cells(model),
         point_data={f"group {name}": member.astype(np.int64) for name, member in groups.items()},
     )
     with replacing(path) as temporary:
