@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import model_validator
 
-from heavylift.pipeline.case.fields import LengthVector, Name, Positive, Section, reject
+from heavylift.pipeline.case.fields import LengthVector, Positive, Section, reject
 from heavylift.solver.scene.connections import Place
 
 __all__ = ["InterfaceSection", "holding_joints"]
