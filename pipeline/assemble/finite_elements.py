@@ -257,7 +257,7 @@ def model_properties(model: FEModel) -> dict[str, Any]:
     return {
         "node_count": model.node_count,
         "element_count": None if model.mesh is None else len(model.mesh.elements),
-        "dof_count": 3 * model.node_count,
+        "dof_count": model.dof_count,
         "mass": model.total_mass,
         "volume": None if density is None else model.total_mass / density,
         "notes": list(model.notes),

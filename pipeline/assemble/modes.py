@@ -77,7 +77,8 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
     Raises
     ------
     InputError
-        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry.
+        A group that does not exist, a support without a node, a body on both sides of its plane of symmetry, rotations
+        of nodes that have none.
     """
     held = [np.empty(0, dtype=np.int64)]
     for index, support in enumerate(supports):
@@ -96,11 +97,22 @@ def held_directions(model: FEModel, supports: Sequence[BodySupportSection]) -> N
                     expected="half of a body, which ends at its plane of symmetry, or 'on' a group and 'fixed'; it "
                     f"spans {low:.6g} to {high:.6g} m",
                 )
-            held.append(3 * nodes + axis)
+            turning = model.rotation_dofs[nodes]
+            held += [
+                3 * nodes + axis,
+                *(turning[turning >= 0] + other for other in range(3) if other != axis),
+            ]
         else:
-            assert support.fixed is not None
             nodes = _place_nodes(model, support, key)
-            held += [3 * nodes + "xyz".index(axis) for axis in support.fixed]
+            held += [3 * nodes + "xyz".index(axis) for axis in support.fixed or ""]
+            turning = model.rotation_dofs[nodes]
+            if support.rotations is not None and not (turning >= 0).any():
+                raise InputError(
+                    f"rotations of {len(nodes)} node(s) that have none",
+                    key=f"{key}.rotations",
+                    expected="nodes of plates or beams",
+                )
+            held += [turning[turning >= 0] + "xyz".index(axis) for axis in support.rotations or ""]
     return np.unique(np.concatenate(held))
 
 
