@@ -40,6 +40,8 @@ class StaticState(NamedTuple):
         Largest force that is left at a free degree of freedom, by the largest nodal force or reaction.
     rotations
         Of all nodes [rad], shape (n, 3), zero for nodes that have none; None if no node has any.
+    buckling_factor
+        By which the load may grow until the body buckles; None if it was not asked for.
     """
 
     name: str
@@ -47,6 +49,7 @@ class StaticState(NamedTuple):
     reaction: NDArray[np.float64]
     residual: float
     rotations: NDArray[np.float64] | None = None
+    buckling_factor: float | None = None
 
 
 def face_area(model: FEModel, faces: NDArray[np.int64]) -> float:

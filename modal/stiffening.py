@@ -18,6 +18,7 @@ bending is small.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,9 +35,15 @@ if TYPE_CHECKING:
     from heavylift.modal.bases import Loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.reduced import ReducedBody
-    from heavylift.preprocess.finite_elements.model import FEModel
+    from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.finite_elements.model import FEModel, Material
 
-__all__ = ["PRODUCTS", "Stiffening", "inertia_stiffening", "stress_stiffness", "with_loads"]
+__all__ = ["HERE", "PRODUCTS", "Stiffening", "inertia_stiffening", "stress_stiffness", "with_loads"]
+
+_BORNE = 1e-12  # of a load: what rounding leaves of it where it acts on what is held
+
+HERE = 1e-6
+"""Of the size of a body: distance of a point from the place that it is."""
 
 PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Components of the symmetric matrices of second moments, in their order."""
@@ -91,7 +98,7 @@ class Stiffening:
 
 
 def stress_stiffness(
-    model: FEModel, *, formulation: str | None = None
+    model: FEModel, *, formulation: str | None = None, key: str = "modes.stiffening"
 ) -> Callable[[NDArray[np.float64]], csr_array]:
     """Return a function from displacements (N,) to the geometric stiffness of all degrees of freedom, sparse (N, N).
 
@@ -100,29 +107,31 @@ def stress_stiffness(
     InputError
         Of a body whose stress is not known: matrices without elements, or of several materials.
     """
-    from scipy.sparse import csr_array, identity, kron
+    if model.structure is not None:
+        from heavylift.preprocess.structures.geometric import geometric_stiffness
 
+        return partial(geometric_stiffness, model.structure, model)
     if model.mesh is None or model.material is None:
         raise InputError(
             "its stress is not known: "
             + ("it has several materials" if model.mesh else "it has no elements"),
             source=model.name or "finite element model",
-            key="modes.stiffening",
+            key=key,
             expected="a body of blocks, STEP or a mesh with elements of one material",
         )
-    from heavylift.preprocess.finite_elements.elasticity import NodePattern
+    return partial(_of_solid, model.mesh, model.material, formulation)
+
+
+def _of_solid(
+    mesh: Mesh, material: Material, formulation: str | None, displacements: NDArray[np.float64]
+) -> csr_array:
+    """Of a solid, of all degrees of freedom of its nodes."""
+    from scipy.sparse import csr_array, identity, kron
+
     from heavylift.preprocess.finite_elements.geometric import geometric_stiffness
 
-    mesh, material = model.mesh, model.material
-    pattern = NodePattern(mesh.elements, mesh.node_count)
-
-    def of_solid(displacements: NDArray[np.float64]) -> csr_array:
-        scalar = geometric_stiffness(
-            mesh, material, displacements.reshape(-1, 3), formulation=formulation, pattern=pattern
-        )
-        return csr_array(kron(scalar, identity(3, format="csr"), format="csr"))
-
-    return of_solid
+    scalar = geometric_stiffness(mesh, material, displacements.reshape(-1, 3), formulation=formulation)
+    return csr_array(kron(scalar, identity(3, format="csr"), format="csr"))
 
 
 def inertia_stiffening(
@@ -141,7 +150,12 @@ def inertia_stiffening(
     stiffness_of
         From `stress_stiffness`.
     """
-    model, x = flexibility.model, reduced.nodes
+    model = flexibility.model
+    x = (
+        reduced.nodes
+        if model.points is None
+        else model.points.positions + (reduced.nodes[0] - model.nodes[0])
+    )
     fields: list[NDArray[np.float64]] = []
     for k, l in PRODUCTS:
         C = np.zeros((3, 3))
@@ -150,9 +164,16 @@ def inertia_stiffening(
         fields.append(x @ C)
     fields += [-np.cross(axis, x) for axis in np.eye(3)]
     fields += [-np.broadcast_to(axis, x.shape) for axis in np.eye(3)]
-    loads = np.column_stack([apply_mass(model.mass, np.ascontiguousarray(field).ravel()) for field in fields])
+    loads = np.column_stack([_inertia(model, np.ascontiguousarray(field)) for field in fields])
     G = _projected(flexibility.solve(loads), reduced, stiffness_of)
     return Stiffening(G[:6], G[6:9], G[9:])
+
+
+def _inertia(model: FEModel, field: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Loads (N,) of the mass with an acceleration at its nodes, or at the points where it is [m/s2], shape (n, 3)."""
+    if model.points is None:
+        return apply_mass(model.mass, field.ravel())
+    return np.asarray(model.points.operator.T @ (model.points.masses[:, None] * field).ravel())
 
 
 def with_loads(
@@ -178,8 +199,8 @@ def with_loads(
     -----
     Loads that only press on supports are left out.
     """
-    pressed = loads.forces[flexibility.unknowns]
-    kept = np.flatnonzero(np.abs(pressed).max(axis=0, initial=0.0) > 0.0)
+    felt = np.abs(flexibility.dofs.gathered(loads.forces)[flexibility.unknowns]).max(axis=0, initial=0.0)
+    kept = np.flatnonzero(felt > _BORNE * np.abs(loads.forces).max(axis=0, initial=0.0))
     forces = loads.forces[:, kept]
     n = reduced.node_count
     nodal = forces[: 3 * n].reshape(n, 3, len(kept))

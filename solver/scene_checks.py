@@ -160,8 +160,10 @@ def _check_stiffened(scene: Scene) -> None:
     }
     if not stiffened:
         return
-    owners = {one.name: one.body for one in (*scene.contours, *scene.surfaces)}
-    for touching in (*scene.contacts, *scene.collisions):
+    carriers: tuple[Any, ...] = (*scene.contours, *scene.surfaces)
+    touchings: tuple[Any, ...] = (*scene.contacts, *scene.collisions)
+    owners = {one.name: one.body for one in carriers}
+    for touching in touchings:
         names = touching.surfaces if hasattr(touching, "surfaces") else (touching.contour,)
         for name in sorted({owners.get(one, "") for one in names} & stiffened):
             raise InputError(

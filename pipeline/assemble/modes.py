@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from heavylift.modal.stiffening import HERE
 from heavylift.numerics.outcome import InputError
 from heavylift.pipeline.assemble.finite_elements import four_files, in_body
 from heavylift.pipeline.assemble.interfaces import arm_notes, held_places, interface_fits
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from heavylift.pipeline.case.bodies import FlexibleBodySection
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.modes import ContactPatchSection, ModesSection
-    from heavylift.pipeline.case.statics import BodySupportSection, StaticCaseSection, StaticLoadSection
+    from heavylift.pipeline.case.statics import BodySupportSection, StaticLoadSection
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.preprocess.finite_elements.model import FEModel
 
@@ -48,8 +49,6 @@ class Reduction(NamedTuple):
         Of its frame, in coordinates of the geometry [m].
     states
         Of the static load cases.
-    captured
-        Smallest share of the static compliance of each interface that the basis has, by name.
     notes
         Sentences on what was chosen.
     """
@@ -57,7 +56,6 @@ class Reduction(NamedTuple):
     body: ReducedBody
     origin: tuple[float, float, float]
     states: list[StaticState]
-    captured: dict[str, float]
     notes: list[str]
 
 
@@ -128,18 +126,38 @@ def _place_nodes(
     return patch_nodes(model, nodes, box=(place.lower, place.upper), name=key)
 
 
-def _static_states(flexibility: Flexibility, cases: Sequence[StaticCaseSection]) -> list[StaticState]:
-    """Equilibrium under each static load case of a body."""
+def _static_states(flexibility: Flexibility, body: FlexibleBodySection) -> list[StaticState]:
+    """Equilibrium under each static load case of a body, with the buckling factors that are asked for."""
+    from heavylift.modal.buckling import buckling
     from heavylift.modal.statics import solve_static
+    from heavylift.modal.stiffening import stress_stiffness
 
-    model = flexibility.model
+    model, cases = flexibility.model, body.static
+    asked = [index for index, one in enumerate(cases) if one.buckling]
+    if asked:
+        stiffness_of = stress_stiffness(
+            model, formulation=body.mesh.formulation, key=f"static.{asked[0]}.buckling"
+        )
     states = []
     for index, one in enumerate(cases):
         forces = np.zeros(model.dof_count)
         for number, load in enumerate(one.loads):
             forces += _nodal_forces(model, load, f"static.{index}.loads.{number}")
-        states.append(solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name))
+        state = solve_static(flexibility, forces, f"static.{index}")._replace(name=one.name)
+        if one.buckling:
+            found = buckling(
+                flexibility, stiffness_of(_all_motions(model, state)), key=f"static.{index}.buckling"
+            )
+            state = state._replace(buckling_factor=found.factor)
+        states.append(state)
     return states
+
+
+def _all_motions(model: FEModel, state: StaticState) -> NDArray[np.float64]:
+    """Displacements of all nodes and rotations of those that have some, shape (N,)."""
+    if state.rotations is None:
+        return state.displacements.ravel()
+    return np.concatenate([state.displacements.ravel(), state.rotations[model.rotating].ravel()])
 
 
 def _nodal_forces(model: FEModel, load: StaticLoadSection, key: str) -> NDArray[np.float64]:
@@ -257,20 +275,17 @@ def _reduce(
         origin=origin,
         mean_axis=body.frame.motion == "free",
     )
-    places = {one: interfaces.interface_of(reduced, found, origin) for one, found in fits.items()}
-    captured = {
-        one: interfaces.captured_compliance(reduced, place, exact[one]) for one, place in places.items()
-    }
+    places = {one: interfaces.interface_of(reduced, found, origin, exact[one]) for one, found in fits.items()}
     reduced = replace(reduced, interfaces=places)
     if options.stiffening:
-        reduced = _stiffened(model, reduced, body, clamped, origin, flexibility)
+        reduced = _stiffened(model, reduced, body, clamped, origin, flexibility, {**fits, **joined})
     states = []
     if body.static:
         assert flexibility is not None
-        states = _static_states(flexibility, body.static)
+        states = _static_states(flexibility, body)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
     notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
-    return Reduction(reduced, start, states, captured, notes)
+    return Reduction(reduced, start, states, notes)
 
 
 def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
@@ -295,10 +310,12 @@ def _stiffened(
     clamped: NDArray[np.int64],
     origin: NDArray[np.float64],
     flexibility: Flexibility | None,
+    fits: Mapping[str, Fit],
 ) -> ReducedBody:
     """With what loads along it do to the stiffness; clamps hold shapes of a free body, but no load on it."""
-    from heavylift.modal.bases import place_loads
+    from heavylift.modal.bases import Loads, place_loads
     from heavylift.modal.flexibility import Flexibility
+    from heavylift.modal.interfaces import attachment_loads
     from heavylift.modal.stiffening import inertia_stiffening, stress_stiffness, with_loads
 
     free = body.frame.motion == "free"
@@ -312,10 +329,21 @@ def _stiffened(
     if flexibility is None or (free and clamped.size):
         flexibility = Flexibility(model, () if free else clamped)
     stiffening = inertia_stiffening(flexibility, reduced, stiffness_of)
-    if body.modes.static_points:
-        loads = place_loads(model, body.modes.static_points, key="modes.static_points")
-        places = np.asarray(body.modes.static_points) - origin
-        stiffening = with_loads(stiffening, flexibility, reduced, stiffness_of, loads, places)
+    at = [found.point for found in fits.values()]
+    loads = [attachment_loads(model, found, name) for name, found in fits.items()]
+    others = [
+        point
+        for point in body.modes.static_points
+        if np.linalg.norm(np.array([*at, np.full(3, np.inf)]) - point, axis=1).min() > HERE * reduced.size
+    ]
+    if others:
+        loads.append(place_loads(model, others, key="modes.static_points"))
+    if loads:
+        together = Loads(
+            np.hstack([one.forces for one in loads]), tuple(label for one in loads for label in one.labels)
+        )
+        places = np.array([*at, *others]) - origin
+        stiffening = with_loads(stiffening, flexibility, reduced, stiffness_of, together, places)
     return replace(reduced, stiffening=stiffening)
 
 
@@ -473,8 +501,8 @@ def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     return {
         "notes": [*reduction.notes, *_large_deflections(reduced, states)],
         "interfaces": {
-            name: f"{100.0 * share:.4g} % of its static compliance captured"
-            for name, share in reduction.captured.items()
+            name: f"{100.0 * one.captured:.4g} % of its static compliance captured"
+            for name, one in reduced.interfaces.items()
         }
         or None,
         "static": {state.name: f"residual {state.residual:.0e}" for state in states} or None,

@@ -458,7 +458,7 @@ class Case(SceneTables, _CaseHeading):
 
 def _yields(body: Body) -> bool:
     """Whether a body gives way to a force."""
-    return bool(body.is_free)
+    return bool(body.is_free or body.BODY.DEFORMS)
 
 
 def load_case(

@@ -9,6 +9,8 @@
 ``static.BODY.CASE.displacement.POINT.AXIS``   displacement of a sensor, ``x``, ``y`` or ``z``
 ``static.BODY.CASE.von_mises``                 largest stress of all nodes; ``static.BODY.CASE.reaction.AXIS``:
                                                resultant of the forces of all supports
+``static.BODY.CASE.buckling``                  factor by which the load may grow until the body buckles, of load
+                                               cases with ``buckling = true``
 ``ringdown.BODY.I``                            frequency of one sinusoid fitted to modal coordinate I
 ``drift.energy``                               also ``momentum``, ``angular_momentum``: largest deviation
                                                from the initial value, relative
@@ -23,7 +25,8 @@
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
 ``stress.BODY.GROUP.von_mises.STATISTIC``      largest stress of a group of a flexible body with a table ``stress``;
                                                ``stress.BODY.GROUP.SIDE.von_mises.STATISTIC`` of plates on one of
-                                               ``top``, ``bottom``, ``membrane``, ``bending``
+                                               ``top``, ``bottom``, ``membrane``, ``bending``, and ``centre``: the
+                                               membrane at the centres of elements
 ``stress.BODY.GROUP.utilisation.STATISTIC``    the same over the yield strength, with a side likewise
 ``stress.BODY.SPOT.hot_spot.STATISTIC``        structural stress at a weld toe
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
@@ -136,7 +139,7 @@ STRESSES = {
 """Components of the stress at a material point, by the type of its body."""
 RECOVERED = {"von_mises": "pressure", "utilisation": "number", "hot_spot": "pressure"}
 """What is told of a group or a hot spot of a body with a table ``stress``, and the quantity."""
-PLATE_SIDES = ("top", "bottom", "membrane", "bending")
+PLATE_SIDES = ("top", "bottom", "membrane", "bending", "centre")
 """Sides of plates of such a body."""
 ACROSS = ("largest", "smallest", "norm")  # in this order `heavylift.pipeline.checks.quantities` has them
 """Components that are made of all components of a record."""
@@ -328,6 +331,7 @@ def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName
         "displacement": ("length", 6, tuple("xyz")),
         "reaction": ("force", 5, tuple("xyz")),
         "von_mises": ("pressure", 4, ("von_mises",)),
+        "buckling": ("number", 4, ("buckling",)),
     }
     item = parts[3] if len(parts) > 3 else ""
     quantity, count, components = items.get(item, ("number", 0, ()))
@@ -337,7 +341,7 @@ def _static(text: str, parts: list[str], names: Declared | None) -> QuantityName
             _unknown(text, word, components if len(parts) == count else items),
             expected="static.BODY.CASE.stress.SENSOR.COMPONENT with COMPONENT one of "
             f"{', '.join(STRESSES['flexible'])}, static.BODY.CASE.displacement.SENSOR.AXIS, "
-            "static.BODY.CASE.reaction.AXIS or static.BODY.CASE.von_mises",
+            "static.BODY.CASE.reaction.AXIS, static.BODY.CASE.von_mises or static.BODY.CASE.buckling",
         )
     if count == 6 and names is not None and names.sensors.get(parts[4]) != parts[1]:
         known = ", ".join(name for name, body in names.sensors.items() if body == parts[1])

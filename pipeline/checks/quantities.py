@@ -326,7 +326,7 @@ class Quantities:
         return float(values[self._vector(name, len(values))])
 
     def _static(self, name: QuantityName) -> float:
-        """Of a static load case: stress or displacement of a sensor, largest stress, a component of the reaction."""
+        """Of a static load case: stress or displacement of a sensor, largest stress, reaction, buckling factor."""
         from heavylift.pipeline.checks.stresses import interpolated
 
         state = read_states(self._folder.reduced(name.owner)).get(name.item)
@@ -335,6 +335,10 @@ class Quantities:
         item, _, rest = name.component.partition(".")
         if item == "reaction":
             return float(state.reaction["xyz".index(rest)])
+        if item == "buckling":
+            if state.buckling_factor is None:
+                raise self._missing(name, f"buckling = true in static load case {name.item!r}")
+            return state.buckling_factor
         if item == "von_mises":
             return float(self._solid(name.owner).nodal(state, "von_mises").max())
         point, _, component = rest.rpartition(".")

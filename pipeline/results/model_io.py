@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = [
+    "INTEGRAL_UNITS",
     "open_hdf5",
     "read_header",
     "read_model",
@@ -210,7 +211,7 @@ def write_reduced(
         _write(file, "residuals", body.residuals, "1", "relative residual of each vector in the full model")
         integrals = file.create_group("integrals")
         for key, value in body.integrals._asdict().items():
-            _write(integrals, key, value, _INTEGRAL_UNITS[key], key.replace("_", " "))
+            _write(integrals, key, value, INTEGRAL_UNITS[key], key.replace("_", " "))
         if body.stiffening is not None:
             group = file.create_group("stiffening")
             group.attrs["labels"] = json.dumps(body.stiffening.labels)
@@ -224,6 +225,8 @@ def write_reduced(
             _write(group, "reaction", state.reaction, "N", "resultant of the forces of all supports")
             if state.rotations is not None:
                 _write(group, "rotations", state.rotations, "rad", "of all nodes under a static load case")
+            if state.buckling_factor is not None:
+                group.attrs["buckling_factor"] = state.buckling_factor
 
 
 _INTERFACE_FIELDS = {
@@ -233,9 +236,10 @@ _INTERFACE_FIELDS = {
     "nodes": ("1", "zero-based nodes of the group"),
     "forces": ("1, 1/m", "forces on the nodes from force and moment at the point, (node, component, load)"),
     "moments": ("m, 1", "moments on the nodes from force and moment at the point, (node, component, load)"),
+    "captured": ("1", "smallest share of the static compliance of its six directions that the modes have"),
 }
 
-_INTEGRAL_UNITS = {
+INTEGRAL_UNITS = {
     "mass": "kg",
     "first_moment": "kg m",
     "modal_translation": "kg^0.5",
@@ -277,7 +281,10 @@ def read_reduced(path: Path) -> ReducedBody:
             group = file["mesh"]
             mesh = Mesh(nodes, group["elements"][:], str(group.attrs["element_type"]))
         interfaces = {
-            name: Interface(**{key: group[key][:] for key in _INTERFACE_FIELDS})
+            name: Interface(
+                **{key: group[key][:] for key in _INTERFACE_FIELDS if key != "captured"},
+                captured=float(group["captured"][()]),
+            )
             for name, group in file["interfaces"].items()
         }
         return ReducedBody(
@@ -312,6 +319,7 @@ def read_states(path: Path) -> dict[str, StaticState]:
                 group["reaction"][:],
                 float(group.attrs["residual"]),
                 group["rotations"][:] if "rotations" in group else None,
+                float(group.attrs["buckling_factor"]) if "buckling_factor" in group.attrs else None,
             )
             for name, group in file["static"].items()
         }

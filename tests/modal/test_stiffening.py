@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from heavylift.modal.bases import eigenmode_basis, place_loads
 from heavylift.modal.eigen import eigenmodes
@@ -19,6 +20,9 @@ from heavylift.preprocess.finite_elements.blocks import Box, mesh_blocks
 from heavylift.preprocess.finite_elements.elasticity import assemble
 from heavylift.preprocess.finite_elements.groups import OnPlane
 from heavylift.preprocess.finite_elements.model import FEModel, Material
+from heavylift.preprocess.structures.assemble import assemble_structure
+from heavylift.preprocess.structures.sections import profile
+from heavylift.preprocess.structures.structure import Beams, Shells, Solids, Structure
 
 SIDE, YOUNG, DENSITY = 0.01, 210e9, 7850.0
 BENDING, LINE = YOUNG * SIDE**4 / 12.0, DENSITY * SIDE**2
@@ -116,54 +120,59 @@ def test_a_free_bar_has_the_frequencies_of_its_full_model_in_a_rotating_frame() 
     K = np.diag(reduced.eigenvalues) + stiffening.of_spin(np.array([0.0, 0.0, spin]))
     S = reduced.integrals.mode_mode
     found = np.sqrt(np.sort(np.linalg.eigvalsh(K - spin**2 * (S[0, 0] + S[1, 1])))) / (2.0 * np.pi)
-    across = _free_beam(spin, 0.0)
-    within = _free_beam(spin, spin**2)
+    across = rotating_beam(spin, free=True)
+    within = np.sqrt(across**2 - (spin / (2.0 * np.pi)) ** 2)
     np.testing.assert_allclose(np.sort([within, across]), found[:2], rtol=1e-3)
     assert np.abs(stiffening.linear).max() < 1e-9 * np.abs(stiffening.second_moments).max()
     assert np.abs(stiffening.angular).max() < 1e-9 * np.abs(stiffening.second_moments).max()
 
 
-def _free_beam(spin: float, softening: float, elements: int = 40) -> float:
-    """Lowest elastic frequency [Hz] of a free Hermite beam with the tension of its turning, minus softening."""
+def rotating_beam(spin: float, *, free: bool, elements: int = 80) -> float:
+    """Lowest elastic frequency across the plane [Hz] of an Euler beam of cubic elements, with its own tension.
+
+    Clamped at the axis, or free and turning about its middle. In the plane the square of the spin is less.
+    """
     h, n = 1.0 / elements, 2 * (elements + 1)
-    K, M, G = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
-    bend = np.array(
-        [[12, 6 * h, -12, 6 * h], [0, 4 * h * h, -6 * h, 2 * h * h], [0, 0, 12, -6 * h], [0, 0, 0, 4 * h * h]]
+    x = np.arange(elements + 1) * h
+    halves = (  # upper triangles of bending, mass and tension
+        (BENDING / h**3, [12, 6 * h, -12, 6 * h, 4 * h * h, -6 * h, 2 * h * h, 12, -6 * h, 4 * h * h]),
+        (
+            LINE * h / 420.0,
+            [156, 22 * h, 54, -13 * h, 4 * h * h, 13 * h, -3 * h * h, 156, -22 * h, 4 * h * h],
+        ),
+        (1.0 / (30.0 * h), [36, 3 * h, -36, 3 * h, 4 * h * h, -3 * h, -h * h, 36, -3 * h, 4 * h * h]),
     )
-    mass = np.array(
-        [
-            [156, 22 * h, 54, -13 * h],
-            [0, 4 * h * h, 13 * h, -3 * h * h],
-            [0, 0, 156, -22 * h],
-            [0, 0, 0, 4 * h * h],
-        ]
-    )
-    pull = np.array(
-        [[36, 3 * h, -36, 3 * h], [0, 4 * h * h, -3 * h, -h * h], [0, 0, 36, -3 * h], [0, 0, 0, 4 * h * h]]
-    )
-    bend, mass, pull = (one + one.T - np.diag(np.diag(one)) for one in (bend, mass, pull))
+    small = []
+    for scale, upper in halves:
+        matrix = np.zeros((4, 4))
+        matrix[np.triu_indices(4)] = upper
+        small.append(scale * (matrix + matrix.T - np.diag(np.diag(matrix))))
+    K, M = np.zeros((n, n)), np.zeros((n, n))
     for e in range(elements):
-        at = slice(2 * e, 2 * e + 4)
-        middle = (e + 0.5) * h - 0.5
-        tension = 0.5 * LINE * spin**2 * (0.25 - middle**2 - h * h / 12.0)
-        K[at, at] += BENDING / h**3 * bend
-        M[at, at] += LINE * h / 420.0 * mass
-        G[at, at] += tension / (30.0 * h) * pull
-    L = np.linalg.cholesky(M)
-    A = np.linalg.solve(L, np.linalg.solve(L, K + G).T)
-    A = 0.5 * (A + A.T)
-    # rigid motions are those of the frame: with the tension, turning is a motion of it and no vibration
-    rigid = np.column_stack(
-        [
-            np.tile([1.0, 0.0], elements + 1),
-            np.ravel(np.column_stack([np.arange(elements + 1) * h - 0.5, np.ones(elements + 1)])),
-        ]
-    )
-    Q = np.linalg.qr(L.T @ rigid)[0]
-    P = np.eye(n) - Q @ Q.T
-    values = np.sort(np.linalg.eigvalsh(P @ A @ P))
-    elastic = values[values > 1e-3 * (np.pi**4) * BENDING / LINE][0]
-    return float(np.sqrt(elastic - softening) / (2.0 * np.pi))
+        at, middle = slice(2 * e, 2 * e + 4), x[e] + 0.5 * h
+        square = 0.25 - (middle - 0.5) ** 2 if free else 1.0 - middle**2
+        tension = 0.5 * LINE * spin**2 * (square - h * h / 12.0)
+        K[at, at] += small[0] + tension * small[2]
+        M[at, at] += small[1]
+    if not free:
+        values = scipy.linalg.eigh(K[2:, 2:], M[2:, 2:], eigvals_only=True)
+        return float(np.sqrt(values[0]) / (2.0 * np.pi))
+    # moving and turning as a whole is the part of the frame
+    rigid = np.zeros((n, 2))
+    rigid[::2, 0], rigid[::2, 1], rigid[1::2, 1] = 1.0, x - 0.5, 1.0
+    Z = scipy.linalg.null_space(rigid.T @ M)
+    values = scipy.linalg.eigh(Z.T @ K @ Z, Z.T @ M @ Z, eigvals_only=True)
+    return float(np.sqrt(values[0]) / (2.0 * np.pi))
+
+
+@pytest.mark.parametrize(("spin", "in_plane", "across"), [(25.0, 8.5332, 9.4152), (100.0, 10.4543, 19.0419)])
+def test_references_of_the_rotating_blade(spin: float, in_plane: float, across: float) -> None:
+    """Numbers of the case; and the published 13.1702 at a spin of 12 (Wright and others, 1982)."""
+    found = rotating_beam(spin, free=False)
+    assert found == pytest.approx(across, rel=5e-5)
+    assert np.sqrt(found**2 - (spin / (2.0 * np.pi)) ** 2) == pytest.approx(in_plane, rel=1e-4)
+    unit = np.sqrt(BENDING / LINE)
+    assert rotating_beam(12.0 * unit, free=False) == pytest.approx(13.1702 * unit / (2.0 * np.pi), rel=5e-5)
 
 
 def test_a_free_bar_that_is_pulled_at_one_end_has_a_tension_that_falls_to_the_other() -> None:
@@ -204,6 +213,45 @@ def test_loads_on_what_is_held_stiffen_nothing() -> None:
     assert len(loads.labels) == 6
     assert found.labels == loads.labels[3:]
     assert found.loads.shape == (3, 4, 4)
+
+
+def structure_blade(kind: str) -> Structure:
+    """The blade of beams, of plates, or of bricks in two parts."""
+    n = 40
+    x = np.linspace(0.0, 1.0, n + 1)
+    steel = Material(YOUNG, 0.0, DENSITY)
+    if kind == "beams":
+        nodes = np.column_stack([x, np.zeros((n + 1, 2))])
+        elements = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+        section = profile("flat", height=SIDE, thickness=SIDE).section
+        return Structure(nodes, beams=(Beams("b", elements, steel, section, np.array([0.0, 1.0, 0.0])),))
+    if kind == "plates":
+        nodes = np.array([[one, side, 0.0] for one in x for side in (-0.5 * SIDE, 0.5 * SIDE)])
+        first = 2 * np.arange(n)
+        elements = np.column_stack([first, first + 2, first + 3, first + 1])
+        return Structure(nodes, shells=(Shells("p", elements, steel, SIDE),))
+    mesh = blade().mesh
+    assert mesh is not None
+    inner = mesh.nodes[mesh.elements][:, :, 0].mean(axis=1) < 0.5
+    parts = (mesh.elements[inner], mesh.elements[~inner])
+    return Structure(
+        mesh.nodes, solids=tuple(Solids(f"s{k}", part, "hex8", steel) for k, part in enumerate(parts))
+    )
+
+
+@pytest.mark.parametrize("kind", ["beams", "plates", "solids"])
+def test_a_blade_of_plates_or_beams_that_turns(kind: str) -> None:
+    """As one of bricks: its mass, its stress and its rotations are those of the structure."""
+    structure = structure_blade(kind)
+    model = assemble_structure(structure)
+    held = np.flatnonzero(model.nodes[:, 0] < 1e-9)
+    flexibility = Flexibility(model, held)
+    basis = eigenmode_basis(eigenmodes(model, 14, flexibility=flexibility))
+    reduced = reduce_body(model, basis.vectors, basis.labels, fixed_nodes=held, mean_axis=False)
+    stiffening = inertia_stiffening(flexibility, reduced, stress_stiffness(model))
+    found = frequencies(reduced, stiffening, 25.0)
+    np.testing.assert_allclose(found, [8.5332, 9.4153], rtol=2e-3)
+    assert found[1] ** 2 - found[0] ** 2 == pytest.approx((25.0 / (2.0 * np.pi)) ** 2, rel=2e-2)
 
 
 def test_bodies_whose_stress_is_not_known_are_refused() -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.modal.stiffening import HERE
 from heavylift.numerics.outcome import InputError
 from heavylift.solver.interface import FORCES
 from heavylift.solver.scene.bodies import Free
@@ -20,9 +21,6 @@ __all__ = ["find_loads", "refuse_other_places"]
 
 SMALLEST = 1e-6
 """Singular value of unit loads, relative to the largest, below which they are not told apart."""
-
-HERE = 1e-6
-"""Of the size of a body: distance of a point from the place that it is."""
 
 _STILL = 1e-9  # of the largest displacement of a mode: of a point that is held
 
