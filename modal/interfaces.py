@@ -174,7 +174,7 @@ def place_fit(model: FEModel, point: ArrayLike, *, source: object = "interface",
         around, turning = nodes, np.zeros((len(nodes), 3, 3))
         moments = weights[:, None, None] * np.eye(3)
     else:
-        around, turning = place_rotation(model.nodes, elements, nodes, place)
+        around, turning = place_rotation(model.nodes, model.elements, nodes, place)
         moments = np.zeros((0, 3, 3))
     group, position = np.unique(np.concatenate([nodes, around]), return_inverse=True)
     found = Fit(place, group, np.zeros((len(group), 3, 6)), np.zeros((len(group), 3, 6)))

@@ -30,7 +30,11 @@ PART = 2.5  # m, from a hook B to the beam of its equalizer
 EYE = 0.30  # m, of lugs
 LUG_A, LUG_B = (LENGTH + EYE, 0.7), (2.0, HEIGHT + EYE)  # m, x and z of the pin holes
 CENTRE = (5.999, 0.980)  # m, of mass, for the moves alone
-WEIGHT, FALL, LINE = 1.178e6, 150e6, 200e6  # N, of the block; stiffness of ropes of falls, of slings and lines
+WEIGHT, FALL, LINE = (
+    1.178e6,
+    150e6,
+    200e6,
+)  # N, of the block; stiffness of ropes of falls, of slings and lines
 FIRST, STAGE, HOLD, RAMP, STAGES = 5.0, 22.0, 6.0, 8.0, 6  # s, and number of stages
 
 
@@ -74,7 +78,9 @@ def listed(rows: list[str], indent: str) -> str:
     return "[\n" + "".join(f"{indent}    {row},\n" for row in rows) + indent + "]"
 
 
-def lug(name: str, foot: tuple[float, float, float], normal: tuple[int, int, int], along: tuple[int, int, int]) -> str:
+def lug(
+    name: str, foot: tuple[float, float, float], normal: tuple[int, int, int], along: tuple[int, int, int]
+) -> str:
     """Table of a lug."""
     at = ", ".join(f'"{value:g} m"' if value else "0" for value in foot)
     return f"""
@@ -100,7 +106,8 @@ def write_case() -> None:
         lug(f"a_{i}", (LENGTH, y, LUG_A[1]), (1, 0, 0), (0, 0, 1)) for i, y in enumerate((-3.0, 3.0), 1)
     )
     lugs += "".join(
-        lug(f"b_{i}", (LUG_B[0], y, HEIGHT), (0, 0, 1), (1, 0, 0)) for i, y in enumerate((-3.0, -1.0, 1.0, 3.0), 1)
+        lug(f"b_{i}", (LUG_B[0], y, HEIGHT), (0, 0, 1), (1, 0, 0))
+        for i, y in enumerate((-3.0, -1.0, 1.0, 3.0), 1)
     )
     a_hoists = "".join(
         f"""
@@ -170,7 +177,12 @@ def write_step() -> None:
     occ = gmsh.model.occ
 
     def rectangle(corner, first, second):
-        points = [np.array(corner), np.array(corner) + first, np.array(corner) + first + second, np.array(corner) + second]
+        points = [
+            np.array(corner),
+            np.array(corner) + first,
+            np.array(corner) + first + second,
+            np.array(corner) + second,
+        ]
         tags = [occ.addPoint(*(1e3 * p)) for p in points]
         lines = [occ.addLine(a, b) for a, b in zip(tags, tags[1:] + tags[:1], strict=True)]
         occ.addPlaneSurface([occ.addCurveLoop(lines)])

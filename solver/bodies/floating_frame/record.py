@@ -25,13 +25,13 @@ from heavylift.solver.bodies.floating_frame.stage import (
     stage_at_state,
     write_sensor,
 )
+from heavylift.solver.bodies.floating_frame.step import momentum_about_axis
 from heavylift.solver.bodies.floating_frame.stiffening import (
     add_acceleration_forces,
     add_load_forces,
     add_quadratic_forces,
     with_shortening,
 )
-from heavylift.solver.bodies.floating_frame.step import momentum_about_axis
 from heavylift.solver.bodies.frames.motion import add_momenta, frame_outputs, held_outputs, write_motion
 from heavylift.solver.drive import DRIVEN, FIXED, FREE, drive_velocity
 from heavylift.solver.interface import (
