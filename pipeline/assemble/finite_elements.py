@@ -361,8 +361,11 @@ def _parts(structure: Structure) -> dict[str, str | int]:
         ("beams", structure.beams),
         ("solids", structure.solids),
     ):
-        if parts:
-            found[word] = ", ".join(f"{part.name} {len(part.elements)}" for part in parts)
+        counts: dict[str, int] = {}
+        for part in parts:
+            counts[part.name] = counts.get(part.name, 0) + len(part.elements)
+        if counts:
+            found[word] = ", ".join(f"{name} {count}" for name, count in counts.items())
     for word, others in (
         ("masses", structure.masses),
         ("rigid links", structure.links),

@@ -256,9 +256,7 @@ def _reduce(
     exact = {}
     for one, found in fits.items():
         assert flexibility is not None
-        loads = interfaces.attachment_loads(model, found, one)
-        vectors = bases.static_vectors(flexibility, loads)
-        exact[one] = np.sum(loads.forces * vectors.vectors, axis=0)
+        vectors, exact[one] = _attachment_modes(flexibility, interfaces.attachment_loads(model, found, one))
         if options.basis != "craig_bampton" or options.interface:
             basis += vectors
     joined = {}
@@ -266,7 +264,8 @@ def _reduce(
         joined = held_places(case, name, body, elastic, origin, fits.values())
     for one, found in joined.items():
         flexibility = flexibility or Flexibility(model, clamped)
-        basis += _felt(flexibility, interfaces.attachment_loads(model, found, f"joint {one}"))
+        loads = interfaces.attachment_loads(model, found, f"joint {one}")
+        basis += _attachment_modes(flexibility, loads)[0]
     reduced = reduce_body(
         model,
         basis.vectors,
@@ -288,14 +287,16 @@ def _reduce(
     return Reduction(reduced, start, states, notes)
 
 
-def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
-    """Deflections under those loads of a place that are not borne by what is held there."""
+def _attachment_modes(flexibility: Flexibility, loads: Loads) -> tuple[Basis, NDArray[np.float64]]:
+    """Deflections under loads of a place, and its compliance along them; loads that supports bear make none."""
     from heavylift.modal import bases
 
     felt = flexibility.dofs.gathered(loads.forces)[flexibility.unknowns]
     chosen = np.abs(felt).max(axis=0, initial=0.0) > _BORNE * np.abs(loads.forces).max(axis=0)
-    labels = tuple(label for label, one in zip(loads.labels, chosen, strict=True) if one)
-    return bases.static_vectors(flexibility, bases.Loads(loads.forces[:, chosen], labels))
+    vectors = bases.static_vectors(flexibility, loads)
+    compliance = np.sum(loads.forces * vectors.vectors, axis=0)
+    labels = tuple(label for label, one in zip(vectors.labels, chosen, strict=True) if one)
+    return bases.Basis(vectors.vectors[:, chosen], labels), compliance
 
 
 def _held_note(joined: Mapping[str, Fit]) -> str:
