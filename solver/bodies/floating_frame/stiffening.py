@@ -40,7 +40,7 @@ __all__ = [
 ]
 
 
-@kernel(internal=True)
+@kernel(reassociate=True, internal=True)
 def correct_inertia(kind: FloatingFrameBodies, body: int, q: NDArray[np.float64]) -> None:
     """What the trace does to the inertia that was just evaluated; ``E q`` stays for the quadratic forces."""
     start = kind.table[body].stiffening
