@@ -104,7 +104,7 @@ def place_loads(
     places: dict[tuple[Any, ...], str] = {}
     source = model.name or "finite element model"
     for index, point in enumerate(points):
-        nodes, weights = find_place(model.nodes, model.mesh, point, source=source, key=f"{key}.{index}")
+        nodes, weights = find_place(model.nodes, model.elements, point, source=source, key=f"{key}.{index}")
         at = ", ".join(f"{1e3 * float(x):.6g}" for x in point)
         name = f"node {nodes[0]}" if len(nodes) == 1 else f"point ({at}) mm"
         places.setdefault((tuple(nodes), tuple(np.round(weights, 9))), name)

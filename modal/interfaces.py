@@ -23,7 +23,7 @@ from heavylift.modal.constraints import following, free_dofs
 from heavylift.modal.contact_vectors import face_rule
 from heavylift.modal.flexibility import Flexibility, held_dofs
 from heavylift.modal.place_rotation import place_rotation
-from heavylift.modal.reduced import Interface
+from heavylift.modal.reduced import SAME_PLACE, Interface
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.threads import one_blas_thread
 from heavylift.preprocess.finite_elements.mesh import Mesh, find_place
@@ -40,7 +40,6 @@ __all__ = [
     "DIRECTIONS",
     "Fit",
     "attachment_loads",
-    "captured_compliance",
     "fit",
     "group_weights",
     "interface_of",
@@ -56,7 +55,7 @@ DIRECTIONS = ("force x", "force y", "force z", "moment x", "moment y", "moment z
 """Of the six loads of an interface."""
 
 _THIN = 1e-8  # smallest over largest moment of inertia of a group that is on a line
-_SAME = 1e-6  # of the size of the body: reference points of interfaces that coincide
+_STIFF = 1e-12  # of the largest compliance of a place: along what holds it there is none
 _RANK = 1e-9  # of the first pivot
 
 
@@ -168,15 +167,14 @@ def place_fit(model: FEModel, point: ArrayLike, *, source: object = "interface",
     -----
     The rotation is that of the nodes where all of them have some, else see `heavylift.modal.place_rotation`.
     """
-    elements = model.mesh if model.mesh is not None else model.structure
-    nodes, weights = find_place(model.nodes, elements, point, source=source, key=key)
+    nodes, weights = find_place(model.nodes, model.elements, point, source=source, key=key)
     nodes, weights = nodes[weights != 0.0], weights[weights != 0.0]
     place = weights @ model.nodes[nodes]
     if np.isin(nodes, model.rotating).all():
         around, turning = nodes, np.zeros((len(nodes), 3, 3))
         moments = weights[:, None, None] * np.eye(3)
     else:
-        around, turning = place_rotation(model.nodes, model.mesh, nodes, place)
+        around, turning = place_rotation(model.nodes, model.elements, nodes, place)
         moments = np.zeros((0, 3, 3))
     group, position = np.unique(np.concatenate([nodes, around]), return_inverse=True)
     found = Fit(place, group, np.zeros((len(group), 3, 6)), np.zeros((len(group), 3, 6)))
@@ -195,38 +193,43 @@ def attachment_loads(model: FEModel, found: Fit, name: str) -> Loads:
     return Loads(loads, tuple(f"{name} {direction}" for direction in DIRECTIONS))
 
 
-def interface_of(body: ReducedBody, found: Fit, origin: NDArray[np.float64]) -> Interface:
-    """Interface of a reduced body, whose frame has its origin [m] in the frame of the fit."""
-    motion = np.einsum("alk,mal->mk", found.forces, body.mode_shapes[:, found.nodes])
-    if body.mode_rotations is not None:
-        motion += np.einsum("alk,mal->mk", found.moments, body.mode_rotations[:, found.nodes])
-    return Interface(
-        found.point - origin, motion[:, :3], motion[:, 3:], found.nodes, found.forces, found.moments
-    )
-
-
-def captured_compliance(body: ReducedBody, interface: Interface, exact: NDArray[np.float64]) -> float:
-    """Smallest share of the static compliance of its six directions that the modes of a body have at an interface.
+def interface_of(
+    body: ReducedBody, found: Fit, origin: NDArray[np.float64], exact: NDArray[np.float64]
+) -> Interface:
+    """Interface of a reduced body.
 
     Parameters
     ----------
     body
         Reduced body.
-    interface
-        Of it.
+    found
+        Of the full model.
+    origin
+        Of the frame of the body, in that of the model [m].
     exact
-        Displacements and rotations of the place under its six unit loads in the full model, those of the directions
+        Displacements and rotations of the place under its six unit loads in the full model, those along the loads
         themselves, shape (6,).
     """
-    motion = np.hstack([interface.displacement, interface.rotation])
+    motion = np.einsum("alk,mal->mk", found.forces, body.mode_shapes[:, found.nodes])
+    if body.mode_rotations is not None:
+        motion += np.einsum("alk,mal->mk", found.moments, body.mode_rotations[:, found.nodes])
     modal = np.sum(motion**2 / body.eigenvalues[:, None], axis=0)
-    significant = exact > 1e-12 * exact.max()
-    return float(np.min(modal[significant] / exact[significant], initial=1.0)) if exact.max() > 0.0 else 1.0
+    significant = exact > _STIFF * exact.max()
+    share = float(np.min(modal[significant] / exact[significant], initial=1.0)) if significant.any() else 1.0
+    return Interface(
+        found.point - origin,
+        motion[:, :3],
+        motion[:, 3:],
+        found.nodes,
+        found.forces,
+        found.moments,
+        share,
+    )
 
 
 def is_at(found: Fit, point: ArrayLike, size: float) -> bool:
     """Whether a point is the reference point of an interface of a body of some size [m]."""
-    return bool(np.linalg.norm(found.point - np.asarray(point)) <= _SAME * size)
+    return bool(np.linalg.norm(found.point - np.asarray(point)) <= SAME_PLACE * size)
 
 
 def refuse_coincident(fits: Mapping[str, Fit], size: float) -> None:

@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from heavylift.preprocess.finite_elements.mesh import Mesh
 from heavylift.preprocess.finite_elements.reference_elements import FACE_CORNER_COUNT, FACES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from heavylift.preprocess.finite_elements.mesh import Mesh
+    from heavylift.preprocess.structures.structure import Structure
 
 __all__ = ["place_rotation"]
 
@@ -32,7 +33,10 @@ _NEIGHBOURS = 27  # nodes around a place, of a body without elements: those of a
 
 
 def place_rotation(
-    nodes: NDArray[np.float64], mesh: Mesh | None, at: NDArray[np.int64], place: NDArray[np.float64]
+    nodes: NDArray[np.float64],
+    elements: Mesh | Structure | None,
+    at: NDArray[np.int64],
+    place: NDArray[np.float64],
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Nodes whose displacements make the rotation of a place, and how.
 
@@ -40,8 +44,8 @@ def place_rotation(
     ----------
     nodes
         Positions [m], shape (n, 3).
-    mesh
-        Elements between them; None if they are not known: then the nearest nodes count.
+    elements
+        Between them, of a structure the solids; where there are none at the place the nearest nodes count.
     at
         Nodes whose displacements make that of the place.
     place
@@ -53,6 +57,7 @@ def place_rotation(
         Nodes, shape (m,), and matrices G of ``theta = sum G_i u_i`` [1/m], shape (m, 3, 3); a moment M at the place is
         the forces ``G_i^T M``.
     """
+    mesh = elements if elements is None or isinstance(elements, Mesh) else _solids_at(elements, at)
     if mesh is None:
         around = np.argsort(np.sum((nodes - place) ** 2, axis=1), kind="stable")[:_NEIGHBOURS]
         weights = np.ones(len(around))
@@ -66,6 +71,12 @@ def place_rotation(
     inertia = np.trace(second) * np.eye(3) - second
     inverse = np.linalg.pinv(inertia, rcond=1e-9, hermitian=True)
     return around, np.einsum("kl,a,ajl->akj", inverse, weights, np.cross(arms[:, None], np.eye(3)))
+
+
+def _solids_at(structure: Structure, at: NDArray[np.int64]) -> Mesh | None:
+    """Solids of a structure that have some nodes, None if there are none."""
+    part = next((part for part in structure.solids if np.isin(at, part.elements).all()), None)
+    return None if part is None else Mesh(structure.nodes, part.elements, part.element_type)
 
 
 def _face_nodes(

@@ -10,20 +10,24 @@ import numpy as np
 
 from heavylift.modal.place_rotation import place_rotation
 from heavylift.numerics.outcome import InputError
-from heavylift.preprocess.finite_elements.mesh import BESIDE, Mesh, find_place
+from heavylift.preprocess.finite_elements.mesh import BESIDE, find_place
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.invariants import ShapeIntegrals
     from heavylift.modal.stiffening import Stiffening
+    from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.structures.structure import Structure
 
-__all__ = ["EIGENMODE_RESIDUAL", "Interface", "PlaceMotion", "ReducedBody", "check_orthonormal"]
+__all__ = ["EIGENMODE_RESIDUAL", "SAME_PLACE", "Interface", "PlaceMotion", "ReducedBody", "check_orthonormal"]
 
 EIGENMODE_RESIDUAL = 1e-3
 """A vector with a smaller relative residual is an eigenmode of the full model."""
 
+
+SAME_PLACE = 1e-6
+"""Of the size of the body: how far a point may be from the reference point of an interface that it means."""
 
 TURNED = 1e-3
 """Of the largest rotation that a mode could make: its largest displacement over the size of the body."""
@@ -31,9 +35,6 @@ TURNED = 1e-3
 LARGE_DEFLECTION = 0.1
 """Of the largest extent of a body: displacements beyond which a warning says that linear theory does not hold."""
 
-_SAME_PLACE = (
-    1e-6  # of the size: how far a point may be from the reference point of an interface that it means
-)
 _WEIGHTLESS = 1e-9  # shape function of a node that a place does not feel
 _STILL = 1e-9  # of the largest displacement: of a node that is held
 
@@ -91,6 +92,9 @@ class Interface:
         displacement and rotation of the place as a mean of those of the nodes.
     moments
         The same for the moments on the nodes, shape (m, 3, 6); zeros where nodes have no rotations.
+    captured
+        Smallest share of the static compliance of its six directions that the modes have; not a number if it was
+        never compared with the full model.
     """
 
     point: NDArray[np.float64]
@@ -99,6 +103,7 @@ class Interface:
     nodes: NDArray[np.int64]
     forces: NDArray[np.float64]
     moments: NDArray[np.float64]
+    captured: float = float("nan")
 
 
 class PlaceMotion(NamedTuple):
@@ -219,6 +224,11 @@ class ReducedBody:
         check_orthonormal(self.orthogonality, self.eigenvalues)
 
     @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes; None if that is not known."""
+        return self.mesh if self.mesh is not None else self.structure
+
+    @property
     def mode_count(self) -> int:
         """Number of modal coordinates nf."""
         return len(self.eigenvalues)
@@ -263,7 +273,9 @@ class ReducedBody:
         Of a body of loose points the nearest one is taken, however far it is.
         """
         within = within if self.continuum else np.inf
-        return find_place(self.nodes, self.mesh, point, source=source, key=key, origin=origin, within=within)
+        return find_place(
+            self.nodes, self.elements, point, source=source, key=key, origin=origin, within=within
+        )
 
     def shapes_at(self, nodes: NDArray[np.int64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement of a place per unit modal coordinate [kg^-1/2], shape (nf, 3)."""
@@ -286,7 +298,7 @@ class ReducedBody:
                 )
             return self.interfaces[place]
         point = np.asarray(place, dtype=np.float64)
-        near = _SAME_PLACE * self.size if self.interfaces else 0.0
+        near = SAME_PLACE * self.size if self.interfaces else 0.0
         beside = (one for one in self.interfaces.values() if np.linalg.norm(one.point - point) <= near)
         return next(beside, None)
 
@@ -357,7 +369,7 @@ class ReducedBody:
         at = nodes[np.abs(weights) > _WEIGHTLESS]
         if self.mode_rotations is not None and np.isin(at, self.rotating).all():
             return np.einsum("a,mak->mk", weights, self.mode_rotations[:, nodes])
-        around, turning = place_rotation(self.nodes, self._mesh_at(at), at, weights @ self.nodes[nodes])
+        around, turning = place_rotation(self.nodes, self.elements, at, weights @ self.nodes[nodes])
         held = around[self._stands(around)]
         if (
             self._stands(at).all()
@@ -365,14 +377,6 @@ class ReducedBody:
         ):
             return np.zeros((self.mode_count, 3))
         return np.einsum("akl,mal->mk", turning, self.mode_shapes[:, around])
-
-    def _mesh_at(self, at: NDArray[np.int64]) -> Mesh | None:
-        """Solid elements that have some nodes, None if they are not known."""
-        if self.mesh is not None or self.structure is None:
-            return self.mesh
-        parts = (part for part in self.structure.solids if np.isin(at, part.elements).all())
-        part = next(parts, None)
-        return None if part is None else Mesh(self.nodes, part.elements, part.element_type)
 
     def turns(self, rotation: NDArray[np.float64], direction: ArrayLike | None = None) -> bool:
         """Whether modes turn a place, or a unit direction there, by more than a thousandth of what they would at most.

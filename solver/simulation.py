@@ -6,7 +6,7 @@ import hashlib
 import importlib
 import math
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -373,7 +373,7 @@ class Simulation:
 
     def _settle_contacts(self) -> None:
         """Bring the scene to rest with what it touches."""
-        from heavylift.solver.contact.check_start import start_contacts
+        from heavylift.solver.contact.check_start import keep_touching, restore, start_contacts
         from heavylift.solver.start.rows import StartRows
         from heavylift.solver.statics.contact_rest import ContactRest, settle_contacts
         from heavylift.solver.statics.stopped_drives import StoppedDrives
@@ -398,9 +398,17 @@ class Simulation:
         def meet() -> None:
             start_contacts(layout, self.step, settled=bool(self.start_text))
 
+        def restored() -> None:
+            restore(layout.systems[1])
+
+        def touching() -> Callable[[], None]:
+            return keep_touching(layout.systems[1])
+
         def search(rows: Any) -> ContactRest:
             gravity = float(np.linalg.norm(scene.gravity))
-            found = settle_contacts(rows, self._arrays, advance, meet, weight, gravity, rubs=rubs)
+            found = settle_contacts(
+                rows, self._arrays, advance, meet, restored, touching, weight, gravity, rubs=rubs
+            )
             self._unsettled = found.warning
             return found
 

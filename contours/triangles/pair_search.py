@@ -63,8 +63,8 @@ def list_holds(
 ) -> bool:
     """Whether a list has all triangle pairs that can come within reach of each other during a motion.
 
-    The parameters are those of `refresh_pairs`, which makes it anew if it does not: trees, boxes and points must then be
-    those of the present.
+    The parameters are those of `refresh_pairs`, which makes it anew if it does not: trees, boxes and points must then
+    be those of the present.
     """
     listed, memory, frames = lists.table[pair], lists.values[pair], lists.frames
     if listed.count < 0:

@@ -5,21 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from heavylift.pipeline.assemble.described import spec_of
+from heavylift.pipeline.case.places import located
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from heavylift.pipeline.assemble.sides import Side
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.results.storage import OutputFolder
     from heavylift.solver.scene import collisions as c
     from heavylift.solver.scene.contacts import ContactLaw
+    from heavylift.solver.scene.scene import AnyBody
 
 __all__ = ["assemble_collisions", "assemble_surfaces", "collision_law", "collision_notes"]
 
 
 def assemble_surfaces(
-    case: Case, sides: Mapping[str, Side], folder: OutputFolder
+    case: Case, bodies: Sequence[AnyBody], sides: Mapping[str, Side], folder: OutputFolder
 ) -> tuple[c.CollisionSurface, ...]:
     """Surfaces of a case in the frames of their bodies.
 
@@ -27,33 +29,42 @@ def assemble_surfaces(
     ----------
     case
         The case.
-    sides
-        Where its bodies are at the start, by name.
+    bodies, sides
+        Its bodies, and where they are at the start, by name.
     folder
         Output folder: what the mesh stage has stored is read, if it is of the same inputs.
 
     Raises
     ------
     InputError
-        See `heavylift.pipeline.assemble.surfaces.make_surface`.
+        See `heavylift.pipeline.assemble.surfaces.make_surface` and `own_surface`.
     """
-    from heavylift.pipeline.assemble.surfaces import stored_surface
+    from heavylift.pipeline.assemble.surfaces import own_surface, stored_surface
     from heavylift.preprocess.surfaces.triangle_surface import placed
     from heavylift.solver.scene.collisions import CollisionSurface
 
     found = []
+    modal: Mapping[str, Any] = {body.name: body for body in bodies if body.MODAL}
     colliding = {name for _, pair in case.collided.values() for name in pair}
     floating = {hull.surface for hull in case.hulls.values()} - colliding
     for index, section in enumerate(case.surfaces):
         if section.name in floating:
             continue  # water alone touches it
-        surface = None
-        if section.body not in case.meshes:
+        surface = nodes = None
+        if section.body in modal:
+            with located(case, f"surfaces.{index}"):
+                reduced, origin = modal[section.body].reduced, sides[section.body].origin
+                surface, nodes = own_surface(section, reduced, origin, case.folder)
+        elif section.body not in case.meshes:
             surface = stored_surface(case, index, folder).surface
             surface = placed(surface, position=-sides[section.body].origin)
         found.append(
             CollisionSurface(
-                name=section.name, body=section.body, surface=surface, facets=section.facets or 2
+                name=section.name,
+                body=section.body,
+                surface=surface,
+                facets=section.facets or 2,
+                nodes=nodes,
             )
         )
     return tuple(found)

@@ -106,7 +106,7 @@ def held_places(
     from heavylift.pipeline.assemble.sides import start_sides
 
     found: dict[str, Fit] = {}
-    joints = holding_joints(case, name)
+    joints = holding_joints(case.joints, name)
     if not joints:
         return found
     start = start_of_frame(body.initial, origin)

@@ -49,8 +49,6 @@ class Reduction(NamedTuple):
         Of its frame, in coordinates of the geometry [m].
     states
         Of the static load cases.
-    captured
-        Smallest share of the static compliance of each interface that the basis has, by name.
     notes
         Sentences on what was chosen.
     """
@@ -58,7 +56,6 @@ class Reduction(NamedTuple):
     body: ReducedBody
     origin: tuple[float, float, float]
     states: list[StaticState]
-    captured: dict[str, float]
     notes: list[str]
 
 
@@ -266,10 +263,7 @@ def _reduce(
         origin=origin,
         mean_axis=body.frame.motion == "free",
     )
-    places = {one: interfaces.interface_of(reduced, found, origin) for one, found in fits.items()}
-    captured = {
-        one: interfaces.captured_compliance(reduced, place, exact[one]) for one, place in places.items()
-    }
+    places = {one: interfaces.interface_of(reduced, found, origin, exact[one]) for one, found in fits.items()}
     reduced = replace(reduced, interfaces=places)
     if options.stiffening:
         reduced = _stiffened(model, reduced, body, clamped, origin, flexibility, {**fits, **joined})
@@ -279,7 +273,7 @@ def _reduce(
         states = _static_states(flexibility, body)
     start = (float(origin[0]), float(origin[1]), float(origin[2]))
     notes = [*arm_notes(elastic, fits), *([_held_note(joined)] if joined else [])]
-    return Reduction(reduced, start, states, captured, notes)
+    return Reduction(reduced, start, states, notes)
 
 
 def _felt(flexibility: Flexibility, loads: Loads) -> Basis:
@@ -494,8 +488,8 @@ def reduced_properties(reduction: Reduction) -> dict[str, Any]:
     return {
         "notes": [*reduction.notes, *_large_deflections(reduced, states)],
         "interfaces": {
-            name: f"{100.0 * share:.4g} % of its static compliance captured"
-            for name, share in reduction.captured.items()
+            name: f"{100.0 * one.captured:.4g} % of its static compliance captured"
+            for name, one in reduced.interfaces.items()
         }
         or None,
         "static": {state.name: f"residual {state.residual:.0e}" for state in states} or None,

@@ -75,7 +75,7 @@ def assemble_scene(case: Case, folder: OutputFolder) -> s.Scene:
         transporters=tuple(assemble_list(case, "transporters", sides)),
         contours=_contours(case, bodies, sides, folder),
         contacts=contacts,
-        surfaces=_surfaces(case, sides, folder),
+        surfaces=_surfaces(case, bodies, sides, folder),
         collisions=_collisions(case),
         sea=_sea(case, sides, folder),
         scenario=case.operation,
@@ -116,12 +116,14 @@ def _contours(
     return assemble_contours(case, bodies, sides, folder)
 
 
-def _surfaces(case: Case, sides: Mapping[str, Side], folder: OutputFolder) -> tuple[CollisionSurface, ...]:
+def _surfaces(
+    case: Case, bodies: Sequence[AnyBody], sides: Mapping[str, Side], folder: OutputFolder
+) -> tuple[CollisionSurface, ...]:
     if not case.surfaces:
         return ()
     from heavylift.pipeline.assemble.collisions import assemble_surfaces
 
-    return assemble_surfaces(case, sides, folder)
+    return assemble_surfaces(case, bodies, sides, folder)
 
 
 def _collisions(case: Case) -> tuple[Collision, ...]:

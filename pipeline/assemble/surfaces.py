@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from heavylift.contours.triangles.body_surface import BodySurface
+    from heavylift.modal.reduced import ReducedBody
     from heavylift.pipeline.case.case_file import Case
     from heavylift.pipeline.case.surfaces import SurfaceSection
     from heavylift.pipeline.results.storage import OutputFolder
@@ -35,6 +37,7 @@ __all__ = [
     "StoredSurface",
     "magnitude_warnings",
     "make_surface",
+    "own_surface",
     "read_surface_file",
     "stored_surface",
     "write_surface_file",
@@ -78,7 +81,7 @@ def make_surface(case: Case, index: int) -> StoredSurface:
     Parameters
     ----------
     case, index
-        The case and the number of the surface; not that of a frame or shell.
+        The case and the number of the surface; not that of a body that deforms.
 
     Raises
     ------
@@ -111,6 +114,34 @@ def make_surface(case: Case, index: int) -> StoredSurface:
     if dropped is not None:
         report["dropped"] = dropped._asdict()
     return stored._replace(report=report)
+
+
+def own_surface(
+    section: SurfaceSection, reduced: ReducedBody, origin: NDArray[np.float64], folder: Path
+) -> BodySurface:
+    """Triangles of a body with modes that take part, in its frame, and their nodes.
+
+    Parameters
+    ----------
+    section
+        Of the surface.
+    reduced, origin
+        The body, and the origin of its frame in the coordinates of its geometry [m].
+    folder
+        Of the case.
+
+    Raises
+    ------
+    InputError
+        If nothing is known of its elements, or boxes exclude everything.
+    """
+    from heavylift.contours.triangles.body_surface import body_surface
+    from heavylift.preprocess.surfaces.triangle_surface import placed
+
+    whole = body_surface(reduced, section.name)
+    if not section.exclude:
+        return whole
+    return whole.only(_kept(section, placed(whole.surface, position=origin), folder))
 
 
 def write_surface_file(path: Path, stored: StoredSurface) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from heavylift.pipeline.case.deck_groups import PlateGroupSection, StiffenerGroupSection
 from heavylift.pipeline.case.described import Chosen, make_section
 from heavylift.pipeline.case.fields import (
     AngularVelocityVector,
@@ -171,6 +172,10 @@ class FlexibleBodySection(BodySection):
     """Material; needed unless the geometry brings matrices, or is a mesh file that says it, which must agree."""
     mesh: MeshSection = Field(default_factory=MeshSection)
     """Elements; for geometries that are meshed here."""
+    plates: dict[str, PlateGroupSection] = Field(default_factory=dict)
+    """Of a mesh file, plates by name of their element set: what the file lacks, or what is otherwise here."""
+    stiffeners: dict[str, StiffenerGroupSection] = Field(default_factory=dict)
+    """Of a mesh file, beams by name of their element set: what the file lacks, or what is otherwise here."""
     modes: ModesSection
     """Reduction to mode shapes."""
     supports: tuple[BodySupportSection, ...] = ()
@@ -216,6 +221,13 @@ class FlexibleBodySection(BodySection):
                 f"'mesh' has {keys} with geometry 'mesh'",
                 "only 'mass' and 'formulation': the file is the mesh",
             )
+        for key in ("plates", "stiffeners"):
+            if getattr(self, key) and given != "mesh":
+                reject(
+                    f"{key!r} with geometry {given!r}",
+                    "geometry 'mesh', or 'panels' with its own tables",
+                    key=key,
+                )
         formulation = self.mesh.formulation
         if given != "mesh" and self.mesh.element == "tet10" and formulation not in {None, "full"}:
             reject(

@@ -26,6 +26,7 @@ from heavylift.pipeline.case.fields import CaseContext, Section, reject
 from heavylift.pipeline.case.interface_names import put_interface_points
 from heavylift.pipeline.case.meshes import Body, FrameBodySection, ShellBodySection
 from heavylift.pipeline.case.overrides import apply_overrides
+from heavylift.pipeline.case.panels import with_lug_interfaces
 from heavylift.pipeline.case.quantity_names import (
     ACROSS,
     QuantityName,
@@ -457,7 +458,7 @@ class Case(SceneTables, _CaseHeading):
 
 def _yields(body: Body) -> bool:
     """Whether a body gives way to a force."""
-    return bool(body.is_free)
+    return bool(body.is_free or body.BODY.DEFORMS)
 
 
 def load_case(
@@ -495,7 +496,7 @@ def load_case(
     if overrides:
         check_values(document, file)
     expansion = expand(document, file)
-    placed, unplaced = put_interface_points(expansion.document, file)
+    placed, unplaced = put_interface_points(with_lug_interfaces(expansion.document), file)
     equipped = equip(placed, file)
     names = declared(equipped.document)
     errors = [*expansion.errors, *unplaced, *equipped.errors, *group_errors(equipped.document, file)]

@@ -27,7 +27,7 @@ __all__ = ["RECORDED", "YIELDING", "collision_pairs", "collision_section", "decl
 
 RECORDED = Collision.recorded
 """Contacts that a collision records one by one, unless the case gives another number."""
-YIELDING = frozenset({"frame", "shell"})
+YIELDING = frozenset({"frame", "shell", "flexible"})
 """Types of bodies that always give way to a force."""
 
 
@@ -164,13 +164,13 @@ class _CollisionPlace(Section):
             if known and a not in yielding and b not in yielding:
                 reject(
                     f"neither {a!r} nor {b!r} can move",
-                    "a body with a free frame, a frame or a shell on one side",
+                    "a body with a free frame, a flexible body, a frame or a shell on one side",
                     key="between",
                 )
         elif not collision_pairs(self.name, None, self.among, surfaces, yielding):
             reject(
                 "no pair of these surfaces is on two bodies of which one can move",
-                "surfaces of several bodies, one of them with a free frame",
+                "surfaces of several bodies, one of them flexible or with a free frame",
                 key="among",
             )
         return self

@@ -253,8 +253,8 @@ def group_errors(document: dict[str, Any], file: Path) -> list[InputError]:
             continue
         if geometry.get("type") in ("mesh", "matrices"):  # perhaps no text
             continue
-        groups = geometry.get("groups", {})
-        groups = list(groups) if isinstance(groups, dict) else []
+        tables = [geometry.get(key, {}) for key in ("groups", "plates", "stiffeners", "lugs")]
+        groups = [group for table in tables if isinstance(table, dict) for group in table]
         for key, group in _named_groups(body):
             if group not in groups:
                 near = get_close_matches(group, groups, 1)

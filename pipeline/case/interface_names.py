@@ -10,9 +10,9 @@ from heavylift.numerics.outcome import InputError
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["put_interface_points"]
+__all__ = ["POINTS", "put_interface_points"]
 
-_SIDES = {"point": "body", "point_a": "body_a", "point_b": "body_b"}
+POINTS = {"point": "body", "point_a": "body_a", "point_b": "body_b"}
 """Keys of points, and those of the bodies that these are on; where two are named together, ``between`` has them."""
 
 
@@ -55,8 +55,8 @@ class _Reader:
     def _entry(self, table: dict[str, Any], name: str, value: Any, key: str) -> Any:
         between = table.get("between")
         sides = between if isinstance(between, list) and len(between) == 2 else [table.get("body")] * 2
-        if name in _SIDES and isinstance(value, str):
-            body = table.get(_SIDES[name], sides[name == "point_b"])
+        if name in POINTS and isinstance(value, str):
+            body = table.get(POINTS[name], sides[name == "point_b"])
             return self._point(body, value, key)
         if name == "points" and isinstance(value, list):
             bodies = sides if sides is between else [table.get("body")] * len(value)

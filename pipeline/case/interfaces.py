@@ -2,15 +2,13 @@
 
 # Annotations are evaluated by pydantic, so the imports below are needed at run time.
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import model_validator
 
 from heavylift.pipeline.case.fields import LengthVector, Name, Positive, Section, reject
 from heavylift.solver.scene.connections import Place
-
-if TYPE_CHECKING:
-    from heavylift.pipeline.case.case_file import Case
 
 __all__ = ["InterfaceSection", "holding_joints"]
 
@@ -39,11 +37,11 @@ class InterfaceSection(Section):
         return self
 
 
-def holding_joints(case: "Case", body: str) -> list[tuple[int, Any]]:
-    """Joints of a case that hold directions of a body at a point, with their numbers: moments go through them."""
+def holding_joints(joints: Sequence[Any], body: str) -> list[tuple[int, Any]]:
+    """Joints that hold directions of a body at a point, with their numbers: moments go through them."""
     return [
         (index, joint)
-        for index, joint in enumerate(case.joints)
+        for index, joint in enumerate(joints)
         if body in joint.between
         and joint.DESCRIBED.PLACE is not Place.EDGE
         and any(joint.DESCRIBED.ROTATIONAL)

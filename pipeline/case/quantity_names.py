@@ -25,7 +25,8 @@
 ``stress.BODY.von_mises.STATISTIC``            the same of the largest stress of all nodes of a flexible body
 ``stress.BODY.GROUP.von_mises.STATISTIC``      largest stress of a group of a flexible body with a table ``stress``;
                                                ``stress.BODY.GROUP.SIDE.von_mises.STATISTIC`` of plates on one of
-                                               ``top``, ``bottom``, ``membrane``, ``bending``
+                                               ``top``, ``bottom``, ``membrane``, ``bending``, and ``centre``: the
+                                               membrane at the centres of elements
 ``stress.BODY.GROUP.utilisation.STATISTIC``    the same over the yield strength, with a side likewise
 ``stress.BODY.SPOT.hot_spot.STATISTIC``        structural stress at a weld toe
 ``frequency.OWNER.KIND[.COMPONENT]``           frequency of one sinusoid about a mean fitted to a channel,
@@ -138,7 +139,7 @@ STRESSES = {
 """Components of the stress at a material point, by the type of its body."""
 RECOVERED = {"von_mises": "pressure", "utilisation": "number", "hot_spot": "pressure"}
 """What is told of a group or a hot spot of a body with a table ``stress``, and the quantity."""
-PLATE_SIDES = ("top", "bottom", "membrane", "bending")
+PLATE_SIDES = ("top", "bottom", "membrane", "bending", "centre")
 """Sides of plates of such a body."""
 ACROSS = ("largest", "smallest", "norm")  # in this order `heavylift.pipeline.checks.quantities` has them
 """Components that are made of all components of a record."""

@@ -34,9 +34,12 @@ _CAD = _WITH_UNIT | {".brep"}
 
 ExclusionSection: Any = section_of(Exclusion)
 
+OWN_SURFACE = {**dict.fromkeys(MESH_TYPES, "facets"), "flexible": "exclude"}
+"""Types of bodies that touch with their own surface, and the key that says more of it."""
+
 
 class SurfaceSection(Section):
-    """Triangles that move with a body: from a file, a simple shape, or of a frame or shell its own surface."""
+    """Triangles that move with a body: from a file, a simple shape, or of a body that deforms its own surface."""
 
     name: UniqueName
     """Name; collisions are between names of surfaces."""
@@ -58,7 +61,7 @@ class SurfaceSection(Section):
     """Rounding [m]: everything at this distance from the triangles of a file or plane is its surface, as half the
     thickness of a plate; of a box or cylinder the radius of its edges, within its size."""
     exclude: tuple[ExclusionSection, ...] = ()
-    """Boxes whose triangles take no part."""
+    """Boxes whose triangles take no part; of a flexible body in the coordinates of its geometry, undeformed."""
     facets: Annotated[int, Field(ge=1, le=32, strict=True)] | None = None
     """Of a frame or shell: facets along each side of an element; 2 if absent."""
 
@@ -66,15 +69,9 @@ class SurfaceSection(Section):
     def _has_one_source(self, info: ValidationInfo) -> Self:
         context = CaseContext.of(info)
         owner = "" if context is None else context.names.body_types.get(self.body, "")
-        if owner in MESH_TYPES:
+        if owner in OWN_SURFACE:
             self._is_its_own(owner)
             return self
-        if owner == "flexible":
-            reject(
-                f"a surface of the flexible body {self.body!r}, whose triangles would not deform",
-                "a rigid body, a frame, a shell or the ground; of a flexible body a contour",
-                key="body",
-            )
         if (self.file is None) == (self.shape is None):
             problem = "neither 'file' nor 'shape'" if self.file is None else "both 'file' and 'shape'"
             reject(problem, "one of them")
@@ -92,12 +89,12 @@ class SurfaceSection(Section):
         return self
 
     def _is_its_own(self, owner: str) -> None:
-        """A frame or shell is its own surface."""
-        given = self.model_fields_set - {"name", "body", "facets"}
-        for key in sorted(given):
+        """A body that deforms is its own surface: a frame or shell in facets, a flexible body that of its elements."""
+        own = OWN_SURFACE[owner]
+        for key in sorted(self.model_fields_set - {"name", "body", own}):
             reject(
                 f"{key!r} of the {owner} {self.body!r}",
-                f"no {key!r}: its own surface takes part, in 'facets'",
+                f"no {key!r}: its own surface takes part, with {own!r} at most",
                 key=key,
             )
 

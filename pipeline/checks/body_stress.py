@@ -43,8 +43,10 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.model import FEModel
     from heavylift.preprocess.structures.structure import Beams, Shells, Solids
 
-__all__ = ["ALL", "body_stress", "model_columns"]
+__all__ = ["ALL", "CENTRE_SIDE", "body_stress", "model_columns"]
 
+CENTRE_SIDE = "centre"
+"""Side of plates that is their membrane stress at the centres of elements."""
 ALL = "all"
 """Name of the only group of a solid whose case names none."""
 _SLIGHT = (

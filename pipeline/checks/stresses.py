@@ -19,6 +19,8 @@ from heavylift.pipeline.results.mesh_results import mesh_body
 from heavylift.pipeline.results.model_io import read_model, read_reduced
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from heavylift.modal.statics import StaticState
@@ -30,7 +32,13 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.model import FEModel
     from heavylift.solver.scene.meshes import ShellSide
 
-__all__ = ["SolidStresses", "frame_point_stress", "interpolated", "shell_point_stress"]
+__all__ = [
+    "SolidStresses",
+    "frame_point_stress",
+    "interpolated",
+    "nodal_stresses",
+    "shell_point_stress",
+]
 
 _VALUES = 1_000_000  # stresses handled at once
 
@@ -108,10 +116,7 @@ class SolidStresses:
         from heavylift.modal.stress import stress_component
 
         if self.model.structure is not None:
-            columns = [state.displacements.ravel()]
-            if state.rotations is not None:
-                columns.append(state.rotations[self.model.rotating].ravel())
-            return self.at_nodes(np.concatenate(columns)[:, np.newaxis], np.ones((1, 1)))[0]
+            return nodal_stresses(self.model, [state.displacements], [state.rotations], self._points)[0]
         return stress_component(self._of(state), component)
 
     def at(self, state: StaticState, point: ArrayLike, component: str) -> float:
@@ -130,36 +135,12 @@ class SolidStresses:
                 expected="stress.BODY.GROUP.von_mises of a group, or a hot spot, of its table 'stress'",
             )
 
-    def at_nodes(
-        self, shapes: NDArray[np.float64], amplitudes: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Largest von Mises stress at each node of a structure, shape (k, n) [Pa]; not a number where there is none.
-
-        Parameters
-        ----------
-        shapes, amplitudes
-            In the layout of the model, shape (N, nf), and their coordinates, shape (k, nf).
-        """
-        from heavylift.modal.stress_history import stress_at_records
-        from heavylift.modal.stress_points import largest_at_nodes
-
-        count = len(amplitudes)
-        found = np.empty((count, self.model.node_count))
-        size = max(1, _VALUES // max(1, sum(map(len, self._points))))
-        for start in range(0, count, size):
-            part = slice(start, start + size)
-            mises = [stress_at_records(points, shapes, amplitudes[part])[1] for points in self._points]
-            for number in range(len(mises[0])):
-                now = [one[number] for one in mises]
-                found[start + number] = largest_at_nodes(self._points, now, self.model.node_count)
-        return found
-
     def fields(self, amplitudes: NDArray[np.float64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
         """Von Mises stress of some nodes at modal coordinates, shape (k, nf), [Pa], shape (k, len(nodes))."""
         from heavylift.modal.stress import stress_component
 
         if self.model.structure is not None:
-            return self.at_nodes(self.shapes, amplitudes)[:, nodes]
+            return _at_nodes(self.model, self._points, self.shapes, amplitudes)[:, nodes]
         modes = self._modes[:, nodes]
         found = np.empty((len(amplitudes), len(nodes)))
         size = max(1, _VALUES // max(1, len(nodes)))
@@ -201,6 +182,66 @@ class SolidStresses:
                 (history,), _ = recover_stress(points, self.shapes, coordinates, [group])
                 np.maximum(found, history.largest[:, points.total].max(axis=1), out=found)
         return found
+
+
+def nodal_stresses(
+    model: FEModel,
+    displacements: Sequence[NDArray[np.float64]],
+    rotations: Sequence[NDArray[np.float64] | None],
+    points: list[StressPoints] | None = None,
+) -> NDArray[np.float64]:
+    """Von Mises stress at all nodes of a body for some displacements of it.
+
+    Parameters
+    ----------
+    model
+        With its elements.
+    displacements, rotations
+        Of all nodes [m, rad], shapes (n, 3); None where no node has rotations.
+    points
+        Of a structure, where they are known.
+
+    Returns
+    -------
+    NDArray
+        Shape (k, n) [Pa]; of structures the largest of all points of a node, not a number where there is none.
+    """
+    from heavylift.modal.stress import stress_modes, von_mises
+
+    if model.structure is None:
+        assert model.mesh is not None
+        assert model.material is not None
+        return von_mises(stress_modes(model.mesh, model.material, np.array(displacements)))
+    from heavylift.modal.structure_stress import structure_points
+
+    columns = [
+        np.concatenate([moved.ravel(), np.empty(0) if turned is None else turned[model.rotating].ravel()])
+        for moved, turned in zip(displacements, rotations, strict=True)
+    ]
+    found = points if points is not None else structure_points(model)
+    return _at_nodes(model, found, np.column_stack(columns), np.eye(len(columns)))
+
+
+def _at_nodes(
+    model: FEModel,
+    points: list[StressPoints],
+    shapes: NDArray[np.float64],
+    amplitudes: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Largest von Mises stress at the nodes of a structure, shape (k, n), for coordinates (k, nf) of shapes (N, nf)."""
+    from heavylift.modal.stress_history import stress_at_records
+    from heavylift.modal.stress_points import largest_at_nodes
+
+    count = len(amplitudes)
+    found = np.empty((count, model.node_count))
+    size = max(1, _VALUES // max(1, sum(map(len, points))))
+    for start in range(0, count, size):
+        part = slice(start, min(start + size, count))
+        mises = [stress_at_records(one, shapes, amplitudes[part])[1] for one in points]
+        for number in range(part.stop - part.start):
+            now = [one[number] for one in mises]
+            found[start + number] = largest_at_nodes(points, now, model.node_count)
+    return found
 
 
 def interpolated(

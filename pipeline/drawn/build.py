@@ -16,7 +16,7 @@ from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.drawn.contours import ContourShape, contour_shape
 from heavylift.pipeline.drawn.hanging import hanging_line
-from heavylift.pipeline.drawn.outer_surface import feature_edges, surface_from_mesh
+from heavylift.pipeline.drawn.outer_surface import feature_edges, surface_of_model
 from heavylift.pipeline.drawn.rods import rods
 from heavylift.pipeline.drawn.roles import BODY_COLOURS, ROLES
 from heavylift.pipeline.drawn.ropes import rope_points
@@ -54,10 +54,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from heavylift.pipeline.case.case_file import Case
+    from heavylift.pipeline.drawn.outer_surface import Surface as OuterSurface
     from heavylift.pipeline.results.histories import Results
     from heavylift.pipeline.results.mesh_results import MeshShape
     from heavylift.pipeline.results.storage import OutputFolder
-    from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.solver.scene.scene import Scene
 
 __all__ = [
@@ -147,8 +147,8 @@ class Sources:
 
     Attributes
     ----------
-    mesh
-        Finite elements of a body with modes, None if it has none; by its name. An `InputError` if they are lost.
+    surface
+        Of a body with modes, None if it has no elements; by its name. An `InputError` if they are lost.
     stresses
         Of a body by its name, at some records, shape (k,), of some nodes: [Pa], shape (k, n).
     runs
@@ -157,7 +157,7 @@ class Sources:
         Whether water is drawn: lines may hang in a scene without.
     """
 
-    mesh: Callable[[str], Mesh | None] = lambda _name: None
+    surface: Callable[[str], OuterSurface | None] = lambda _name: None
     stresses: Callable[[str, NDArray[np.int64], NDArray[np.int64]], NDArray[np.float64]] | None = None
     runs: Mapping[str, MeshRun] | None = None
     water: bool = False
@@ -198,10 +198,11 @@ def case_scene(
         Whether joints, sensors, ropes and contacts have labels too, as before a run.
     """
 
-    def mesh(name: str) -> Mesh | None:
+    def surface(name: str) -> OuterSurface | None:
         from heavylift.pipeline.results.model_io import read_model
 
-        return read_model(stages.model(name)).mesh
+        model = read_model(stages.model(name))
+        return surface_of_model(model.mesh, model.structure)
 
     def stresses(name: str, chosen: NDArray[np.int64], nodes: NDArray[np.int64]) -> NDArray[np.float64]:
         from heavylift.pipeline.checks.body_stress import body_stress
@@ -213,7 +214,7 @@ def case_scene(
         solid = SolidStresses(name, stages, case.file, stress)
         return solid.fields(solid.coordinates(results)[chosen], nodes)
 
-    sources = Sources(mesh, stresses if detail.skin else None, water=case.sea is not None)
+    sources = Sources(surface, stresses if detail.skin else None, water=case.sea is not None)
     return draw_scene(
         scene, results, up=scene_up(case), sources=sources, detail=detail, records=records, marked=marked
     )
@@ -410,14 +411,14 @@ class _Builder:
         modal, skinned, nodal = (self._of(kind) for kind in (d.ModalShape, d.Skin, d.NodalShape))
         for element in modal:
             try:
-                mesh = self.sources.mesh(element.name)
+                surface = self.sources.surface(element.name)
             except InputError as error:
                 self.drawn.notes.append(f"{element.name} is not drawn: {error.problem}.")
                 continue
-            if mesh is None:
+            if surface is None:
                 self.drawn.notes.append(f"{element.name} has no elements and is not drawn.")
                 continue
-            surfaces[element.name] = surface_from_mesh(mesh)
+            surfaces[element.name] = surface
         runs = {element.name: self._run(element) for element in skinned}
         fine: dict[str, Any] = {"most": self.detail.skin} if self.detail.skin else {}
         skins = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.numerics.rotation import rotation_matrix
 from heavylift.pipeline.assemble.collisions import collision_notes
-from heavylift.pipeline.assemble.surfaces import stored_surface
+from heavylift.pipeline.assemble.surfaces import own_surface, stored_surface
 from heavylift.pipeline.case.fields import GROUND
 from heavylift.pipeline.checks.collision_regime import (
     RESOLVED,
@@ -49,7 +50,7 @@ def collision_tables(case: Case) -> list[Table | Text]:
     """Tables of the surfaces and collisions of a case, and what thesis parameters mean; none of what it has not."""
     items: list[Table | Text] = []
     if case.surfaces:
-        rows = [_surface_row(surface) for surface in case.surfaces]
+        rows = [_surface_row(case, surface) for surface in case.surfaces]
         items.append(short_table(("surface", "body", "triangles from", "besides"), rows))
     if case.collisions:
         header = ("collision", "between", "law", "besides")
@@ -58,7 +59,7 @@ def collision_tables(case: Case) -> list[Table | Text]:
     return items
 
 
-def _surface_row(surface: Any) -> tuple[str, ...]:
+def _surface_row(case: Case, surface: Any) -> tuple[str, ...]:
     words = []
     if any(surface.at):
         words.append(f"at {numbers_words(surface.at, 'm')}")
@@ -73,15 +74,16 @@ def _surface_row(surface: Any) -> tuple[str, ...]:
         f"{numbers_words(box.size, 'm')} about {numbers_words(box.centre, 'm')}"
         for box in surface.exclude
     ]
-    return (surface.name, surface.body, _source(surface), "; ".join(words))
+    return (surface.name, surface.body, _source(case, surface), "; ".join(words))
 
 
-def _source(surface: Any) -> str:
+def _source(case: Case, surface: Any) -> str:
     if surface.file is not None:
         unit = f", in {surface.unit}" if surface.unit else ""
         return f"{surface.file}{unit}"
     if surface.shape is None:
-        return f"own surface, {surface.facets or 2} facets a side of an element"
+        modal = case.bodies[surface.body].BODY.MODAL
+        return "own surface" + ("" if modal else f", {surface.facets or 2} facets a side of an element")
     shape = surface.shape
     size = getattr(shape, "size", None)
     if size is not None:
@@ -588,6 +590,8 @@ def _surface(
     section = case.surfaces[index]
     if section.body in case.meshes:
         return _own_surface(results, section.name, section.body, record)
+    if section.body != GROUND and case.bodies[section.body].BODY.MODAL:
+        return _modal_surface(case, stages, results, section, record)
     stored = stored_surface(case, index, stages)
     points, faces, source = surface_triangles(stored.whole)
     kept = stored.kept[source]
@@ -598,6 +602,25 @@ def _surface(
         origin, R = pose
         points = origin + points @ R.T
     return TouchingSurface(points, faces[kept], faces[~kept], section.name)
+
+
+def _modal_surface(
+    case: Case, stages: OutputFolder, results: Results, section: Any, record: int
+) -> TouchingSurface | None:
+    """Outer surface of a body with modes, deformed by them."""
+    from heavylift.contours.triangles.body_surface import point_shapes
+    from heavylift.pipeline.results.model_io import read_header, read_reduced
+
+    channels = [f"{section.body}.{kind}" for kind in ("position", "orientation", "modal_position")]
+    if any(channel not in results for channel in channels):
+        return None
+    path = stages.reduced(section.body)
+    reduced, origin = read_reduced(path), np.array(json.loads(read_header(path)["frame_origin"]))
+    surface, nodes = own_surface(section, reduced, origin, case.folder)
+    position, orientation, q = (results[channel][record] for channel in channels)
+    inside = surface.points + np.tensordot(np.atleast_1d(q), point_shapes(reduced, nodes), axes=1)
+    points = position + inside @ rotation_matrix(orientation).T
+    return TouchingSurface(points, surface.triangles, np.empty((0, 3), dtype=np.int64), section.name)
 
 
 def _pose(

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from heavylift.preprocess.finite_elements.model import FEModel
 
 __all__ = [
+    "INTEGRAL_UNITS",
     "open_hdf5",
     "read_header",
     "read_model",
@@ -210,7 +211,7 @@ def write_reduced(
         _write(file, "residuals", body.residuals, "1", "relative residual of each vector in the full model")
         integrals = file.create_group("integrals")
         for key, value in body.integrals._asdict().items():
-            _write(integrals, key, value, _INTEGRAL_UNITS[key], key.replace("_", " "))
+            _write(integrals, key, value, INTEGRAL_UNITS[key], key.replace("_", " "))
         if body.stiffening is not None:
             group = file.create_group("stiffening")
             group.attrs["labels"] = json.dumps(body.stiffening.labels)
@@ -235,9 +236,10 @@ _INTERFACE_FIELDS = {
     "nodes": ("1", "zero-based nodes of the group"),
     "forces": ("1, 1/m", "forces on the nodes from force and moment at the point, (node, component, load)"),
     "moments": ("m, 1", "moments on the nodes from force and moment at the point, (node, component, load)"),
+    "captured": ("1", "smallest share of the static compliance of its six directions that the modes have"),
 }
 
-_INTEGRAL_UNITS = {
+INTEGRAL_UNITS = {
     "mass": "kg",
     "first_moment": "kg m",
     "modal_translation": "kg^0.5",
@@ -279,7 +281,10 @@ def read_reduced(path: Path) -> ReducedBody:
             group = file["mesh"]
             mesh = Mesh(nodes, group["elements"][:], str(group.attrs["element_type"]))
         interfaces = {
-            name: Interface(**{key: group[key][:] for key in _INTERFACE_FIELDS})
+            name: Interface(
+                **{key: group[key][:] for key in _INTERFACE_FIELDS if key != "captured"},
+                captured=float(group["captured"][()]),
+            )
             for name, group in file["interfaces"].items()
         }
         return ReducedBody(

@@ -195,7 +195,7 @@ def modes_digest(case: Case, body: FlexibleBodySection) -> str:
             }
             for name, contour in own.items()
         }
-    held = [joint.model_dump(mode="json") for _, joint in holding_joints(case, owner)]
+    held = [joint.model_dump(mode="json") for _, joint in holding_joints(case.joints, owner)]
     if held:  # their places in the body depend on where it starts
         frames = (body.frame, body.initial)
         reduction["held"] = [*held, *(section.model_dump(mode="json") for section in frames)]

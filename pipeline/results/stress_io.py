@@ -127,10 +127,14 @@ class GroupStress:
         """Largest value of `history`, its record and its place [m]."""
         history = self.history(side, used=used)
         record = int(history.argmax())
+        return float(history[record]), record, self.place_at(record, side, used=used)
+
+    def place_at(self, record: int, side: str = "", *, used: bool = False) -> NDArray[np.float64]:
+        """Where the value of `history` at a record is, in coordinates of the geometry [m], shape (3,)."""
         columns = [self.sides.index(side)] if side else np.flatnonzero(self.total).tolist()
         values, places = (self.utilisation, self.used_place) if used else (self.largest, self.place)
         column = max(columns, key=lambda one: values[record, one])
-        return float(history[record]), record, np.asarray(places[record, column])
+        return np.asarray(places[record, column])
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +166,25 @@ class BodyStress:
     correction: NDArray[np.float64]
     loads: NDArray[np.float64]
     notes: tuple[str, ...] = field(default=())
+
+    def corrected(
+        self,
+        record: int,
+        displacements: NDArray[np.float64],
+        rotations: NDArray[np.float64] | None,
+        rotating: NDArray[np.int64],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+        """Displacements of the modes (n, 3) [m], and rotations (n, 3), with those of the static correction at a record.
+
+        `rotating` are the nodes that have rotations.
+        """
+        more = self.correction @ self.loads[record]
+        own = displacements.size
+        moved = displacements + more[:own].reshape(-1, 3)
+        if rotations is not None:
+            rotations = rotations.copy()
+            rotations[rotating] += more[own:].reshape(-1, 3)
+        return moved, rotations
 
     def group(self, name: str) -> GroupStress:
         """A group by name; InputError if there is none."""

@@ -27,7 +27,7 @@ __all__ = ["make_surfaces", "reused", "taken"]
 
 
 def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
-    """Make the file of every surface that is not current; those of frames and shells need none.
+    """Make the file of every surface that is not current; those of bodies that deform need none.
 
     Returns
     -------
@@ -35,7 +35,8 @@ def make_surfaces(work: Work) -> tuple[bool, float, dict[str, Any]]:
         Whether all were there, CPU time that making them took, now or before [s], and by name what is in the manifest.
     """
     case, folder, log = work.case, work.folder, work.log
-    wanted = {s.name: i for i, s in enumerate(case.surfaces) if s.body not in case.meshes}
+    deforming = {name for name, body in case.bodies.items() if body.BODY.DEFORMS}
+    wanted = {s.name: i for i, s in enumerate(case.surfaces) if s.body not in deforming}
     manifest_file = folder.surface_manifest
     if not wanted and not manifest_file.is_file():
         return True, 0.0, {}

@@ -27,8 +27,8 @@ import numpy as np
 from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.finite_elements.deck import DeckMaterial, deck_number
 from heavylift.preprocess.finite_elements.deck_parts import DeckBeams, DeckFrame, DeckPlates
-from heavylift.preprocess.structures.bar_shapes import BAR_SHAPES, rectangles_section, round_section
-from heavylift.preprocess.structures.sections import BeamSection
+from heavylift.preprocess.structures.bar_shapes import BAR_SHAPES
+from heavylift.preprocess.structures.sections import BeamSection, centroid, rectangles_section, round_section
 from heavylift.preprocess.structures.structure import Average, PointMass, RigidLink, Tie
 
 if TYPE_CHECKING:
@@ -438,7 +438,8 @@ class FrameMaker:
             try:
                 made, centroid = _shaped(shape, values, name)
             except ValueError as error:
-                card.fail(f"SECTION={shape}: {error}", "dimensions of such a section", _first(card))
+                problem = error.problem if isinstance(error, InputError) else str(error)
+                card.fail(f"SECTION={shape}: {problem}", "dimensions of such a section", _first(card))
             except KeyError:
                 card.fail(f"SECTION={shape}", "RECT, BOX, I, L, CIRC, PIPE or GENERAL")
         G = None
@@ -820,6 +821,4 @@ def _shaped(shape: str, values: list[float], name: str) -> tuple[BeamSection, ND
         shear_area_2=made.shear_area_1,
         corners=made.corners[:, ::-1],
     )
-    y0, y1, z0, z1 = np.array(parts).T
-    area = (y1 - y0) * (z1 - z0)
-    return turned, np.array([((z0 + z1) / 2 * area).sum(), ((y0 + y1) / 2 * area).sum()]) / area.sum()
+    return turned, np.array(centroid(parts)[::-1])

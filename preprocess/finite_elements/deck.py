@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DECK_SUFFIXES",
+    "READ_SUFFIXES",
     "Deck",
     "DeckBody",
     "DeckLines",
@@ -41,6 +42,8 @@ __all__ = [
 
 DECK_SUFFIXES = (".bdf", ".dat", ".fem", ".inp", ".nas")
 """Files of Abaqus, CalculiX (``.inp``) and Nastran."""
+READ_SUFFIXES = (*DECK_SUFFIXES, ".cdb", ".unv")
+"""Files that are read here, and not by meshio: besides these, archives of Ansys and universal files."""
 KINDS = {"hex8": "8-node bricks", "hex20": "20-node bricks", "tet10": "10-node tetrahedra"}
 _SOLIDS = "solids: 8-node bricks, 20-node bricks or 10-node tetrahedra"
 _SHOWN = 6  # parts, sets or types of a message at most

@@ -146,15 +146,18 @@ class BeamProperty:
         In SI units.
     orientation
         Vector in plane 1, shape (3,).
+    flange
+        Direction in which axis 3 points; beams that have it otherwise are turned end for end, shape (3,).
     offset
-        From the nodes to the centroid [m], axes of the body, shape (3,).
+        From the nodes to the centroid, along axes 2 and 3 [m].
     material
         Of the group.
     """
 
     section: BeamSection | None = None
     orientation: tuple[float, float, float] | None = None
-    offset: tuple[float, float, float] | None = None
+    flange: tuple[float, float, float] | None = None
+    offset: tuple[float, float] | None = None
     material: Material | None = None
 
 
@@ -771,8 +774,8 @@ class _Maker:
                 one,
                 first,
                 "no section",
-                f"stiffeners.{one.name}.profile",
-                f"a property of beams, or stiffeners.{one.name!r}.profile in the case",
+                f"stiffeners.{one.name}.section",
+                f"a property of beams, or stiffeners.{one.name!r}.section in the case",
             )
         orientation = one.orientation[own]
         if wish.orientation is not None:
@@ -783,14 +786,25 @@ class _Maker:
                 one,
                 int(one.index[own][missing[0]]),
                 "no orientation",
-                f"stiffeners.{one.name}.orientation",
-                f"a vector across the beam, or stiffeners.{one.name!r}.orientation in the case",
+                f"stiffeners.{one.name}.web",
+                f"a vector across the beam, or stiffeners.{one.name!r}.web in the case",
             )
-        a, b = self.units.length * one.offset_a[own], self.units.length * one.offset_b[own]
-        if wish.offset is not None:
-            a = b = np.tile(np.asarray(wish.offset, dtype=np.float64), (own.sum(), 1))
         ends = one.nodes[own]
-        along = self.units.length * (self.deck.points[ends[:, 1]] - self.deck.points[ends[:, 0]]) + b - a
+        a, b = self.units.length * one.offset_a[own], self.units.length * one.offset_b[own]
+        released = one.released[own]
+        if wish.flange is not None:
+            line = self.deck.points[ends[:, 1]] - self.deck.points[ends[:, 0]]
+            turned = np.cross(line, orientation) @ np.asarray(wish.flange) < 0.0
+            ends = np.where(turned[:, None], ends[:, ::-1], ends)
+            a, b = np.where(turned[:, None], b, a), np.where(turned[:, None], a, b)
+            released = np.where(turned[:, None], np.roll(released, 6, axis=1), released)
+        line = self.units.length * (self.deck.points[ends[:, 1]] - self.deck.points[ends[:, 0]])
+        if wish.offset is not None:
+            third = np.cross(line, orientation)
+            second = np.cross(third, line)
+            lengths = [np.maximum(np.linalg.norm(one, axis=1), 1e-300)[:, None] for one in (second, third)]
+            a = b = wish.offset[0] * second / lengths[0] + wish.offset[1] * third / lengths[1]
+        along = line + b - a
         size = np.linalg.norm(along, axis=1)
         across = np.linalg.norm(np.cross(along, orientation), axis=1)
         wrong = np.flatnonzero(~(across > 1e-3 * size * np.linalg.norm(orientation, axis=1)))
@@ -802,7 +816,7 @@ class _Maker:
                 f"orientation ({v[0]:g}, {v[1]:g}, {v[2]:g}) along the beam"
                 if size[wrong[0]]
                 else "no length",
-                f"stiffeners.{one.name}.orientation",
+                f"stiffeners.{one.name}.web",
                 "a vector across the beam",
             )
         return Beams(
@@ -813,7 +827,7 @@ class _Maker:
             orientation=orientation,
             offset_a=a,
             offset_b=b,
-            released=one.released[own],
+            released=released,
             numbers=self._element_numbers(one.index[own]),
         )
 

@@ -31,7 +31,7 @@ class Material:
     poisson_ratio
         nu [-], -1 < nu < 0.5.
     density
-        rho [kg/m3], positive.
+        rho [kg/m3], positive; zero for parts of a structure that only stiffen it.
 
     Raises
     ------
@@ -47,7 +47,8 @@ class Material:
         errors = []
         for key, unit in (("young_modulus", "Pa"), ("density", "kg/m3")):
             value = getattr(self, key)
-            if not (np.isfinite(value) and value > 0.0):
+            none = key == "density" and value == 0.0
+            if not (np.isfinite(value) and (value > 0.0 or none)):
                 errors.append(
                     InputError(
                         f"{value!r}", source="material", key=key, expected=f"a positive number of {unit}"

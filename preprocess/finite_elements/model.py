@@ -168,6 +168,11 @@ class FEModel:
         return len(self.nodes)
 
     @property
+    def elements(self) -> Mesh | Structure | None:
+        """What is between the nodes; None if that is not known."""
+        return self.mesh if self.mesh is not None else self.structure
+
+    @property
     def dof_count(self) -> int:
         """Number N of degrees of freedom: three displacements a node, and three rotations of nodes that have some."""
         return 3 * (len(self.nodes) + len(self.rotating))

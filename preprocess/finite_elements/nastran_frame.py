@@ -669,8 +669,8 @@ class FrameBuilder:
             section = shape_section(
                 shape, sizes, nsm, f"{shape} {' x '.join(f'{s:g}' for s in sizes)}", shear_centre=beam
             )
-        except ValueError as error:
-            card.fail(f"{shape}: {error}", "dimensions of a section")
+        except InputError as error:
+            card.fail(f"{shape}: {error.problem}", "dimensions of a section")
         # a CBEAM ends at its shear centre, a CBAR at its centroid
         return replace(section, name=f"{name} {section.name}"), -np.array(section.shear_centre)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from heavylift.numerics.outcome import InputError
 from heavylift.preprocess.structures.sections import (
     BeamSection,
     Rectangle,
@@ -59,7 +60,9 @@ def _box(
     width: float, height: float, top: float, bottom: float, left: float, right: float
 ) -> list[Rectangle]:
     if not (left + right < width and top + bottom < height):
-        raise ValueError("dimensions that leave no wall apart")
+        raise InputError(
+            "dimensions that leave no wall apart", source="section", expected="walls thinner than the shape"
+        )
     return [
         (0.0, bottom, 0.0, width),
         (height - top, height, 0.0, width),

@@ -162,7 +162,7 @@ def _section_points(beams: Beams, line: float) -> NDArray[np.float64]:
     moments = np.array(
         [c * c * I1 + s * s * I2 + 2.0 * c * s * I12, s * s * I1 + c * c * I2 - 2.0 * c * s * I12]
     )
-    distance = np.sqrt(2.0 * beams.material.density * moments / line)
+    distance = np.sqrt(2.0 * beams.material.density * moments / line) if line > 0.0 else np.zeros(2)
     return np.concatenate([distance[:, None] * along, -distance[:, None] * along])
 
 

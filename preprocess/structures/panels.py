@@ -244,14 +244,15 @@ def mesh_panels(
         owner = _owners(gmsh, faces, face_parts, everything, name)
         _refuse_loose_lines(gmsh, lines, line_parts, owner, stiffeners, everything, name)
         _estimate(gmsh, owner, size, name)
-        _generate(gmsh, owner, size)
+        _generate(gmsh, owner, everything, size)
         return _collect(gmsh, owner, lines, line_parts, everything, stiffeners, lugs, name)
 
 
 def _check_names(
     plates: Sequence[Plate], stiffeners: Sequence[Stiffener], lugs: Sequence[Lug], name: str
 ) -> None:
-    names = [one.name for one in (*plates, *stiffeners, *lugs)]
+    named: list[Any] = [*plates, *stiffeners, *lugs]
+    names = [one.name for one in named]
     twice = next((one for one in names if names.count(one) > 1), None)
     if twice is not None:
         raise InputError(
@@ -576,7 +577,7 @@ def _refuse_loose_lines(
             )
 
 
-def _lug_plates(lug: Lug) -> Iterator[Any]:
+def _lug_plates(lug: Lug) -> Iterator[Lug | Plate]:
     """The lug itself, and its brackets as plates."""
     yield lug
     if lug.bracket:
@@ -608,8 +609,8 @@ def _estimate(gmsh: Any, owner: dict[int, int], size: float, name: str) -> None:
     )
 
 
-def _generate(gmsh: Any, owner: dict[int, int], size: float) -> None:
-    """Quadrilaterals on all faces, with rows and columns where they have four sides."""
+def _generate(gmsh: Any, owner: dict[int, int], plates: Sequence[Any], size: float) -> None:
+    """Quadrilaterals on all faces, with rows and columns where they have four sides; finer on lugs."""
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeMin", 0.0)
     option("Mesh.MeshSizeMax", 1e3 * size)
@@ -619,7 +620,13 @@ def _generate(gmsh: Any, owner: dict[int, int], size: float) -> None:
     option("Mesh.RecombinationAlgorithm", 1)
     option("Mesh.RecombineAll", 1)
     sides = {tag: _four_sides(gmsh, tag) for tag in owner}
-    counts = _divisions(gmsh, [found for found in sides.values() if found], size)
+    sizes: dict[int, float] = {}
+    for tag, index in owner.items():
+        if isinstance(plates[index], Lug):
+            rim = plates[index].radius - 0.5 * plates[index].hole
+            for _, curve in gmsh.model.getBoundary([(2, tag)], oriented=False):
+                sizes[abs(curve)] = min(size, rim)
+    counts = _divisions(gmsh, [found for found in sides.values() if found], size, sizes)
     for curve, count in counts.items():
         gmsh.model.mesh.setTransfiniteCurve(curve, count + 1)
     for tag, found in sides.items():
@@ -641,8 +648,10 @@ def _four_sides(gmsh: Any, tag: int) -> list[int]:
     return loop
 
 
-def _divisions(gmsh: Any, quadrangles: Sequence[Sequence[int]], size: float) -> dict[int, int]:
-    """Elements along every curve: as many on opposite sides of faces with rows and columns."""
+def _divisions(
+    gmsh: Any, quadrangles: Sequence[Sequence[int]], size: float, sizes: dict[int, float]
+) -> dict[int, int]:
+    """Elements along every curve, some of a size of their own: as many on opposite sides of faces with rows."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -655,7 +664,9 @@ def _divisions(gmsh: Any, quadrangles: Sequence[Sequence[int]], size: float) -> 
     wanted = np.empty(len(curves), dtype=np.int64)
     for k, tag in enumerate(curves):
         straight = gmsh.model.getType(1, tag) == "Line"
-        wanted[k] = max(round(gmsh.model.occ.getMass(1, tag) / (1e3 * size)), 1 if straight else _QUARTER)
+        wanted[k] = max(
+            round(gmsh.model.occ.getMass(1, tag) / (1e3 * sizes.get(tag, size))), 1 if straight else _QUARTER
+        )
     most = np.ones(chains.max(initial=-1) + 1, dtype=np.int64)
     np.maximum.at(most, chains, wanted)
     return {tag: int(most[chains[k]]) for tag, k in number.items()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,15 @@ from heavylift.solver.contact.kind import (
 )
 from heavylift.solver.contact.start import run_start
 
-__all__ = ["check_places", "forget_trials", "put_forces", "resting_forces", "start_contacts"]
+__all__ = [
+    "check_places",
+    "forget_trials",
+    "keep_touching",
+    "put_forces",
+    "resting_forces",
+    "restore",
+    "start_contacts",
+]
 
 ON_CONTOUR = 1e-3
 """Distance from its contour relative to its size, at which a slider or bead may start: the first steps bring it
@@ -54,7 +62,7 @@ def start_contacts(layout: Any, step: float, *, settled: bool = False) -> None:
     contacts: ContactRows = layout.systems[1]
     first, count = contacts.counts.first_block, contacts.counts.of_contours
     run_start(contacts, layout.bodies, layout.joints, layout.systems, layout.work, step)
-    _restore(contacts)
+    restore(contacts)
     if settled:
         return
     if contacts.meshes:
@@ -80,7 +88,7 @@ def forget_trials(layout: Any) -> None:
         Packed scene.
     """
     contacts: ContactRows = layout.systems[1]
-    _restore(contacts)
+    restore(contacts)
     control: Events = contacts.control
     control.low = control.low_gap = control.high = control.high_gap = control.high_rate = 0.0
     control.impact, control.exhausted, control.splits = False, False, 0
@@ -135,12 +143,29 @@ def _features(contacts: ContactRows, c: int) -> tuple[int, ...]:
     return (int(state.pair), int(state.feature_kind), int(state.feature), int(state.other_feature))
 
 
-def _restore(contacts: ContactRows) -> None:
+def restore(contacts: ContactRows) -> None:
     """What follows from the carried state of contacts between triangles."""
     for meshes in contacts.meshes:
         from heavylift.solver.contact.triangles.slots import restore_contacts
 
         restore_contacts(meshes, contacts)
+
+
+def keep_touching(contacts: ContactRows) -> Callable[[], None]:
+    """What touches now where surfaces deform with modes: the function makes contacts of it again.
+
+    What carries a face that bends does not follow from where it lies: other points of it would carry it elsewhere.
+    """
+    first, count = contacts.counts.of_contours, int(contacts.counts.total)
+    held = contacts.state[first:count].copy()
+
+    def put_back() -> None:
+        for meshes in contacts.meshes if len(contacts.modal.rows) else ():
+            from heavylift.solver.contact.triangles.slots import hold_contacts
+
+            hold_contacts(meshes, contacts, held, len(held))
+
+    return put_back
 
 
 def check_places(contacts: ContactRows, names: Sequence[str]) -> None:

@@ -42,7 +42,7 @@ class PointForce(OnBody):
         "name": "Its name.",
         "body": "Body that is loaded.",
         "point": "Loaded point in the coordinates of the geometry [m]; of a flexible body, frame or shell any "
-        "point of its mesh.",
+        "point of its mesh, or the name of an interface.",
     }
 
     times: Annotated[NDArray[np.float64], Quantity("time"), Shape((None,))] = field(default_factory=no_rows)

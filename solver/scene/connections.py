@@ -574,8 +574,8 @@ class RopePoint:
     body: Annotated[str, NameOf("side")]
     """Body that carries it, or ``"ground"``."""
     point: Annotated[NDArray[np.float64], BodyPoint()]
-    """The place, of a pulley its centre [m], in the coordinates of the geometry of the body; of the ground in the
-    world."""
+    """The place, of a pulley its centre [m], in the coordinates of the geometry of the body, or the name of an
+    interface of it; of the ground in the world."""
     radius: Annotated[float, Quantity("length", minimum=0.0, closed=True)] = 0.0
     """Of the pulley [m]; 0 for an end or an eye."""
     axis: Annotated[NDArray[np.float64], BodyDirection(), Absent()] = field(default_factory=upwards)

@@ -110,6 +110,8 @@ def settle_contacts(
     arrays: Callable[[], Any],
     advance: Callable[[float], str],
     meet: Callable[[], None],
+    restored: Callable[[], None],
+    touching: Callable[[], Callable[[], None]],
     weight: float,
     gravity: float,
     *,
@@ -127,6 +129,10 @@ def settle_contacts(
         Makes a step of a length [s] from time 0; says why if it cannot.
     meet
         Lets contacts meet at the start of a way.
+    restored
+        Brings what follows from the arrays up to date after they have been written over.
+    touching
+        Notes what touches, and gives what makes contacts of it again.
     weight
         Weights of all bodies, each times its length [J].
     gravity
@@ -146,6 +152,7 @@ def settle_contacts(
     def begin_again() -> None:
         for name, array in arrays():
             array[...] = before[name]
+        restored()
         rows.start()
 
     longest = search.longest_step()
@@ -166,10 +173,12 @@ def settle_contacts(
     increment = np.zeros(len(rows.inertia))
     for kind, first, last_pose in zip(rows.layout.bodies, search.start, found.poses, strict=True):
         kind.put_increment(first, last_pose, increment)
+    touch = touching()
     begin_again()
     rows.move(increment)
     project_start(rows)
     rows.put_velocity(np.zeros(len(rows.inertia)))
+    touch()
     text = (
         f"at rest with its contacts after {total} steps in frozen time, {found.peaks} of them from rest;"
         f" bodies moved by up to {search.moved():.3g} m"

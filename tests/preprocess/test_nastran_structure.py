@@ -18,6 +18,7 @@ from heavylift.preprocess.finite_elements.deck_structure import (
 )
 from heavylift.preprocess.finite_elements.geometry import read_deck
 from heavylift.preprocess.finite_elements.model import Material
+from heavylift.preprocess.structures.assemble import assemble_structure
 from heavylift.preprocess.structures.bar_shapes import shape_section
 from tests.preprocess.test_nastran_deck import free, large, small
 
@@ -419,6 +420,9 @@ def test_units_that_nobody_tells(tmp_path):
     )
     massless = PLATE.replace(",7850.", "")
     fails(tmp_path, massless, "no material with a density tells the units")
+    made = read(tmp_path, massless + "CONM2,20,3,,5.\n", length_unit=1.0, mass_unit=1.0)
+    assert sum(one.mass for one in property_masses(made)) == 5.0
+    assert any("material 'MAT1 7' has no density" in note for note in made.notes)
 
 
 def test_groups_that_the_case_gives(tmp_path):
@@ -432,7 +436,7 @@ def test_groups_that_the_case_gives(tmp_path):
         "PSHELL 3": PlateProperty(thickness=0.01, offset=0.02, nonstructural_mass=5.0),
         "pshell 4": PlateProperty(thickness=0.02, material=aluminium),
     }
-    beams = {"PBAR 8": BeamProperty(section=section, orientation=(0.0, 0.0, 1.0), offset=(0.0, 0.0, 0.08))}
+    beams = {"PBAR 8": BeamProperty(section=section, orientation=(0.0, 0.0, 1.0), offset=(0.08, 0.0))}
     made = read(tmp_path, text, given=steel, plates=plates, beams=beams)
     masses = {one.name: one.mass for one in property_masses(made)}
     assert masses == pytest.approx(
@@ -497,3 +501,34 @@ def test_the_reference_block():
     assert total == pytest.approx(119544.1218, abs=1e-4)
     centre = sum(one.mass * one.centre for one in masses) / total
     assert centre == pytest.approx([6.002085, 0.003008, 0.976453], abs=1e-6)
+
+
+def test_a_structure_has_the_mass_and_the_rigid_motions_of_its_deck(tmp_path):
+    """Plates, bars with offset, a rod without mass, a rigid link and a mass: assembled, it has six rigid motions."""
+    grid = [(float(i), float(j), 0.0) for j in range(3) for i in range(4)]
+    text = (
+        "".join(free("GRID", k, "", *x) for k, x in enumerate(grid, 1))
+        + "GRID,20,,1.,1.,1.\nGRID,21,,0.,0.,1.\n"
+    )
+    quads = [(1 + i + 4 * j, 2 + i + 4 * j, 6 + i + 4 * j, 5 + i + 4 * j) for j in range(2) for i in range(3)]
+    text += "".join(free("CQUAD4", k, 3, *nodes) for k, nodes in enumerate(quads, 100))
+    text += (
+        "PSHELL,3,7,0.01,7,,7,,10.\n" + STEEL + "MAT1,8,2.1+11,,0.3\n" + BAR.replace("PBAR,5,7", "PBAR,5,7")
+    )
+    text += "".join(
+        free("CBAR", 200 + i, 5, 5 + i, 6 + i, 0.0, 0.0, 1.0, "", "", "", 0.0, 0.0, 0.1, 0.0, 0.0, 0.1)
+        for i in range(3)
+    )
+    text += "CROD,300,6,1,12\nPROD,6,8,0.001\nRBE2,400,20,123456,5,6,7\nCONM2,401,20,,500.,0.,0.,0.5\n"
+    text += "RBE3,402,,21,123456,1.,123,1,2,5\nCONM2,403,21,,20.\n"
+    made = read(tmp_path, text)
+    model = assemble_structure(made)
+    masses = property_masses(made)
+    assert model.total_mass == pytest.approx(sum(one.mass for one in masses), rel=1e-12)
+    by_hand = 6.0 * 88.5 + 3 * (78.5 + 3.0) + 520.0
+    assert model.total_mass == pytest.approx(by_hand, rel=1e-12)
+    C, K = model.constraint, model.stiffness
+    reduced = (C.T @ (K @ C)).toarray()
+    values = np.linalg.eigvalsh(reduced)
+    size = np.abs(values).max()
+    assert np.abs(values[:6]).max() < 1e-9 * size

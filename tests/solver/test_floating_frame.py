@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from point_masses import Array, Cloud, Load, Start, System, channels_of, make_cloud
 from scenarios import FLEXIBLE, GRAVITY, HARMONICS, errors, loads_of, reference, simulate, start_of
+from solid_beams import beam, cantilever
 
 from heavylift.numerics.outcome import InputError
+from heavylift.preprocess.surfaces.primitives import plane_surface, sphere_surface
 from heavylift.solver.forces.point import PointForce
-from heavylift.solver.scene.scene import Driven, Fixed, Gravity, Profile, Scene, Sensor
+from heavylift.solver.scene.collisions import Collision, CollisionSurface
+from heavylift.solver.scene.scene import Driven, Fixed, Free, Gravity, Profile, RigidBody, Scene, Sensor
 from heavylift.solver.simulation import Simulation
 
 QUIET = (Gravity(np.zeros(3)), PointForce("none", "body", np.zeros(3), np.zeros(1), np.zeros((1, 3))))
@@ -213,3 +216,20 @@ def test_slender_bodies_do_not_spin_up(thickness: float, limit: float) -> None:
     assert found[0]["angular_velocity"] < 6.0 * limit
     for name in ("orientation", "angular_velocity"):
         assert found[0][name] > 3.5 * found[1][name]
+
+
+def test_a_slender_body_keeps_its_spin_about_its_axis_when_contacts_start():
+    """Its momentum about the axis is known before the first step."""
+    bar = beam(cantilever(modes=4, free=True), motion=Free(), angular_velocity=np.array([2.0, 0.1, 0.3]))
+    floor = CollisionSurface(name="floor", body="ground", surface=plane_surface((4.0, 4.0)))
+    ball = RigidBody("ball", 1.0, np.eye(3), position=np.array([0.0, 0.0, 5.0]))
+    round_ = CollisionSurface(name="round", body="ball", surface=sphere_surface(0.1))
+    scene = Scene(
+        bodies=(bar, ball),
+        surfaces=(floor, round_),
+        collisions=(Collision(name="touch", surfaces=("floor", "round")),),
+    )
+    simulation = Simulation(scene, 1e-3)
+    row = simulation.record()
+    (column,) = (one.column for one in simulation.channels if one.name == "beam.angular_velocity")
+    np.testing.assert_allclose(row[column : column + 3], [2.0, 0.1, 0.3], rtol=1e-12)

@@ -11,7 +11,9 @@ from scipy.sparse.linalg import splu
 from heavylift.preprocess.finite_elements.material import Material
 from heavylift.preprocess.finite_elements.model import FEModel
 from heavylift.preprocess.structures.assemble import assemble_structure
-from heavylift.preprocess.structures.structure import Shells, Structure
+from heavylift.preprocess.structures.sections import profile
+from heavylift.preprocess.structures.stress import shell_stress
+from heavylift.preprocess.structures.structure import Beams, Shells, Structure
 
 
 @dataclass
@@ -73,12 +75,15 @@ class Problem:
         return np.sqrt(np.maximum(np.sort(values), 0.0)) / (2.0 * np.pi)
 
 
-def grid(nx: int, ny: int, *, triangles: bool = False) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def grid(
+    nx: int, ny: int, *, triangles: bool = False, rising: bool = False
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Unit square in nx x ny cells: parameters (n, 2), and quadrilaterals or, cut along one diagonal, triangles."""
     s, t = np.meshgrid(np.linspace(0.0, 1.0, nx + 1), np.linspace(0.0, 1.0, ny + 1), indexing="ij")
     index = np.arange(s.size).reshape(s.shape)
     quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
-    elements = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]) if triangles else quads
+    halves = ([0, 1, 2], [0, 2, 3]) if rising else ([0, 1, 3], [1, 2, 3])
+    elements = np.concatenate([quads[:, half] for half in halves]) if triangles else quads
     return np.column_stack([s.ravel(), t.ravel()]), elements
 
 
@@ -139,7 +144,7 @@ def hemisphere(n: int, *, triangles: bool = False) -> float:
 
     Radius 10, thickness 0.04, E 6.825e7, nu 0.3: R. H. MacNeal and R. L. Harder, Finite Elem. Anal. Des. 1 (1985) 3.
     """
-    p, elements = grid(n, n, triangles=triangles)
+    p, elements = grid(n, n, triangles=triangles, rising=True)
     around, up = 0.5 * np.pi * p[:, 0], np.radians(72.0) * p[:, 1]
     nodes = 10.0 * np.column_stack([np.cos(around) * np.cos(up), np.sin(around) * np.cos(up), np.sin(up)])
     found = plate_problem(nodes, elements, Material(6.825e7, 0.3, 1.0), 0.04)
@@ -206,3 +211,171 @@ def raasch_hook(nx: int, ny: int, *, triangles: bool = False) -> float:
     share[[0, -1]] *= 0.5
     found.push(tip, "z", share)
     return float(share @ found.solve()[found.dofs(tip, "z")])
+
+
+# ---- frequencies ----
+
+
+NAFEMS_STEEL = Material(200e9, 0.3, 8000.0)
+"""Of the benchmarks FV: NAFEMS report R0015, *Selected Benchmarks for Natural Frequency Analysis*."""
+
+
+def flat_plate(
+    corners: list[tuple[float, float]], nx: int, ny: int
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Plate in the plane z = 0 between four corners, in turn: nodes and quadrilaterals."""
+    p, elements = grid(nx, ny)
+    s, t = p[:, :1], p[:, 1:]
+    a, b, c, d = (np.array([*corner, 0.0]) for corner in corners)
+    return (1 - s) * (1 - t) * a + s * (1 - t) * b + s * t * c + (1 - s) * t * d, elements
+
+
+def edges_of(nx: int, ny: int) -> NDArray[np.bool_]:
+    """Nodes of `grid` at its four edges."""
+    p, _ = grid(nx, ny)
+    return ((p == 0.0) | (p == 1.0)).any(axis=1)
+
+
+def square_plate(n: int, *, mass: str) -> Problem:
+    """FV12 and FV16: 10 x 10 x 0.05 m, moving across its plane only."""
+    nodes, elements = flat_plate([(0, 0), (10, 0), (10, 10), (0, 10)], n, n)
+    found = plate_problem(nodes, elements, NAFEMS_STEEL, 0.05, mass=mass)
+    found.hold(np.ones(len(nodes), dtype=bool), "xyZ")
+    return found
+
+
+def free_square(n: int, *, mass: str) -> NDArray[np.float64]:
+    """FV12: frequencies 4 to 9 [Hz]."""
+    return square_plate(n, mass=mass).frequencies(9, 1.0)[3:]
+
+
+def cantilever_square(n: int, *, mass: str) -> NDArray[np.float64]:
+    """FV16: frequencies 1 to 6 [Hz]."""
+    found = square_plate(n, mass=mass)
+    found.hold(found.nodes[:, 0] == 0.0)
+    return found.frequencies(6, 1.0)
+
+
+def rhombic_plate(n: int, *, mass: str) -> NDArray[np.float64]:
+    """FV22: clamped thick rhombus of 10 m, 45 degrees, 1 m thick: frequencies 1 to 6 [Hz]."""
+    c = 10.0 * np.sqrt(0.5)
+    nodes, elements = flat_plate([(0, 0), (10, 0), (10 + c, c), (c, c)], n, n)
+    found = plate_problem(nodes, elements, NAFEMS_STEEL, 1.0, mass=mass)
+    found.hold(np.ones(len(nodes), dtype=bool), "xyZ")
+    found.hold(edges_of(n, n))
+    return found.frequencies(6, 1e4)
+
+
+def tapered_membrane(n: int, *, mass: str) -> NDArray[np.float64]:
+    """FV32: cantilever in its plane, 10 m long, 5 m at the root, 1 m at the tip, 2 n x n elements [Hz]."""
+    nodes, elements = flat_plate([(0, -2.5), (10, -0.5), (10, 0.5), (0, 2.5)], 2 * n, n)
+    found = plate_problem(nodes, elements, NAFEMS_STEEL, 0.05, mass=mass)
+    found.hold(np.ones(len(nodes), dtype=bool), "zXY")
+    found.hold(nodes[:, 0] == 0.0)
+    return found.frequencies(6, 1e4)
+
+
+def leissa_free_square(n: int, *, mass: str) -> NDArray[np.float64]:
+    """Free square plate, nu 0.3, t/a 0.01: omega a^2 sqrt(rho t / D) of the first six bending modes."""
+    nodes, elements = flat_plate([(0, 0), (1, 0), (1, 1), (0, 1)], n, n)
+    material = Material(2.1e11, 0.3, 7850.0)
+    found = plate_problem(nodes, elements, material, 0.01, mass=mass)
+    found.hold(np.ones(len(nodes), dtype=bool), "xyZ")
+    D = 2.1e11 * 1e-6 / (12.0 * (1.0 - 0.09))
+    return 2.0 * np.pi * found.frequencies(9, 1e4)[3:] * np.sqrt(7850.0 * 0.01 / D)
+
+
+# ---- plates with stiffeners, stresses ----
+
+
+def stiffened_panel(n: int, *, webs: str, held: bool) -> NDArray[np.float64]:
+    """First five frequencies [Hz] of a plate of 3.0 x 2.4 x 0.01 m with three flat bars 200 x 12 along it.
+
+    Square elements of 2.4 m / (4 n); bars are beams beside the plate, or plates of six rows. Held along z at its edges,
+    or free.
+    """
+    steel = Material(2.1e11, 0.3, 7850.0)
+    nx, ny = 5 * n, 4 * n
+    p, elements = grid(nx, ny)
+    nodes = np.column_stack([3.0 * p[:, 0], 2.4 * p[:, 1], np.zeros(len(p))])
+    index = np.arange(len(p)).reshape(nx + 1, ny + 1)
+    parts = [Shells("plate", elements, steel, 0.01)]
+    bars: tuple[Beams, ...] = ()
+    lines = [index[:, k * n] for k in (1, 2, 3)]
+    if webs == "beams":
+        pairs = np.concatenate([np.column_stack([line[:-1], line[1:]]) for line in lines])
+        section = profile("flat", height=0.2, thickness=0.012).section
+        offset = np.array([0.0, 0.0, -0.105])
+        bars = (
+            Beams("bars", pairs, steel, section, np.array([0.0, 0, 1]), offset_a=offset, offset_b=offset),
+        )
+    else:
+        # from the middle of the plate, with the area of the bar
+        height, thickness, rows = 0.205, 0.012 * 200.0 / 205.0, 6
+        own = []
+        for line in lines:
+            below = [line]
+            for row in range(1, rows + 1):
+                below.append(len(nodes) + np.arange(nx + 1))
+                nodes = np.concatenate([nodes, nodes[line] - [0.0, 0.0, height * row / rows]])
+            b = np.array(below)
+            own.append(np.stack([b[:-1, :-1], b[:-1, 1:], b[1:, 1:], b[1:, :-1]], axis=-1).reshape(-1, 4))
+        parts.append(Shells("bars", np.concatenate(own), steel, thickness))
+    found = Problem(assemble_structure(Structure(nodes, shells=tuple(parts), beams=bars)))
+    if held:
+        edge = np.zeros(len(nodes), dtype=bool)
+        edge[: len(p)] = edges_of(nx, ny)
+        found.hold(edge, "z")
+        return found.frequencies(8, 1e3)[3:]
+    return found.frequencies(11, 1e2)[6:]
+
+
+def clamped_square(n: int) -> tuple[float, float]:
+    """w D / (p a^4) and M / (p a^2) at the middle of a clamped square plate, t/a 0.01, under the pressure p."""
+    nodes, elements = flat_plate([(0, 0), (1, 0), (1, 1), (0, 1)], n, n)
+    material = Material(2.1e11, 0.3, 7850.0)
+    found = plate_problem(nodes, elements, material, 0.01)
+    found.hold(edges_of(n, n))
+    weight = found.model.mass.diagonal()[2 : 3 * len(nodes) : 3] / (7850.0 * 0.01)
+    found.push(np.arange(len(nodes)), "z", weight)
+    u = found.solve()
+    structure = found.model.structure
+    assert structure is not None
+    stress = shell_stress(structure, structure.shells[0], found.model)
+    middle = int(np.argmin(np.linalg.norm(nodes - [0.5, 0.5, 0.0], axis=1)))
+    at = int(np.flatnonzero(stress.nodes == middle)[0])
+    moment = (stress.bending @ u)[3 * at] * 0.01**2 / 6.0
+    D = 2.1e11 * 1e-6 / (12.0 * 0.91)
+    return float(u[3 * middle + 2] * D), float(abs(moment))
+
+
+def z_section(n: int) -> float:
+    """NAFEMS LE5: axial stress on the edge of a flange at x = 2.5 m of a Z-section cantilever under torsion [MPa].
+
+    10 m long, web 2 m, flanges 1 m, 0.1 m thick, E 210 GPa, nu 0.3; a couple of 0.6 MN along the flanges at the tip. n
+    square elements a flange. The strain of the edge times E.
+    """
+    h = 1.0 / n
+    nx = 10 * n
+    # across: flange from (y, z) = (1, -1) to (0, -1), web up to (0, 1), flange on to (-1, 1)
+    s = np.arange(4 * n + 1) * h
+    y = np.where(s < 1.0, 1.0 - s, np.where(s > 3.0, 3.0 - s, 0.0))
+    z = np.clip(s - 2.0, -1.0, 1.0)
+    p, elements = grid(nx, 4 * n)
+    column = np.round(p[:, 1] * 4 * n).astype(int)
+    nodes = np.column_stack([10.0 * p[:, 0], y[column], z[column]])
+    found = plate_problem(nodes, elements, Material(210e9, 0.3, 7850.0), 0.1)
+    found.hold(p[:, 0] == 0.0)
+    share = np.full(n + 1, 1.0 / n)
+    share[[0, -1]] *= 0.5
+    tip = np.flatnonzero(p[:, 0] == 1.0)
+    found.push(tip[: n + 1], "y", 0.6e6 * share)
+    found.push(tip[-n - 1 :], "y", -0.6e6 * share)
+    u = found.solve()
+    edge = np.flatnonzero(p[:, 1] == 0.0)
+    after = edge[np.searchsorted(nodes[edge, 0], 2.5 + 1e-9) + np.array([-2, -1, 0])]
+    if n % 2 == 0:  # 2.5 is a node: one element to either side
+        first, last = after[0], after[2]
+    else:
+        first, last = after[1], after[2]
+    return float((u[3 * last] - u[3 * first]) / (nodes[last, 0] - nodes[first, 0]) * 210e9 * 1e-6)

@@ -15,6 +15,7 @@ from heavylift.numerics.jit import kernel
 from heavylift.numerics.vectors import rotate_back
 from heavylift.solver.bodies.floating_frame.kind import FloatingFrameBodies
 from heavylift.solver.bodies.frames.contours import frame_speed, owner_of, pose_frame_contours
+from heavylift.solver.bodies.frames.motion import body_with
 from heavylift.solver.contact.interface import (
     bound_motion,
     form_controls,
@@ -24,7 +25,6 @@ from heavylift.solver.contact.interface import (
 )
 from heavylift.solver.contact.kind import OF_MODES, ContactRows
 from heavylift.solver.contact.search.contour_rows import put_frame_rows
-from heavylift.solver.bodies.frames.motion import body_with
 from heavylift.solver.drive import FIXED
 from heavylift.solver.interface import Workspace, forget_accelerations
 from heavylift.solver.kinds import implement

@@ -25,6 +25,7 @@ from heavylift.solver.bodies.floating_frame.stage import (
     stage_at_state,
     write_sensor,
 )
+from heavylift.solver.bodies.floating_frame.step import momentum_about_axis
 from heavylift.solver.bodies.floating_frame.stiffening import (
     add_acceleration_forces,
     add_load_forces,
@@ -70,6 +71,8 @@ def start_floating_frames(kind: FloatingFrameBodies, time: float, work: Workspac
         p, l = body_momenta(
             shape_of(kind, body), frame, kind.coupling[:, modes], v, w, kind.modal_velocity[modes]
         )
+        if frame.slender:
+            frame.axial_momentum = momentum_about_axis(frame, p, l)
         p = rotate(R, p)
         l = rotate(R, l)
         for k in range(3):

@@ -89,11 +89,12 @@ from heavylift.solver.kinds import implement
 
 __all__ = [
     "evaluate_end",
+    "momentum_about_axis",
 ]
 
 
 @kernel(inline=True, internal=True)
-def _about_axis(frame: FloatingFrame, p: Vector, l: Vector) -> float:
+def momentum_about_axis(frame: FloatingFrame, p: Vector, l: Vector) -> float:
     """Momentum about the axis of a slender body, through its centre of mass, from those of the frame in body axes."""
     moved = cross(vector(frame.first_moment), p)
     return dot(vector(frame.axis), add_scaled(l, -1.0 / frame.mass, moved))
@@ -121,7 +122,7 @@ def _correct_axial_momentum(kind: FloatingFrameBodies, body: int, step: float) -
     wanted = frame.axial_momentum - 0.5 * step * dot(vector(frame.axis), cross(w, l))
     p = rotate_back(R, vector(frame.linear_momentum))
     l = rotate_back(R, vector(frame.transported_momentum))
-    change = wanted - _about_axis(frame, p, l)
+    change = wanted - momentum_about_axis(frame, p, l)
     for k in range(3):
         frame.right_hand_side[3 + k] += change * frame.axis[k]
 
@@ -177,7 +178,7 @@ def predict_floating_frames(kind: FloatingFrameBodies, time: float, step: float)
             l = rotate_by_quaternion(
                 back, frame.angular_momentum[0], frame.angular_momentum[1], frame.angular_momentum[2]
             )
-            frame.axial_momentum = _about_axis(frame, p, l)
+            frame.axial_momentum = momentum_about_axis(frame, p, l)
         midpoint_products = kind.midpoint_products[rows]
         position_products = kind.position_products[rows]
         velocity_products = kind.velocity_products[rows]
@@ -389,7 +390,7 @@ def advance_floating_frames(kind: FloatingFrameBodies, time: float, step: float,
                 shape_of(kind, body), frame, kind.coupling[:, first : first + n], v, w, velocity[6:]
             )
             if frame.slender:
-                frame.axial_momentum = 2.0 * _about_axis(frame, p, l) - frame.axial_momentum
+                frame.axial_momentum = 2.0 * momentum_about_axis(frame, p, l) - frame.axial_momentum
             p, l = rotate(R, p), rotate(R, l)
             advance_pose(frame, velocity, h)
             for k in range(3):
@@ -431,7 +432,7 @@ def evaluate_end(kind: FloatingFrameBodies, body: int) -> None:
         p = rotate_back(R, frame.linear_momentum)
         l = rotate_back(R, frame.angular_momentum)
         if frame.slender:
-            l = add_scaled(l, frame.axial_momentum - _about_axis(frame, p, l), vector(frame.axis))
+            l = add_scaled(l, frame.axial_momentum - momentum_about_axis(frame, p, l), vector(frame.axis))
             turned = rotate(R, l)
             for k in range(3):
                 frame.angular_momentum[k] = turned[k]

@@ -5,8 +5,8 @@ shares it has there, and so is its velocity. Rows take it as a moving point of i
 (`heavylift.solver.contact.interface`). Both bodies are pushed in the point of the middle surface or axis, so that
 friction leaves no moment between them; of two bodies that deform each in its own.
 
-A body with modes has a frame, which is pushed like a rigid body, half way between both surfaces; its modes are pushed by
-the displacements of the touched point.
+A body with modes has a frame, which is pushed like a rigid body, half way between both surfaces; its modes are pushed
+by the displacements of the touched point.
 """
 
 from __future__ import annotations

@@ -154,7 +154,7 @@ def _place_feature(
         count = 3
         for k in range(3):
             corners[k] = surfaces.triangles[feature].corners[k] - first
-    elif kind == EDGE_EDGE or kind == (EDGE_VERTEX if side == 1 else VERTEX_EDGE):
+    elif kind in (EDGE_EDGE, EDGE_VERTEX if side == 1 else VERTEX_EDGE):
         count = 2
         for k in range(2):
             corners[k] = surfaces.edges[feature].ends[k] - first

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from heavylift.contours.triangles.pair_list import PairLists
-from heavylift.numerics.arrays import Arrays, Floats1, Ints1
+from heavylift.numerics.arrays import Arrays, Floats1, Floats2, Ints1
 from heavylift.numerics.records import Record, Records, records
 
 __all__ = ["ModalSurface", "ModalSurfaces"]
@@ -48,6 +48,8 @@ class ModalSurface(Record):
         Its edges that are needed, in `edges`.
     whole
         Whether all that follows from its points holds for the present coordinates.
+    solid
+        Whether its triangles are faces of solid elements, wound so that their normals lead out of the material.
     """
 
     surface: int
@@ -65,6 +67,7 @@ class ModalSurface(Record):
     first_edge: int
     edges: int
     whole: bool
+    solid: bool
 
 
 class ModalState(Record):
@@ -103,6 +106,10 @@ class ModalSurfaces(Arrays):
         What is near others.
     point_marks, triangle_marks, edge_marks
         What stands in these.
+    outward, edge_outward
+        Way out of the material at points and edges of all surfaces, undeformed, shapes (n, 3) and (ne, 3).
+    half_depths
+        Half of the thickness of the elements below each point [m], infinite where that is not known.
     lists
         Of near triangles, those of all pairs of surfaces.
     state
@@ -123,6 +130,9 @@ class ModalSurfaces(Arrays):
     point_marks: Ints1
     triangle_marks: Ints1
     edge_marks: Ints1
+    outward: Floats2
+    edge_outward: Floats2
+    half_depths: Floats1
     lists: PairLists
     state: ModalState
 
@@ -148,6 +158,9 @@ class ModalSurfaces(Arrays):
             point_marks=numbers,
             triangle_marks=numbers,
             edge_marks=numbers,
+            outward=np.zeros((0, 3)),
+            edge_outward=np.zeros((0, 3)),
+            half_depths=floats,
             lists=make_pair_lists(pack_surfaces([]), []),
             state=ModalState.one(),
         )

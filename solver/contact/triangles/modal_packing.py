@@ -19,6 +19,7 @@ from heavylift.solver.contact.triangles.modal_kind import ModalState, ModalSurfa
 if TYPE_CHECKING:
     from heavylift.contours.triangles.pair_list import PairLists
     from heavylift.contours.triangles.surface_pack import CollisionSurfaces
+    from heavylift.preprocess.finite_elements.mesh import Mesh
     from heavylift.preprocess.surfaces.triangle_surface import TriangleSurface
     from heavylift.solver.scene.bodies import FlexibleBody
     from heavylift.solver.scene.collisions import CollisionSurface
@@ -38,11 +39,17 @@ class ModalBook:
         Undeformed [m], shape (n, 3).
     shapes
         Mode shapes of the points [kg^-1/2], shape (nf, n, 3).
+    nodes
+        Nodes of the points, shape (n,).
+    mesh
+        Solid elements between the nodes; None without.
     """
 
     dof: int
     points: NDArray[np.float64]
     shapes: NDArray[np.float64]
+    nodes: NDArray[np.int64]
+    mesh: Mesh | None
 
     @property
     def data(self) -> NDArray[np.float64]:
@@ -88,7 +95,12 @@ def pack_modal_surface(
     pose.rotation[:] = rotation_matrix(np.asarray(body.orientation, dtype=np.float64)).ravel()
     pose.origin[:] = body.position
     pose.reach = float(np.linalg.norm(surface.points, axis=1).max()) + surface.radius
-    return row, pose, surface, ModalBook(dof, surface.points, point_shapes(body.reduced, nodes))
+    return (
+        row,
+        pose,
+        surface,
+        ModalBook(dof, surface.points, point_shapes(body.reduced, nodes), nodes, body.reduced.mesh),
+    )
 
 
 def pack_modal(
@@ -137,6 +149,7 @@ def pack_modal(
             triangles=0,
             edges=0,
             whole=False,
+            solid=book.mesh is not None,
         )
         shapes += len(book.points) * (3 + 3 * modes)
         coordinates += modes
@@ -146,6 +159,13 @@ def pack_modal(
     most = max(len(book.points) for book in books.values())
     state = ModalState.one()
     state.traversals = -1
+    outward, edge_outward = _ways_out(packed)
+    half_depths = np.full(len(packed.points), np.inf)
+    for s, book in books.items():
+        first = int(packed.surfaces[s].first_point)
+        own = slice(first, first + len(book.points))
+        if book.mesh is not None:
+            half_depths[own] = 0.5 * _thicknesses(book.mesh, book.nodes, outward[own])
     return ModalSurfaces(
         rows=rows,
         row_of=row_of,
@@ -161,6 +181,41 @@ def pack_modal(
         point_marks=np.zeros(len(packed.points), dtype=np.int64),
         triangle_marks=np.zeros(len(packed.triangles), dtype=np.int64),
         edge_marks=np.zeros(len(packed.edges), dtype=np.int64),
+        outward=outward,
+        edge_outward=edge_outward,
+        half_depths=half_depths,
         lists=lists,
         state=state,
     )
+
+
+def _ways_out(packed: CollisionSurfaces) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Means of the normals of the faces at each point, by their areas, and at each edge; unit vectors or zeros."""
+    corners, edges = packed.triangles["corners"], packed.triangles["edges"]
+    a, b, c = (packed.points[corners[:, k]] for k in range(3))
+    area = np.cross(b - a, c - a)
+    at_points, at_edges = np.zeros((len(packed.points), 3)), np.zeros((len(packed.edges), 3))
+    for k in range(3):
+        np.add.at(at_points, corners[:, k], area)
+        there = edges[:, k] >= 0
+        np.add.at(at_edges, edges[there, k], packed.normals[there])
+    return _unit(at_points), _unit(at_edges)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    length = np.linalg.norm(vectors, axis=1)
+    vectors[length == 0.0] = 0.0
+    return vectors / np.where(length > 0.0, length, 1.0)[:, np.newaxis]
+
+
+def _thicknesses(mesh: Mesh, nodes: NDArray[np.int64], outward: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Least extent of the elements at each of some nodes along a direction there [m], shape (n,)."""
+    number = np.full(mesh.node_count, -1, dtype=np.int64)
+    number[nodes] = np.arange(len(nodes))
+    found = np.full(len(nodes), np.inf)
+    for local in range(mesh.elements.shape[1]):
+        own = number[mesh.elements[:, local]]
+        at = np.flatnonzero(own >= 0)
+        along = np.einsum("enk,ek->en", mesh.nodes[mesh.elements[at]], outward[own[at]])
+        np.minimum.at(found, own[at], np.ptp(along, axis=1))
+    return found

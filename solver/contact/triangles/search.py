@@ -21,6 +21,7 @@ from heavylift.solver.contact.triangles.feature_search import find_features
 from heavylift.solver.contact.triangles.interface import search_surfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs, placed_pose
 from heavylift.solver.contact.triangles.load_transfer import book_jump, goes_on, turn_memory
+from heavylift.solver.contact.triangles.material import settle_by_material
 from heavylift.solver.contact.triangles.modal_facets import follow_modes, place_near
 from heavylift.solver.contact.triangles.narrow_phase import narrow_phase_mesh, relative_pose
 from heavylift.solver.contact.triangles.patches import BORDER, choose_contacts, share_stiffness, sort_found
@@ -141,6 +142,7 @@ def _search_pair(
     lost = _follow_contacts(meshes, contacts, bodies, pair, size, work)
     sort_found(meshes, count)
     settle_sides(meshes, contacts, pair, count, first)
+    settle_by_material(meshes, contacts, pair, count)
     unsplit = meshes.pairs[pair].law == RIGID and not meshes.pairs[pair].events
     patches = choose_contacts(meshes, contacts, pair, count, 0.5 * reach if unsplit else -math.inf)
     for i in range(count):

@@ -10,9 +10,9 @@ from __future__ import annotations
 from heavylift.contours.triangles.feature_gap import copy_pose
 from heavylift.numerics.jit import kernel
 from heavylift.numerics.objects import entry
-from heavylift.numerics.records import clear_record, copy_record
+from heavylift.numerics.records import Records, clear_record, copy_record
 from heavylift.solver.contact.counts import contact_count
-from heavylift.solver.contact.kind import TRIANGLES, ContactRows
+from heavylift.solver.contact.kind import TRIANGLES, ContactRows, ContactState
 from heavylift.solver.contact.triangles.facets import take_slots
 from heavylift.solver.contact.triangles.interface import keep_found, place_surfaces
 from heavylift.solver.contact.triangles.kind import SurfacePairs, contact_header, gone_contacts, placed_pose
@@ -25,6 +25,7 @@ __all__ = [
     "enter",
     "fill_table",
     "header_row",
+    "hold_contacts",
     "look_up",
     "put_placed",
     "restore_contacts",
@@ -123,6 +124,30 @@ def add_contact(meshes: SurfacePairs, contacts: ContactRows, pair: int) -> int:
     meshes.pairs[pair].members += 1
     take_slots(meshes, contacts, c)
     return c if contacts.state[c].slots[0] >= 0 else -1
+
+
+@entry
+def hold_contacts(
+    meshes: SurfacePairs, contacts: ContactRows, held: Records[ContactState], count: int
+) -> None:
+    """Contacts with the features and sides of others, where there are none."""
+    fill_table(meshes, contacts)
+    count_members(meshes, contacts)
+    for i in range(count):
+        one = held[i]
+        if look_up(meshes, contacts, one.pair, one.feature_kind, one.feature, one.other_feature) >= 0:
+            continue
+        c = add_contact(meshes, contacts, one.pair)
+        if c < 0:
+            return
+        state = contacts.state[c]
+        state.feature_kind, state.feature, state.other_feature = (
+            one.feature_kind,
+            one.feature,
+            one.other_feature,
+        )
+        state.side, state.patch = one.side, one.patch
+        enter(meshes, contacts, c)
 
 
 @implement(keep_found, SurfacePairs)

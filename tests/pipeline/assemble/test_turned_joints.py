@@ -5,10 +5,12 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from heavylift.numerics.outcome import Outcome
 from heavylift.pipeline.case.case_file import load_case
+from heavylift.pipeline.results.histories import load_results
 from heavylift.pipeline.stages.stages import run_case
 from tests.pipeline.judged import judged_checks, judged_criteria
 
@@ -79,6 +81,70 @@ minimum = "-2 N m"
     (limit,) = judged_criteria(case, folder / "out")
     assert limit.value == pytest.approx(-0.981, rel=1e-3)
     assert limit.passed
+
+
+LUG = """
+title = "A weight on a lug above the end of a cantilever"
+[gravity]
+acceleration = [0, 0, -9.81]
+[bodies.beam]
+type = "flexible"
+material = { young_modulus = "210 GPa", poisson_ratio = 0.0, density = "1 kg/m^3" }
+frame = { motion = "fixed" }
+[bodies.beam.geometry]
+type = "blocks"
+add = [{ name = "beam", from = [0, "-10 mm", "-10 mm"], to = ["1 m", "10 mm", "10 mm"] }]
+groups = { root = { plane = "x", at = 0 }, tip = { plane = "x", at = "1 m" } }
+[bodies.beam.mesh]
+element = "hex8"
+divisions = { x = [20], y = [2], z = [2] }
+[bodies.beam.modes]
+count = 4
+clamp = ["root"]
+[bodies.beam.interfaces.LUG]
+at = ["1 m", 0, "100 mm"]
+group = "tip"
+[bodies.weight]
+type = "rigid"
+mass = "2 kg"
+inertia = [1e-3, 1e-3, 1e-3]
+frame = { motion = "free" }
+initial = { position = ["1 m", 0, "100 mm"] }
+[[joints]]
+type = "TYPE"
+name = "pin"
+between = ["beam", "weight"]
+points = ["LUG", [0, 0, 0]]
+AXIS
+[[sensors]]
+name = "lug"
+body = "beam"
+point = "LUG"
+[[relative_motions]]
+name = "seen"
+between = ["ground", "beam"]
+points = [[0, 0, 0], "LUG"]
+[simulate]
+start = "equilibrium"
+duration = 0
+"""
+
+
+@pytest.mark.parametrize("joint", ["fixed", "hinge"])
+def test_the_name_of_an_interface_is_its_place_beside_the_body(tmp_path: Path, joint: str) -> None:
+    """The lug sinks by F L^3 / 3 E I, turns by F L^2 / 2 E I, and moves forwards by that times its height."""
+    text = LUG.replace("TYPE", joint).replace("AXIS", "axis = [1, 0, 0]" if joint == "hinge" else "")
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    case = load_case(tmp_path)
+    report = run_case(case, stages=("mesh", "modes", "simulate"))
+    assert not report.outcome, report.message
+    results = load_results(case)
+    force, bending = 2.0 * 9.81, 210e9 * 0.02**4 / 12.0
+    turn = force / (2.0 * bending)
+    moved = results["lug.position"][-1] - [1.0, 0.0, 0.1]
+    np.testing.assert_allclose(moved, [0.1 * turn, 0.0, -2.0 / 3.0 * turn], rtol=5e-3, atol=1e-7)
+    np.testing.assert_allclose(results["seen.rotation"][-1], [0.0, turn, 0.0], rtol=5e-3, atol=1e-7)
+    np.testing.assert_allclose(results["pin.reaction_force"][-1], [0.0, 0.0, force], rtol=1e-6, atol=1e-4)
 
 
 def test_a_body_that_hangs_down_far_ends_with_its_own_code(tmp_path: Path) -> None:

@@ -107,6 +107,7 @@ def test_a_body_with_structure_comes_back(tmp_path, structure):
         np.array([3, 4]),
         rng.random((2, 3, 6)),
         np.zeros((2, 3, 6)),
+        0.97,
     )
     body = ReducedBody(
         NODES,
