@@ -313,7 +313,7 @@ def _stiffened(
     flexibility: Flexibility | None,
     fits: Mapping[str, Fit],
 ) -> ReducedBody:
-    """With what loads along it do to the stiffness; clamps hold shapes of a free body, but no load on it."""
+    """With what loads along it do to the stiffness; nothing holds a free body (its clamps are refused before)."""
     from heavylift.modal.bases import Loads, place_loads
     from heavylift.modal.flexibility import Flexibility
     from heavylift.modal.interfaces import attachment_loads
@@ -327,8 +327,7 @@ def _stiffened(
             expected="a frame that is 'fixed' or 'driven', or no supports",
         )
     stiffness_of = stress_stiffness(model, formulation=body.mesh.formulation)
-    if flexibility is None or (free and clamped.size):
-        flexibility = Flexibility(model, () if free else clamped)
+    flexibility = flexibility or Flexibility(model, clamped)
     stiffening = inertia_stiffening(flexibility, reduced, stiffness_of)
     at = [found.point for found in fits.values()]
     loads = [attachment_loads(model, found, name) for name, found in fits.items()]
